@@ -1,0 +1,46 @@
+"""The one decorator by which everything in this package is compiled.
+
+Machine code is kept on disk, in a folder named after a digest of this package's sources: Numba itself only
+looks at the file of the function that it loads, and would go on using a loop whose inlined callee has changed.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import platformdirs
+
+FAST_MATH = {"contract", "nsz", "reassoc"}
+"""Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """A part of a compiled loop that must be merged into it: only then are its lanes packed."""
+    return numba.njit(fastmath=FAST_MATH, error_model="numpy", inline="always")(function)
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """Compile on first call for the types it meets, and keep the result on disk."""
+    # The cache folder is read when a function is decorated; other users of Numba keep theirs.
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(cache_folder())
+    try:
+        return numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@functools.cache
+def cache_folder() -> Path:
+    """Folder of the compiled code: under $NUMBA_CACHE_DIR, else under the user's cache folder."""
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
+    return Path(base) / digest.hexdigest()[:16]

@@ -1,0 +1,151 @@
+"""The run: from a model and a start to histories and the state at the tail-slap."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.corner import add_corner_reaction
+from fem.internal_force import scratch_for, subtract_internal_forces
+from fem.measures import COLUMNS, measure
+from fem.model import PlateModel
+from fem.start import RigidStart, start_fields
+from fem.time_loop import State, advance, copy_state
+
+OVERTIME = 1.5
+"""Multiples of the expected duration after which a run that has not struck is given up."""
+
+
+@dataclass(frozen=True)
+class Strike:
+    """The tail-slap: `values` by name (t and COLUMNS), positions [m] and velocities [m/s], shape (2, nodes)."""
+
+    values: dict[str, float]
+    positions: np.ndarray
+    velocities: np.ndarray
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run gives. `strike` is None if the side did not reach the wall, or the numbers left the finite."""
+
+    history: dict[str, np.ndarray]
+    strike: Strike | None
+    steps: int
+    time_loop_s: float
+
+
+class Stepper:
+    """The compiled loop with its parameters and its room to work in; the state is the caller's."""
+
+    def __init__(self, model: PlateModel) -> None:
+        self.model, self.loop = model, model.loop
+        self._reference = model.discretisation.positions
+        self._force = np.zeros_like(self._reference)
+        self._scratch = scratch_for(self.loop.table)
+
+    def start(self, start: RigidStart, kind: str) -> State:
+        """State at t = 0, its velocities set back by half a step."""
+        positions, velocities = start_fields(self.model, start, kind)
+        positions, velocities = np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
+        loop, force = self.loop, self._force
+        force[:] = 0.0
+        subtract_internal_forces(
+            positions, velocities, loop.viscosity, force, loop.table, loop.material, self._scratch
+        )
+        normal, tangential = add_corner_reaction(
+            positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+        )
+        velocities = velocities - 0.5 * loop.time_step * force / loop.mass
+        # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
+        work = tangential * velocities[0, loop.corner.node]
+        sums = -0.5 * loop.time_step * np.array([work, 0.0, normal, abs(normal)])
+        return State(positions, velocities, sums)
+
+    def advance(self, state: State, steps: int) -> State:
+        """The state this many steps later; the one given stays as it is."""
+        later = copy_state(state)
+        advance(later, steps, self.loop, self.loop.viscosity, self._force, self._scratch)
+        return later
+
+    def measure(self, state: State) -> np.ndarray:
+        """Values of COLUMNS at the state's instant."""
+        row = np.empty(len(COLUMNS))
+        measure(state, self.loop, self.loop.viscosity, self._reference, self._force, self._scratch, row)
+        return row
+
+    def nodal_velocities(self, state: State) -> np.ndarray:
+        """Velocities [m/s] at the state's instant, shape (2, nodes)."""
+        later = self.advance(state, 1)
+        return 0.5 * (state.velocities + later.velocities)
+
+
+def compile_loop(model: PlateModel, start: RigidStart) -> None:
+    """Compile, or load from disk, all that a run of this model needs."""
+    stepper = Stepper(model)
+    state = stepper.start(start, "sudden")
+    stepper.measure(stepper.advance(state, 0))
+
+
+def simulate(
+    model: PlateModel,
+    start: RigidStart,
+    duration: float,
+    kind: str = "quiet",
+    rows: int = 400,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Run:
+    """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
+
+    duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
+    """
+    stepper, time_step = Stepper(model), model.loop.time_step
+    stride = max(1, round(duration / time_step / rows))
+    last = OVERTIME * duration / time_step
+    began = time.perf_counter()
+    state, step = stepper.start(start, kind), 0
+    table, strike = [(0.0, *stepper.measure(state))], None
+    while strike is None and step < last and np.isfinite(table[-1]).all():
+        later = stepper.advance(state, stride)
+        row = (time_step * (step + stride), *stepper.measure(later))
+        if row[1] <= 0.0:
+            strike, step = _locate(stepper, state, step)
+            row = (strike.values["t"], *(strike.values[name] for name in COLUMNS))
+        else:
+            state, step = later, step + stride
+        table.append(row)
+        progress(min(1.0, row[0] / duration))
+    elapsed = time.perf_counter() - began
+    history = dict(zip(("t", *COLUMNS), np.array(table).T, strict=True))
+    return Run(history, strike, step, elapsed)
+
+
+def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
+    """Strike at angle zero, and the number of steps to just beyond it.
+
+    Steps on singly to one step past the first angle <= 0, and interpolates by the polynomial, cubic where four
+    instants are there, that gives everything as a function of the angle.
+    """
+    found = [(step, state, stepper.measure(state))]
+    while len(found) < 2 or found[-2][2][0] > 0.0:
+        step, state = step + 1, stepper.advance(state, 1)
+        found = [*found[-3:], (step, state, stepper.measure(state))]
+    steps, states, rows = zip(*found, strict=True)
+    weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
+    values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
+    values |= {"t": float(weights @ np.array(steps)) * stepper.loop.time_step, "theta": 0.0}
+    positions = np.tensordot(weights, [state.positions for state in states], 1)
+    velocities = np.tensordot(weights, [stepper.nodal_velocities(state) for state in states], 1)
+    return Strike(values, positions, velocities), step
+
+
+def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:
+    """Weights of the values at `nodes` in the interpolating polynomial at `at`."""
+    difference = nodes[:, None] - nodes[None, :]
+    np.fill_diagonal(difference, 1.0)
+    numerator = at - np.tile(nodes, (nodes.size, 1))
+    np.fill_diagonal(numerator, 1.0)
+    return np.asarray((numerator / difference).prod(axis=1))

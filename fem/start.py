@@ -1,0 +1,141 @@
+"""The state a run starts from.
+
+`sudden`: the unstrained plate with a rigid-body velocity. The reaction then rings to several times its size.
+`quiet`: the quasi-static elastic state that belongs to the plate's rigid acceleration (inertia relief), with
+the corner's spring already carrying the reaction, and the slow change of both in the velocity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.corner import Drag, Signed
+from fem.model import PlateModel
+
+
+@dataclass(frozen=True)
+class RigidStart:
+    """Angle of side PE to the wall [rad], spin [rad/s] closing it, speed of the corner along the wall [m/s]."""
+
+    angle: float
+    omega: float
+    corner_speed: float
+
+
+class _Rigid(NamedTuple):
+    """Rigid accelerations: corner [m/s^2], angular [rad/s^2]; reaction, normal and tangential [N]."""
+
+    corner: float
+    angular: float
+    normal: float
+    tangential: float
+
+
+def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m] and velocities [m/s] at t = 0, both of shape (2, nodes)."""
+    body = model.discretisation.positions - model.discretisation.positions[:, [model.loop.corner.node]]
+    elastic, rate, gap, gap_rate = KINDS[kind](model, start, body)
+    turn = to_global(start.angle)
+    arm = turn @ (body + elastic)
+    positions = arm + np.array([[0.0], [gap]])
+    velocities = turn @ rate + start.omega * np.array([-arm[1], arm[0]])
+    velocities += np.array([[start.corner_speed], [gap_rate]])
+    return positions, velocities
+
+
+def elastic_give(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
+    quiet, sudden = (start_fields(model, start, kind)[0] for kind in ("quiet", "sudden"))
+    return float(model.loop.mass @ (sudden - quiet)[1] / model.mass)
+
+
+def to_global(angle: float) -> np.ndarray:
+    """Matrix from the body frame to the wall's frame, with the body turned clockwise by `angle`."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _sudden(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    return np.zeros_like(body), np.zeros_like(body), 0.0, 0.0
+
+
+def _quiet(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    solve = _elastic_solver(model, body)
+    now = _rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
+    span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
+
+    def at(time: float) -> tuple[np.ndarray, float]:
+        angle = start.angle - start.omega * time - 0.5 * now.angular * time**2
+        return _elastic(model, solve, body, angle, start.omega + now.angular * time, start.corner_speed)
+
+    (elastic, gap), (late, late_gap), (early, early_gap) = at(0.0), at(span), at(-span)
+    return elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span)
+
+
+KINDS: dict[str, Callable[..., Any]] = {"quiet": _quiet, "sudden": _sudden}
+"""Kinds of start, by name."""
+
+
+def _elastic(
+    model: PlateModel, solve: Any, body: np.ndarray, angle: float, omega: float, speed: float
+) -> tuple[np.ndarray, float]:
+    """Elastic displacement relative to the corner [m], body frame, and the corner's gap [m]."""
+    rigid = _rigid_accelerations(model, body, angle, omega, speed)
+    turn, corner = to_global(angle), model.loop.corner
+    arm = turn @ body
+    acceleration = rigid.angular * np.array([-arm[1], arm[0]]) - omega**2 * arm + [[rigid.corner], [0.0]]
+    load = -model.loop.mass * acceleration
+    load[:, corner.node] += rigid.tangential, rigid.normal
+    displacement = solve((turn.T @ load).ravel()).reshape(2, -1)
+    return displacement - displacement[:, [corner.node]], -rigid.normal / corner.penalty_stiffness
+
+
+def _elastic_solver(model: PlateModel, body: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Solver of K u = f with u free of mass-weighted rigid motion; f must be in equilibrium."""
+    from scipy.sparse.linalg import splu
+
+    nodes = body.shape[1]
+    rigid = np.zeros((2 * nodes, 3))
+    rigid[:nodes, 0] = rigid[nodes:, 1] = 1.0
+    rigid[:nodes, 2], rigid[nodes:, 2] = -body[1], body[0]
+    # Scaled to the stiffness, so that the bordered matrix is well conditioned.
+    border = rigid * np.tile(model.loop.mass, 2)[:, None]
+    border *= abs(model.stiffness).max() / np.abs(border).max(axis=0)
+    factor = splu(sp.csc_matrix(sp.bmat([[model.stiffness, border], [border.T, None]])))
+    return lambda load: factor.solve(np.append(load, np.zeros(3)))[: 2 * nodes]
+
+
+def _rigid_accelerations(
+    model: PlateModel, body: np.ndarray, angle: float, omega: float, speed: float
+) -> _Rigid:
+    """Accelerations of the rigid plate with the model's own masses, its corner held on the wall.
+
+    With S the first moment and J the second about the corner: R = M a - S_y alpha - omega^2 S_x,
+    N = S_x alpha - omega^2 S_y, 0 = J alpha - S_y a, and R = slope N by the friction law with N < 0.
+    """
+    masses = model.loop.mass
+    total, inertia = masses.sum(), masses @ (body**2).sum(axis=0)
+    s_x, s_y = to_global(angle) @ (body @ masses)
+    slope = _friction_slope(model.loop.friction, speed)
+    corner = omega**2 * (s_x - slope * s_y) / (total - s_y * (s_y + slope * s_x) / inertia)
+    angular = s_y * corner / inertia
+    normal = s_x * angular - omega**2 * s_y
+    if not normal < 0.0:
+        raise ValueError(
+            f"the wall's reaction at the start is {normal:g} N, but Stage 2 needs one that pulls"
+        )
+    return _Rigid(corner, angular, normal, slope * normal)
+
+
+def _friction_slope(friction: Any, speed: float) -> float:
+    """Tangential force per normal force while the reaction pulls."""
+    if isinstance(friction, Drag):
+        return friction.coefficient * np.sign(speed)
+    if isinstance(friction, Signed):
+        return -friction.coefficient * np.sign(speed)
+    return 0.0

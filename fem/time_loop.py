@@ -1,0 +1,75 @@
+"""Explicit central differences: the compiled loop. Output is not part of it.
+
+State between steps: positions at instant n, velocities at n - 1/2, and what has been summed up so far. A step is:
+forces at n, then velocities to n + 1/2, then positions to n + 1.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.compiled import compiled
+from fem.corner import Corner, add_corner_reaction
+from fem.elements import ElementTable
+from fem.internal_force import subtract_internal_forces
+
+
+class LoopParameters(NamedTuple):
+    """Everything that stays as it is during a run; a part that is None is compiled out of the loop."""
+
+    table: ElementTable
+    material: Any
+    mass: np.ndarray
+    corner: Corner
+    friction: Any
+    viscosity: Any
+    time_step: float
+
+
+class State(NamedTuple):
+    """Where the plate is, and what has been summed up on the way.
+
+    positions [m] and velocities half a step back [m/s], shape (2, nodes). sums, shape (4,): friction work and
+    viscous work done on the plate [J]; impulse of the normal reaction and of its magnitude [N s].
+    """
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    sums: np.ndarray
+
+
+def copy_state(state: State) -> State:
+    """A state of its own, for the loop advances in place."""
+    return State(*(array.copy() for array in state))
+
+
+@compiled
+def advance(state, steps, loop, viscosity, force, scratch):
+    """Advance the state in place by this many steps. `force` and `scratch` are room to work in."""
+    positions, velocities, sums = state
+    p, time_step = loop.corner.node, loop.time_step
+    for _ in range(steps):
+        force[:] = 0.0
+        viscous_power = subtract_internal_forces(
+            positions, velocities, viscosity, force, loop.table, loop.material, scratch
+        )
+        normal, tangential = add_corner_reaction(
+            positions, velocities, loop.mass, time_step, loop.corner, loop.friction, force
+        )
+        before = velocities[0, p]
+        _drift(positions, velocities, force, loop.mass, time_step)
+        sums[0] += 0.5 * time_step * tangential * (before + velocities[0, p])
+        sums[1] -= time_step * viscous_power
+        sums[2] += time_step * normal
+        sums[3] += time_step * abs(normal)
+
+
+@compiled
+def _drift(positions, velocities, force, mass, time_step):
+    for i in range(2):
+        x, v, f = positions[i], velocities[i], force[i]
+        for node in range(mass.size):
+            v[node] += time_step * f[node] / mass[node]
+            x[node] += time_step * v[node]

@@ -1,0 +1,11 @@
+"""Meshes by gmsh, handed on as `meshio.Mesh` with every physical group named.
+
+The plate is meshed in its body frame: corner P at the origin, the side PE along -X, the body in Y >= 0, so
+that the mesh as it stands is the plate at the tail-slap. Importing this package loads neither gmsh nor meshio.
+"""
+
+from meshes.export import write_mesh
+from meshes.plate import plate_mesh
+from meshes.wall import wall_mesh
+
+__all__ = ["plate_mesh", "wall_mesh", "write_mesh"]

@@ -1,0 +1,97 @@
+"""A rectangle of transfinite quadrilaterals with named sides, corners and surface."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from meshes.session import gmsh_model
+
+if TYPE_CHECKING:
+    import meshio
+
+CELL_TYPES = {1: "line", 3: "quad", 15: "vertex"}
+"""gmsh element types that a transfinite rectangle has, with meshio's names."""
+
+
+def rectangle_mesh(
+    name: str,
+    origin: tuple[float, float],
+    size: tuple[float, float],
+    elements: tuple[int, int],
+    corners: tuple[str, str, str, str],
+    sides: tuple[str, str, str, str],
+) -> meshio.Mesh:
+    """Mesh a rectangle [m] with `elements` quadrilaterals along X and Y.
+
+    `corners` and `sides` name the physical groups counter-clockwise, from the lower left corner and the
+    lower side; `name` is the surface's. An empty name leaves that group out.
+    """
+    with gmsh_model(name) as gmsh:
+        points, curves, surface = _geometry(gmsh.model.geo, origin, size, elements)
+        gmsh.model.geo.synchronize()
+        _groups(gmsh, 0, points, corners)
+        _groups(gmsh, 1, curves, sides)
+        _groups(gmsh, 2, [surface], [name])
+        gmsh.model.mesh.generate(2)
+        mesh = _to_meshio(gmsh)
+    mesh.points[:, :2] = _on_lattice(mesh.points[:, :2], origin, size, elements)
+    return mesh
+
+
+def _on_lattice(points: Any, origin: Any, size: Any, elements: Any) -> Any:
+    """Move each node to its lattice point: gmsh's transfinite nodes are 1e-11 of the size beside it."""
+    spacing = np.divide(size, elements)
+    return origin + np.rint((points - origin) / spacing) * spacing
+
+
+def _geometry(
+    geo: Any, origin: tuple[float, float], size: tuple[float, float], elements: tuple[int, int]
+) -> Any:
+    (x, y), (width, height) = origin, size
+    points = [
+        geo.addPoint(x, y, 0.0),
+        geo.addPoint(x + width, y, 0.0),
+        geo.addPoint(x + width, y + height, 0.0),
+        geo.addPoint(x, y + height, 0.0),
+    ]
+    curves = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+    surface = geo.addPlaneSurface([geo.addCurveLoop(curves)])
+    for curve, count in zip(curves, (*elements, *elements), strict=True):
+        geo.mesh.setTransfiniteCurve(curve, count + 1)
+    geo.mesh.setTransfiniteSurface(surface, cornerTags=points)
+    geo.mesh.setRecombine(2, surface)
+    return points, curves, surface
+
+
+def _groups(gmsh: Any, dimension: int, tags: list[int], names: Any) -> None:
+    for tag, name in zip(tags, names, strict=True):
+        if name:
+            gmsh.model.addPhysicalGroup(dimension, [tag], name=name)
+
+
+def _to_meshio(gmsh: Any) -> meshio.Mesh:
+    """Copy nodes, cells and physical groups of the current gmsh model, without a file between."""
+    import meshio
+
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    row[tags] = np.arange(tags.size)
+    names, cells = [], []
+    for dimension, group in gmsh.model.getPhysicalGroups():
+        (entity,) = gmsh.model.getEntitiesForPhysicalGroup(dimension, group)
+        (kind,), _, (nodes,) = gmsh.model.mesh.getElements(dimension, entity)
+        _, _, _, nodes_per_cell, *_ = gmsh.model.mesh.getElementProperties(kind)
+        names.append(gmsh.model.getPhysicalName(dimension, group))
+        cells.append((CELL_TYPES[kind], row[nodes].reshape(-1, nodes_per_cell)))
+    return meshio.Mesh(coordinates.reshape(-1, 3), cells, cell_sets=_cell_sets(names, cells))
+
+
+def _cell_sets(names: list[str], cells: list[tuple[str, Any]]) -> dict[str, list[Any]]:
+    """Each named group is one block of cells: all cells of that block, none of the others."""
+    none = np.empty(0, dtype=np.int64)
+    return {
+        name: [np.arange(len(block)) if i == j else none for j, (_, block) in enumerate(cells)]
+        for i, name in enumerate(names)
+    }

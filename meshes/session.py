@@ -1,0 +1,36 @@
+"""A gmsh session that prints nothing, works in any thread and is always closed."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+# gmsh keeps one global state a process, so two threads must not be in it at once.
+_LOCK = threading.Lock()
+
+
+@contextmanager
+def gmsh_model(name: str) -> Iterator[Any]:
+    """Yield the gmsh module with an empty model of this name, and close what was opened, also after an error.
+
+    A session that the calling program has open already is used and left open; only our model is removed.
+    """
+    import gmsh
+
+    with _LOCK:
+        ours = not gmsh.isInitialized()
+        if ours:
+            gmsh.initialize(readConfigFiles=False, interruptible=False)
+        terminal = gmsh.option.getNumber("General.Terminal")
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add(name)
+        try:
+            yield gmsh
+        finally:
+            if ours:
+                gmsh.finalize()
+            else:
+                gmsh.model.remove()
+                gmsh.option.setNumber("General.Terminal", terminal)

@@ -1,0 +1,101 @@
+"""FE against the exact rigid-body solution at the tail-slap, next to the paper's published values.
+
+Quantities: t [s], v_gx [m/s], v_gy [m/s], omega [rad/s], slide [m]; v_gy is negative, towards the wall.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """How one compared quantity is called: mapping key, words, symbol and SI unit."""
+
+    key: str
+    title: str
+    symbol: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class ComparisonRow:
+    """A line of the comparison: quantity, both solutions, fe/rigid - 1, and the paper's two values (SI)."""
+
+    quantity: Quantity
+    fe: float
+    rigid: float
+    difference: float
+    paper_analytical: float | None = None
+    paper_abaqus: float | None = None
+
+
+QUANTITIES = MappingProxyType(
+    {
+        quantity.key: quantity
+        for quantity in (
+            Quantity("t", "Time to the tail-slap", "t", "s"),
+            Quantity("v_gx", "Velocity of G along the wall", "v_GX", "m/s"),
+            Quantity("v_gy", "Velocity of G across the wall", "v_GY", "m/s"),
+            Quantity("omega", "Angular velocity", "ω", "rad/s"),
+            Quantity("slide", "Slide of the corner along the wall", "s", "m"),
+        )
+    }
+)
+
+KEYS = tuple(QUANTITIES)
+
+PAPER_SOURCE = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307, Table 3"
+
+# The paper prints the magnitude of v_GY; here it carries this program's sign, negative towards the wall.
+PAPER_TABLE_3: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "analytical": MappingProxyType(
+            {"t": 0.383, "v_gx": 23.270, "v_gy": -3.274, "omega": 0.65, "slide": 9.420}
+        ),
+        "abaqus": MappingProxyType(
+            {"t": 0.37, "v_gx": 23.305, "v_gy": -3.289, "omega": 0.66, "slide": 8.915}
+        ),
+    }
+)
+
+
+def relative_difference(
+    fe: Mapping[str, float], rigid: Mapping[str, float], keys: Sequence[str] = KEYS
+) -> dict[str, float]:
+    """fe/rigid - 1 for each key, dimensionless.
+
+    Where the rigid value is zero the difference is 0 if the FE value is zero as well, and infinite if not:
+    infinity fails every limit, so nothing that deviates from zero can pass as equal.
+    """
+    return {key: _relative(float(fe[key]), float(rigid[key])) for key in keys}
+
+
+def comparison_rows(
+    fe: Mapping[str, float],
+    rigid: Mapping[str, float],
+    paper: Mapping[str, Mapping[str, float]] | None = PAPER_TABLE_3,
+    keys: Sequence[str] = KEYS,
+) -> tuple[ComparisonRow, ...]:
+    """The rows of the comparison table; `paper=None` where the scene is not the paper's."""
+    columns = {} if paper is None else paper
+    analytical, abaqus = columns.get("analytical", {}), columns.get("abaqus", {})
+    difference = relative_difference(fe, rigid, keys)
+    return tuple(
+        ComparisonRow(
+            QUANTITIES[key],
+            float(fe[key]),
+            float(rigid[key]),
+            difference[key],
+            analytical.get(key),
+            abaqus.get(key),
+        )
+        for key in keys
+    )
+
+
+def _relative(fe: float, rigid: float) -> float:
+    if rigid != 0.0:
+        return fe / rigid - 1.0
+    return 0.0 if fe == 0.0 else math.copysign(math.inf, fe)

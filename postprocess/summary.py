@@ -1,0 +1,35 @@
+"""`summary.json`: a run's numbers for other programs, SI, in strict JSON.
+
+JSON has no infinity and no not-a-number: such a value is written as null. The check that the value belongs to
+fails on its own, because no comparison with a limit holds for it.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:
+    """Writes the mapping, nested as wished, with its own key order, indented by two."""
+    text = json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")
+    return path
+
+
+def plain(value: Any) -> Any:
+    """The value in the types that JSON has: NumPy scalars and arrays unwrapped, non-finite numbers None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

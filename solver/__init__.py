@@ -1,0 +1,36 @@
+"""The rigid-body theory of a vehicle that strikes a wall: impulse, sliding rotation, tail-slap.
+
+B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307; equation numbers are the paper's.
+SI units and radians. NumPy alone is imported; `integrate_odes` imports SciPy when it is called.
+"""
+
+from solver.body import RectangularBody
+from solver.earlier_methods import OlsonForce, RitterForce, hirsch_force, olson_force, ritter_force
+from solver.errors import RigidBodyError
+from solver.impulse import CONVENTIONS, ImpulseResult, corner_impulse
+from solver.motion import PlaneMotion, plane_motion, tail_slap
+from solver.odes import OdeMotion, integrate_odes
+from solver.state import REACTIONS, MotionState
+from solver.strike import StrikeForce, strike_force
+
+__all__ = [
+    "CONVENTIONS",
+    "REACTIONS",
+    "ImpulseResult",
+    "MotionState",
+    "OdeMotion",
+    "OlsonForce",
+    "PlaneMotion",
+    "RectangularBody",
+    "RigidBodyError",
+    "RitterForce",
+    "StrikeForce",
+    "corner_impulse",
+    "hirsch_force",
+    "integrate_odes",
+    "olson_force",
+    "plane_motion",
+    "ritter_force",
+    "strike_force",
+    "tail_slap",
+]

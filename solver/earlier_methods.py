@@ -1,0 +1,117 @@
+"""Three earlier estimates of the lateral force, which the paper sets its own against (section 2.1, Eqs 1-5).
+
+All three stop the centre of mass within the way it has to go until the vehicle is parallel to the wall, and
+leave rotation and friction out. Arguments broadcast; forces push the wall outwards, and are positive.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from solver.elementary import Number, V, functions, number
+from solver.errors import Gate
+from solver.rules import (
+    AVERAGE_FORCE,
+    DEFLECTION,
+    FRONT_DISTANCE,
+    GRAVITY,
+    HALF_WIDTH,
+    IMPACT_ANGLE,
+    MASS,
+    SPEED,
+    TRAVEL,
+)
+
+STANDARD_GRAVITY = 9.80665  # m/s^2
+
+
+@dataclass(frozen=True)
+class OlsonForce(Generic[V]):
+    """travel: of the centre of mass towards the wall until the vehicle is parallel to it [m].
+
+    time: that takes, t [s]; deceleration: lateral, average, G_lat,avg [in units of gravity] (Eq 1);
+    average_force: F_lat,avg [N] (Eq 2).
+    """
+
+    travel: V
+    time: V
+    deceleration: V
+    average_force: V
+
+
+@dataclass(frozen=True)
+class RitterForce(Generic[V]):
+    """impulse: J_lat [N s] (Eq 4); time: Olson's, half the pulse [s]; peak_force: F_lat,peak [N] (Eq 5)."""
+
+    impulse: V
+    time: V
+    peak_force: V
+
+
+def olson_force(
+    mass: Number,
+    speed: Number,
+    angle: Number,
+    front_distance: Number,
+    half_width: Number,
+    deflection: Number = 0.0,
+    gravity: Number = STANDARD_GRAVITY,
+) -> OlsonForce[Any]:
+    """Average lateral force by Olson's method, Eqs 1-2.
+
+    mass [kg]; speed V_I [m/s]; angle theta between vehicle and wall [rad]; front_distance: from the front to
+    the centre of mass, A_L [m]; half_width: half the vehicle's width, Olson's B [m]; deflection of the
+    barrier, D [m]; gravity [m/s^2], which the force does not depend on.
+    Raises RigidBodyError unless mass, speed, front_distance, half_width and gravity are positive, the angle
+    is between 0 and pi/2, the deflection is 0 or more, and the centre of mass has a way to go.
+    """
+    m, v, theta = number("mass", mass), number("speed", speed), number("angle", angle)
+    a, b = number("front_distance", front_distance), number("half_width", half_width)
+    d, g = number("deflection", deflection), number("gravity", gravity)
+    _admit(m, v, theta, a, b, d, g)
+    f = functions(theta, v)
+    travel = a * f.sin(theta) - b * (1.0 - f.cos(theta)) + d
+    Gate().demand(TRAVEL, travel > 0.0, travel)
+    lateral_speed = v * f.sin(theta)
+    time = travel / (0.5 * lateral_speed)
+    deceleration = lateral_speed / (g * time)  # Eq 1, its last member; the one before it is half of that
+    return OlsonForce(travel, time, deceleration, deceleration * m * g)
+
+
+def _admit(m: Any, v: Any, theta: Any, a: Any, b: Any, d: Any, g: Any) -> None:
+    gate = Gate()
+    positive = ((MASS, m), (SPEED, v), (FRONT_DISTANCE, a), (HALF_WIDTH, b), (GRAVITY, g))
+    for rule, value in positive:
+        gate.demand(rule, (value > 0.0) & (value < math.inf), value)
+    gate.demand(IMPACT_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
+    gate.demand(DEFLECTION, (d >= 0.0) & (d < math.inf), d)
+
+
+def hirsch_force(average_force: Number) -> Any:
+    """Peak lateral force [N] of a linear spring whose average is average_force [N], pi/2 times that (Eq 3).
+
+    Returns a float, or an array. Raises RigidBodyError unless the average is positive and finite.
+    """
+    average = number("average_force", average_force)
+    Gate().demand(AVERAGE_FORCE, (average > 0.0) & (average < math.inf), average)
+    return math.pi / 2.0 * average
+
+
+def ritter_force(
+    mass: Number,
+    speed: Number,
+    angle: Number,
+    front_distance: Number,
+    half_width: Number,
+    deflection: Number = 0.0,
+) -> RitterForce[Any]:
+    """Peak lateral force by Ritter's method, Eqs 4-5: elastic rebound over a triangular pulse of length 2 t.
+
+    Arguments and errors are those of `olson_force`, whose time to parallel is t.
+    """
+    time = olson_force(mass, speed, angle, front_distance, half_width, deflection).time
+    m, v, theta = number("mass", mass), number("speed", speed), number("angle", angle)
+    impulse = 2.0 * m * v * functions(theta).sin(theta)  # Eq 4
+    return RitterForce(impulse, time, impulse / time)  # Eq 5

@@ -1,0 +1,90 @@
+"""Stage 1: the impulse at the front corner (Eqs 6-33)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from solver.body import RectangularBody
+from solver.elementary import Number, V, functions, number
+from solver.errors import Gate, choose
+from solver.rules import ANGLE, FRICTION, RESTITUTION, SPEED, TURNING
+
+CONVENTIONS = ("paper", "newton")
+
+
+@dataclass(frozen=True)
+class ImpulseResult(Generic[V]):
+    """The state after the impulse: floats, or arrays of the inputs' common shape.
+
+    omega: angular velocity [rad/s], positive where it turns the side towards the wall (Eq 31).
+    corner_speed: the corner's velocity along the wall [m/s], positive forwards (Eq 33).
+    impulse: magnitude of the impulse of normal force and friction together [N s] (Eq 32).
+    """
+
+    omega: V
+    corner_speed: V
+    impulse: V
+
+
+def corner_impulse(
+    body: RectangularBody[Any],
+    speed: Number,
+    angle: Number,
+    friction: Number,
+    restitution: Number,
+    convention: str = "paper",
+    *,
+    invalid: str = "raise",
+) -> ImpulseResult[Any]:
+    """Velocities after the front corner has struck the wall, Eqs 6-33; arguments broadcast.
+
+    speed: of the vehicle, v_0 [m/s]; angle: between its side and the wall, theta [rad]; friction: mu;
+    restitution: e. convention "paper" (Eq 24) lets the corner go on into the wall at e v_0 sin(theta), so
+    that the impulse is proportional to 1 - e; "newton" lets it rebound: 1 + e.
+
+    The friction impulse is mu times the normal one, which holds while the corner slides forwards all the
+    time; a corner_speed below 0 says that it did not, and Stage 2 with friction will refuse it.
+
+    Raises RigidBodyError (invalid="nan": returns NaN in those rows) for an input that is not finite,
+    speed <= 0, friction < 0, restitution outside 0 to 1, an angle outside 0 < theta < pi/2 - gamma, and for
+    friction >= cot(phi), where the impulse no longer turns the vehicle towards the wall.
+    """
+    choose("convention", convention, CONVENTIONS)
+    v_0, theta = number("speed", speed), number("angle", angle)
+    mu, e = number("friction", friction), number("restitution", restitution)
+    gate = Gate(invalid)
+    _admit_inputs(gate, body, v_0, theta, mu, e)
+    v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
+    _admit_turning(gate, theta + body.corner_angle, mu)
+    v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
+    result: ImpulseResult[Any] = _solve(body, v_0, theta, mu, 1.0 - e if convention == "paper" else 1.0 + e)
+    return gate.filled(result)
+
+
+def _admit_inputs(gate: Gate, body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, e: Any) -> None:
+    most = math.pi / 2.0 - body.corner_angle
+    gate.demand(SPEED, (v_0 > 0.0) & (v_0 < math.inf), v_0)
+    gate.demand(ANGLE, (theta > 0.0) & (theta + body.corner_angle < math.pi / 2.0), theta, most=most)
+    gate.demand(FRICTION, (mu >= 0.0) & (mu < math.inf), mu)
+    gate.demand(RESTITUTION, (e >= 0.0) & (e <= 1.0), e)
+
+
+def _admit_turning(gate: Gate, phi: Any, mu: Any) -> None:
+    """beta > phi, that is mu < cot(phi)."""
+    f = functions(phi, mu)
+    limit = f.cos(phi) / f.sin(phi)
+    gate.demand(TURNING, mu < limit, mu, phi=phi, limit=limit)
+
+
+def _solve(body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
+    """Eqs 31-33; as tan(beta) = 1/mu, cos(beta) is mu sin(beta), sin(beta - phi) is (c - mu s) sin(beta)."""
+    phi, r, m = theta + body.corner_angle, body.corner_radius, body.mass
+    f = functions(phi, v_0, mu, k, m)
+    s, c = f.sin(phi), f.cos(phi)
+    normal = k * v_0 * f.sin(theta) / (1.0 + 3.0 * c * (c - mu * s))  # F sin(beta)/m: Eqs 31 and 32
+    omega = 3.0 * (c - mu * s) * normal / r  # Eq 30, where B^2 + L^2 = 4 r^2
+    v_p = v_0 * f.cos(theta) - mu * normal + omega * r * s  # Eq 33
+    impulse = m * normal * f.sqrt(1.0 + mu * mu)
+    return ImpulseResult(omega + 0.0 * impulse, v_p + 0.0 * impulse, impulse)

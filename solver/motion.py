@@ -1,0 +1,126 @@
+"""Stage 2, exactly: the corner slides along the wall and the body turns until its side strikes, Eqs 57-71."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solver.body import RectangularBody
+from solver.closed_form import Path, Start, state
+from solver.elapsed import Clock, clock, scaled_time
+from solver.elementary import Array, Number, number
+from solver.errors import Gate
+from solver.inputs import gather, gather_one
+from solver.limits import admit_growth, admit_inputs, admit_path, admit_strike, least_denominator
+from solver.rules import STOPPED, TIME
+from solver.state import MotionState
+
+OVERRUN = 0.01  # how far past the strike a motion can be followed, as a share of the time to it
+
+
+def tail_slap(
+    body: RectangularBody[Any],
+    angle: Number,
+    omega: Number,
+    corner_speed: Number,
+    friction: Number,
+    reaction: str = "drag",
+    *,
+    invalid: str = "raise",
+) -> MotionState[Any]:
+    """The state at the tail-slap, where the side lies along the wall; arguments broadcast.
+
+    angle: theta_0 [rad]; omega: omega_0 [rad/s], positive towards the wall; corner_speed: v_P0 [m/s],
+    positive forwards; friction: mu >= 0. reaction: "drag", friction mu |N| against the sliding (Eqs 66-67);
+    "none"; or "signed", friction -mu N, which pushes the corner on as long as the wall pulls.
+    Floats in, floats out; with arrays each field has the inputs' common shape.
+
+    Raises RigidBodyError (invalid="nan": returns NaN in those rows) for an input that is not finite,
+    omega <= 0, friction < 0, an angle outside 0 < theta < pi/2 - gamma, a corner that does not slide forwards
+    or stops before the strike while there is friction, a path on which the solution is not unique (drag) or
+    does not exist (signed), either of which needs mu > 4/3, and what double precision cannot hold.
+    """
+    start, mu = gather(body, angle, omega, corner_speed, friction, reaction)
+    return _strike(Gate(invalid), start, mu, reaction)
+
+
+def plane_motion(
+    body: RectangularBody[float],
+    angle: float,
+    omega: float,
+    corner_speed: float,
+    friction: float,
+    reaction: str = "drag",
+) -> PlaneMotion:
+    """One motion, from the angle [rad] to the tail-slap and a little beyond.
+
+    Arguments and errors are those of `tail_slap`, but for arrays, which are refused.
+    """
+    start, mu = gather_one(body, angle, omega, corner_speed, friction, reaction)
+    return PlaneMotion(body, reaction, _strike(Gate(), start, mu, reaction), start)
+
+
+@dataclass(frozen=True)
+class PlaneMotion:
+    """One motion of Stage 2; made by `plane_motion`. strike: the state at theta = 0."""
+
+    body: RectangularBody[float]
+    reaction: str
+    strike: MotionState[float]
+    start: Start = field(repr=False)
+
+    @property
+    def latest(self) -> float:
+        """The last instant that `at` takes [s]: 1.01 strike.t, or less where phi reaches 0."""
+        return min((1.0 + OVERRUN) * self.strike.t, float(self._clock.tau[0]) / self.start.omega_0)
+
+    def at(self, times: ArrayLike) -> MotionState[Array]:
+        """The states at the instants `times` [s], an array of any shape; theta < 0 past the strike.
+
+        Raises RigidBodyError for an instant outside 0 to `latest`, or past the strike where the corner,
+        with friction, has stopped.
+        """
+        t = np.asarray(number("time", times))
+        gate = Gate()
+        latest = self.latest
+        gate.demand(TIME, (t >= 0.0) & (t <= latest), t, latest=latest, strike=self.strike.t)
+        states = state(self.start, self._clock.angle(self.start.omega_0 * t), t)
+        sliding = (self.start.path.mu == 0.0) | (states.v_p >= 0.0)
+        gate.demand(STOPPED, sliding, t)
+        return states
+
+    @cached_property
+    def _clock(self) -> Clock:
+        return clock(self.start.path, self._lowest())
+
+    def _lowest(self) -> float:
+        """An angle [rad] that is not reached before `latest`, if the equations hold down to it."""
+        gamma, theta_0, mu = self.start.path
+        below = -min(2.0 * OVERRUN * self.strike.t * self.strike.omega, gamma)
+        safe = mu >= 0.0 or least_denominator(gamma + below, gamma + theta_0, -mu) > 0.0
+        return below if safe else 0.0
+
+
+def _strike(gate: Gate, start: Start, friction: Any, reaction: str) -> MotionState[Any]:
+    admit_inputs(gate, start, friction, reaction)
+    start, friction = _safe(gate, start, friction)
+    admit_path(gate, start.path, friction, reaction)
+    start, friction = _safe(gate, start, friction)
+    if reaction == "signed":
+        admit_growth(gate, start.path, friction)
+        start, friction = _safe(gate, start, friction)
+    with np.errstate(over="ignore", invalid="ignore"):
+        tau = scaled_time(start.path)
+        strike = state(start, 0.0 * start.omega_0, tau / start.omega_0)
+    admit_strike(gate, start, strike)
+    return gate.filled(strike)
+
+
+def _safe(gate: Gate, start: Start, friction: Any) -> tuple[Start, Any]:
+    if gate.ok is True:
+        return start, friction
+    return Start(Path(*gate.safe(*start.path)), *gate.safe(*start[1:])), gate.safe(friction)[0]

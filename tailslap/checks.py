@@ -1,0 +1,114 @@
+"""The checks that a run must pass before its numbers are believed. A value that is not finite fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postprocess.report import Check
+from tailslap.fe_plan import FePlan
+
+if TYPE_CHECKING:
+    from fem.simulate import Run
+
+AGREEMENT = 5e-4
+"""Difference from the rigid motion that is allowed of a plate that does not give."""
+GIVES = 2.0
+"""Multiples of the plate's own give that are allowed on top: for soft plates the difference is 0.5 to 0.7 of it."""
+
+
+def run_checks(
+    fe_plan: FePlan, run: Run, rigid: Mapping[str, np.ndarray], differences: Mapping[str, float]
+) -> tuple[Check, ...]:
+    """All checks of a run; `rigid` is the rigid history at the run's instants, `differences` may be empty."""
+    history = run.history
+    checks = [
+        _reached(run),
+        _finite(history),
+        _energy(history),
+        _momentum(fe_plan, history),
+        _ringing(fe_plan, history),
+        _penetration(fe_plan, history),
+    ]
+    if fe_plan.plate.start == "quiet":
+        checks.append(_reaction(fe_plan, history, rigid))
+    checks.append(_agreement(fe_plan, differences))
+    return tuple(checks)
+
+
+def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
+    held = history["kinetic_energy"] + history["strain_energy"] + history["contact_energy"]
+    balance = held - history["friction_work"] - history["damping_work"]
+    return np.asarray(balance - balance[0])
+
+
+def _check(name: str, value: float, limit: float, meaning: str) -> Check:
+    return Check(name, value, limit, bool(math.isfinite(value) and value <= limit), meaning)
+
+
+def _reached(run: Run) -> Check:
+    angle = 0.0 if run.strike else float(run.history["theta"][-1])
+    meaning = "angle [rad] between side and wall where the run ended; a run that flutters or diverges never gets there"
+    return Check("tail-slap reached", angle, 0.0, run.strike is not None, meaning)
+
+
+def _finite(history: Mapping[str, np.ndarray]) -> Check:
+    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in history.values())
+    return _check("finite numbers", bad, 0, "entries of the history that are not finite numbers")
+
+
+def _energy(history: Mapping[str, np.ndarray]) -> Check:
+    worst = float(np.abs(energy_error(history)).max() / history["kinetic_energy"][0])
+    return _check(
+        "energy balance", worst, 1e-6, "largest gap in the energy ledger over the energy at the start"
+    )
+
+
+def _momentum(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
+    gained = fe_plan.model.mass * (history["v_gy"] - history["v_gy"][0])
+    scale = fe_plan.model.mass * np.abs(history["v_gy"]).max()
+    worst = float(np.abs(gained - history["normal_impulse"]).max() / scale)
+    return _check("momentum balance", worst, 1e-9, "lateral momentum against the impulse of the reaction")
+
+
+def _ringing(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
+    """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would."""
+    rectified = history["normal_impulse_magnitude"][-1] - abs(history["normal_impulse"][-1])
+    law = fe_plan.model.loop.friction
+    speed = (law.coefficient if law else 0.0) * rectified / fe_plan.model.mass
+    radius, strike = fe_plan.plan.body.corner_radius, fe_plan.plan.motion.strike
+    value = max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / (radius * strike.omega))
+    meaning = "friction added by a ringing reaction, as its share of v_GX or omega; [damping] ratio = 0.1 quietens it"
+    return _check("friction by ringing", float(value), 2e-3, meaning)
+
+
+def _penetration(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
+    corner, body = fe_plan.model.loop.corner, fe_plan.plan.body
+    gap = np.abs(history["reaction_normal"]).max() / corner.penalty_stiffness
+    meaning = "largest distance of the corner from the wall's line over the plate's width"
+    return _check("penetration", float(gap / body.width), 0.01, meaning)
+
+
+def _reaction(fe_plan: FePlan, history: Mapping[str, np.ndarray], rigid: Mapping[str, np.ndarray]) -> Check:
+    expected = rigid["reaction_normal"]
+    known = np.isfinite(expected)
+    ripple = history["reaction_normal"][known] - expected[known]
+    value = float(np.sqrt(np.mean(ripple**2) / np.mean(expected[known] ** 2)))
+    limit = 0.1 + GIVES * fe_plan.give
+    return _check(
+        "reaction against rigid", value, limit, "root mean square of the difference over the rigid reaction"
+    )
+
+
+def _agreement(fe_plan: FePlan, differences: Mapping[str, float]) -> Check:
+    sizes = [abs(value) for value in differences.values()]
+    worst = max(sizes) if sizes and all(map(math.isfinite, sizes)) else math.nan
+    meaning = (
+        f"largest difference from the rigid motion; {AGREEMENT:g} and {GIVES:g} times the {fe_plan.give:.1e} "
+        "by which this plate gives at the start are allowed"
+    )
+    return _check("agreement with rigid", worst, AGREEMENT + GIVES * fe_plan.give, meaning)

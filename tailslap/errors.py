@@ -1,0 +1,26 @@
+"""The one error by which wrong input reaches the user."""
+
+from __future__ import annotations
+
+
+class InputError(Exception):
+    """Wrong input: which key, what was given, what is allowed."""
+
+    def __init__(self, key: str, given: object, allowed: str) -> None:
+        self.key, self.given, self.allowed = key, given, allowed
+        super().__init__(f"{key}: given {_shown(given)}; {allowed}")
+
+
+class Missing:
+    """Stands for a value that was not given at all."""
+
+
+class Verbatim(str):
+    """Text that is shown as it stands, without quotes."""
+
+
+def _shown(given: object) -> str:
+    if given is Missing:
+        return "nothing"
+    text = f'"{given}"' if isinstance(given, str) and not isinstance(given, Verbatim) else str(given)
+    return text if len(text) <= 120 else text[:117] + "..."

@@ -1,0 +1,144 @@
+"""The scene: what a TOML file may say. SI after validation; a table that is None is a part left out."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from tailslap.units import Quantity
+
+MOST_ELEMENTS = 4_000_000
+"""A mesh above this would not fit the memory of the machines this is made for."""
+
+Length = Annotated[float, Quantity("a length", "m", '"10 m"', above=0.0)]
+Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', above=0.0)]
+Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', above=0.0)]
+Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', above=0.0, below=math.pi / 2)]
+AngularVelocity = Annotated[
+    float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", above=0.0)
+]
+Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0)]
+Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.22", least=0.0, most=1.0)]
+Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', above=0.0)]
+Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", above=0.0)]
+Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', above=0.0)]
+PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", above=-1.0, below=0.5)]
+Scale = Annotated[float, Quantity("a factor", "", "1.0", above=0.0)]
+Share = Annotated[float, Quantity("a share", "", "0.9", above=0.0, most=1.0)]
+DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", above=0.0, most=1.0)]
+
+
+def _element_counts(given: object) -> object:
+    allowed = f"allowed are two whole numbers from 1, at most {MOST_ELEMENTS} elements in all, like [20, 6]"
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise ValueError(allowed)
+    if any(type(n) is not int or n < 1 for n in given) or given[0] * given[1] > MOST_ELEMENTS:
+        raise ValueError(allowed)
+    return tuple(given)
+
+
+ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
+
+
+class Table(BaseModel):
+    """A table of the scene: unknown keys are errors, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Vehicle(Table):
+    """The rigid body."""
+
+    length: Length
+    width: Length
+    mass: Mass
+
+
+class Impact(Table):
+    """Stage 1."""
+
+    speed: Speed
+    angle: Angle
+    friction: Friction
+    restitution: Restitution
+    convention: Literal["paper", "newton"] = "paper"
+
+
+class Start(Table):
+    """The state Stage 2 starts from; what is left out comes from Stage 1."""
+
+    angle: Angle | None = None
+    omega: AngularVelocity | None = None
+    corner_speed: Speed | None = None
+
+
+class Corner(Table):
+    """The constrained corner."""
+
+    reaction: Literal["drag", "none", "signed"] = "drag"
+    friction: Friction | None = None
+    penalty_scale: Scale = 1.0
+
+
+class Strike(Table):
+    """Stage 3."""
+
+    duration: Duration = 0.1
+
+
+class Plate(Table):
+    """The FE model of the vehicle."""
+
+    thickness: Length
+    density: Density | None = None
+    youngs_modulus: Modulus
+    poissons_ratio: PoissonsRatio
+    elements: ElementCounts
+    lumping: Literal["exact", "row-sum"] = "exact"
+    start: Literal["quiet", "sudden"] = "quiet"
+
+
+class Damping(Table):
+    """Stiffness-proportional damping: the ratio to critical at the model's highest frequency."""
+
+    ratio: DampingRatio
+
+
+class Time(Table):
+    """Share of the stable time step that is taken; rows of the history."""
+
+    safety_factor: Share = 0.9
+    rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
+
+
+class Wall(Table):
+    """The rigid wall's mesh."""
+
+    length: Length
+    depth: Length
+    elements: ElementCounts
+
+
+class Scene(Table):
+    """A whole scene."""
+
+    name: Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[\w.+-]+$")]
+    vehicle: Vehicle
+    impact: Impact | None = None
+    start: Start | None = None
+    corner: Corner = Corner()
+    strike: Strike = Strike()
+    plate: Plate | None = None
+    damping: Damping | None = None
+    time: Time = Time()
+    wall: Wall | None = None
+
+    @property
+    def corner_friction(self) -> float:
+        """Friction of Stage 2: the corner's, else the impact's, and 0 with reaction "none"."""
+        if self.corner.reaction == "none":
+            return 0.0
+        given = self.corner.friction
+        return given if given is not None else self.impact.friction if self.impact else math.nan

@@ -1,0 +1,144 @@
+"""Finds, reads, changes and validates scenes."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from tailslap.errors import InputError, Missing
+from tailslap.scene import Scene
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scene came from: its text, what it gave for each table and key, and the keys changed by --set."""
+
+    text: str = ""
+    given: dict[str, Any] = field(default_factory=dict)
+    changed: frozenset[str] = frozenset()
+
+
+def shipped_scenes() -> dict[str, str]:
+    """Scenes that come with the program: name and text."""
+    folder = files("tailslap") / "scenes"
+    found = sorted(
+        (item for item in folder.iterdir() if item.name.endswith(".toml")), key=lambda item: item.name
+    )
+    return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in found}
+
+
+def title(text: str) -> str:
+    """A scene's first line, which is a comment that says what it is."""
+    return text.splitlines()[0].lstrip("# ").rstrip()
+
+
+def read_scene(name: str, changes: tuple[str, ...] = ()) -> tuple[Scene, Source]:
+    """The validated scene and where it came from, changes noted at the text's end. Raises InputError."""
+    text = _text(name)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(name, "a file that is not TOML", f"the parser says: {error}") from None
+    changed = frozenset(_apply(data, change) for change in changes)
+    noted = "".join(f"# changed by --set {change}\n" for change in changes)
+    return validate(data), Source(text.rstrip("\n") + "\n" + noted, data, changed)
+
+
+def validate(data: dict[str, Any]) -> Scene:
+    """The scene that these tables describe. Raises InputError for the first thing that is wrong."""
+    try:
+        scene = Scene.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(error) from None
+    _check_together(scene)
+    return scene
+
+
+def _text(name: str) -> str:
+    shipped = shipped_scenes()
+    path = Path(name)
+    if name in shipped and not path.is_file():
+        return shipped[name]
+    if path.suffix != ".toml" and not path.exists():
+        near = difflib.get_close_matches(name, shipped, 1)
+        hint = f'; did you mean "{near[0]}"?' if near else ""
+        raise InputError("SCENE", name, f"allowed is a .toml file or one of {', '.join(shipped)}{hint}")
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError("SCENE", name, "there is no such file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("SCENE", name, f"the file cannot be read: {error}") from None
+
+
+def _apply(data: dict[str, Any], change: str) -> str:
+    """Put one KEY=VALUE into the tables; returns the key."""
+    key, equals, value = change.partition("=")
+    *tables, last = key.strip().split(".")
+    if not equals or not all((*tables, last)):
+        raise InputError("--set", change, 'allowed is KEY=VALUE, like plate.youngs_modulus="2 TPa"')
+    for table in tables:
+        data = data.setdefault(table, {})
+        if not isinstance(data, dict):
+            raise InputError("--set", change, f'"{table}" is a value, not a table')
+    data[last] = _value(value.strip())
+    return key.strip()
+
+
+def _value(text: str) -> Any:
+    """A TOML value if it is one, else the text itself, for the shell has taken its quotes."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _input_error(error: ValidationError) -> InputError:
+    first = error.errors()[0]
+    key = ".".join(str(part) for part in first["loc"])
+    kind = first["type"]
+    if kind == "missing":
+        return InputError(key, Missing, "this key is required")
+    if kind == "extra_forbidden":
+        return InputError(key, first["input"], f"there is no such key; {_known(first['loc'])}")
+    if kind == "literal_error":
+        return InputError(key, first["input"], f"allowed is {first['ctx']['expected']}")
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return InputError(key, first["input"], f"allowed is a table, [{key}]")
+    message = first["msg"].removeprefix("Value error, ")
+    return InputError(key, first["input"], message[0].lower() + message[1:])
+
+
+def _known(location: tuple[int | str, ...]) -> str:
+    model: Any = Scene
+    for part in location[:-1]:
+        kinds = model.model_fields[part].annotation
+        model = next(k for k in (kinds, *getattr(kinds, "__args__", ())) if hasattr(k, "model_fields"))
+    return f"allowed are {', '.join(model.model_fields)}"
+
+
+def _check_together(scene: Scene) -> None:
+    """Keys that need or exclude each other."""
+    start = scene.start
+    complete = start is not None and None not in (start.angle, start.omega, start.corner_speed)
+    if scene.impact is None and not complete:
+        raise InputError(
+            "impact", Missing, "this table is required unless [start] gives angle, omega and corner_speed"
+        )
+    friction = scene.corner.friction
+    if scene.corner.reaction == "none" and friction is not None:
+        raise InputError(
+            "corner.friction", friction, 'it has no meaning with corner.reaction = "none"; leave it out'
+        )
+    if scene.corner.reaction != "none" and friction is None and scene.impact is None:
+        raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
+    if scene.damping and not scene.plate:
+        raise InputError("damping", "a table", "it has no meaning without [plate]; leave it out")
+    if scene.wall and not scene.plate:
+        raise InputError("wall", "a table", "it has no meaning without [plate]; leave it out")

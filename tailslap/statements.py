@@ -1,0 +1,85 @@
+"""Sentences of the report: what was run, and what it means."""
+
+from __future__ import annotations
+
+import math
+
+from tailslap.plan import Plan, other_convention
+from tailslap.run import Outcome
+
+REACTIONS = {
+    "drag": "friction mu |N| against the sliding, whichever way the reaction acts (Eqs 66-67)",
+    "none": "no friction",
+    "signed": "friction of the sign of the reaction, which here drives the corner on; kept to show what the sign does",
+}
+
+
+def statements(outcome: Outcome) -> tuple[str, ...]:
+    """What a reader must know beside the numbers."""
+    plan = outcome.fe_plan.plan
+    made = [_constraint(plan), _pull(outcome), _plate_mass(outcome), _give(outcome), _convention(plan)]
+    return tuple(sentence for sentence in made if sentence)
+
+
+def is_paper_case(plan: Plan) -> bool:
+    """Whether vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
+    pairs = (
+        (plan.body.length, 10.0, 0.0),
+        (plan.body.width, 2.438, 0.0),
+        (plan.start.angle, 0.26, 0.002),
+        (plan.start.omega, 0.707, 2e-4),
+        (plan.start.corner_speed, 25.053, 1e-3),
+        (plan.scene.corner_friction, 0.47 if plan.scene.corner.reaction == "drag" else 0.0, 0.0),
+    )
+    return all(math.isclose(value, paper, rel_tol=0.0, abs_tol=off) for value, paper, off in pairs)
+
+
+def _constraint(plan: Plan) -> str:
+    reaction = plan.scene.corner.reaction
+    return (
+        "The corner is held on the wall by a two-sided slider, in the FE model by a penalty spring, with "
+        f'{REACTIONS[reaction]} (reaction "{reaction}"). It is not unilateral contact: a real wall can only push.'
+    )
+
+
+def _pull(outcome: Outcome) -> str:
+    normal = outcome.rigid_history["reaction_normal"]
+    first, last = normal[0] / 1e3, normal[normal == normal][-1] / 1e3
+    return (
+        f"The wall's reaction N is negative throughout, {first:.2f} kN at the start and {last:.2f} kN at the end: "
+        "it pulls the corner back to the wall. Without that pull the corner would leave it."
+    )
+
+
+def _plate_mass(outcome: Outcome) -> str:
+    plate, vehicle = outcome.fe_plan.model.mass, outcome.fe_plan.plan.scene.vehicle.mass
+    if abs(plate / vehicle - 1.0) < 1e-9:
+        return ""
+    return (
+        f"The plate weighs {plate:.1f} kg, the vehicle {vehicle:.1f} kg. Rigid motion does not depend on the mass; "
+        "reactions and energies do, and those of the rigid solution are given for the plate's mass here. "
+        "Stages 1 and 3 use the vehicle's."
+    )
+
+
+def _give(outcome: Outcome) -> str:
+    return (
+        f"At the start the plate gives by {outcome.fe_plan.give:.1e} of its travel to the wall. Differences of that "
+        "size from the rigid motion are the plate's flexibility, and are in inverse proportion to its stiffness."
+    )
+
+
+def _convention(plan: Plan) -> str:
+    other, impact = other_convention(plan), plan.scene.impact
+    if impact is None:
+        return ""
+    if other is None:
+        return (
+            f'Stage 1 is given for reference in the convention "{impact.convention}"; [start] overrides it.'
+        )
+    name, its = other
+    return (
+        f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '
+        f"impact would be {its.start.omega:.4f} instead of {plan.start.omega:.4f} rad/s and the peak force "
+        f"{its.force.peak_force / 1e3:.0f} instead of {plan.force.peak_force / 1e3:.0f} kN."
+    )

@@ -1,0 +1,53 @@
+"""`summary.json`: the numbers of a run by the names that other programs hold on to."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import tailslap
+from tailslap.left_out import left_out
+from tailslap.rigid import COMPARED, rigid_answer
+from tailslap.run import Outcome
+
+
+def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
+    """The whole summary, SI; what was not reached is NaN, which is written as null."""
+    plan = outcome.fe_plan.plan
+    nothing = dict.fromkeys(COMPARED, float("nan"))
+    answer = rigid_answer(plan)
+    return {
+        "scene": plan.scene.name,
+        "version": tailslap.__version__,
+        "passed": outcome.passed,
+        "rigid": outcome.rigid,
+        "fe": outcome.fe or nothing,
+        "difference": outcome.difference or nothing,
+        "checks": [asdict(check) for check in outcome.checks],
+        "cost": cost(outcome),
+        "left_out": [{"part": part, "why": why} for part, why in left_out(plan.scene, pictures)],
+        "stage1": answer["stage1"],
+        "start": answer["start"],
+        "stage3": answer["stage3"],
+        "plate": {
+            "mass": outcome.fe_plan.model.mass,
+            "give": outcome.fe_plan.give,
+            "highest_frequency": outcome.fe_plan.model.highest_frequency,
+            "stable_time_step": outcome.fe_plan.model.stable_time_step,
+            "penalty_stiffness": outcome.fe_plan.model.loop.corner.penalty_stiffness,
+        },
+    }
+
+
+def cost(outcome: Outcome) -> dict[str, float | int]:
+    """Sizes and times of a run."""
+    loop = outcome.fe_plan.model.loop
+    return {
+        "elements": int(loop.table.connectivity.shape[1]),
+        "nodes": int(loop.mass.size),
+        "steps": outcome.run.steps,
+        "time_step": loop.time_step,
+        "setup_s": outcome.setup_s,
+        "time_loop_s": outcome.run.time_loop_s,
+        "pictures_s": outcome.pictures_s,
+    }

@@ -1,0 +1,24 @@
+"""Regression: numbers of this program itself, so that a change of them is seen and meant.
+
+They were printed by the program; nothing here says that they are right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+pytestmark = pytest.mark.regression
+
+
+def test_work_is_bounded(outcome: Callable[..., Any]) -> None:
+    """Steps of the shipped scenes: more of them would be a smaller step for no reason."""
+    assert outcome("paper-table-3").run.steps == pytest.approx(6597, abs=3)
+    assert outcome("paper-abaqus").run.steps == pytest.approx(6583, abs=3)
+
+
+def test_differences_of_the_shipped_scene(outcome: Callable[..., Any]) -> None:
+    expected = {"t": -1.122e-7, "v_gx": -3.782e-7, "v_gy": 1.8210e-6, "omega": 1.414e-7, "slide": -2.049e-7}
+    assert outcome("paper-table-3").difference == pytest.approx(expected, abs=2e-9)

@@ -1,0 +1,268 @@
+"""Verification: commands, exit statuses, messages, result folders, and what is not imported."""
+
+from __future__ import annotations
+
+import csv
+import fcntl
+import json
+import os
+import pty
+import select
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tailslap.command_line import _status
+
+pytestmark = pytest.mark.verification
+
+HEAVY = (
+    *("gmsh", "skfem", "numba", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
+    *("scipy.integrate", "scipy.optimize", "scipy.sparse"),
+)
+FILES = {"summary.json", "history.csv", "rigid.csv", "report.html"}
+PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"}
+
+
+def run(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
+
+
+def imported(*arguments: str, cwd: Path) -> set[str]:
+    """Which of HEAVY a command imports."""
+    code = f"import sys; from tailslap.command_line import _status; s = _status({list(arguments)!r})\n"
+    code += f"print(s, *[m for m in {HEAVY!r} if m in sys.modules], sep=';')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, check=True)
+    status, *modules = done.stdout.splitlines()[-1].split(";")
+    assert status == "0"
+    return set(modules)
+
+
+def test_rigid_and_scenes_import_nothing_heavy(tmp_path: Path) -> None:
+    assert imported("rigid", "mash-tl4-sut", cwd=tmp_path) == set()
+    assert imported("scenes", cwd=tmp_path) == set()
+
+
+def test_a_run_without_pictures_does_not_import_vtk(tmp_path: Path) -> None:
+    modules = imported("run", "paper-abaqus", "--no-pictures", cwd=tmp_path)
+    assert not modules & {"vtk", "vtkmodules", "pyvista"}
+    assert {"gmsh", "skfem", "numba"} <= modules
+
+
+def test_rigid_json_has_the_contract_s_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["rigid", "paper-table-3", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer["stage1"]) == {"omega", "corner_speed", "impulse"}
+    assert set(answer["stage2"]) == {"t", "v_gx", "v_gy", "omega", "slide"}
+    assert set(answer["stage3"]) == {"impulse", "duration", "peak_force"}
+    assert answer["stage2"]["v_gy"] == pytest.approx(-3.2755267205, abs=5e-11)
+    assert answer["stage3"]["peak_force"] == pytest.approx(2 * 9979 * 3.2755267205 / 0.1, rel=1e-10)
+
+
+def test_scenes_lists_each_with_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert {line.split()[0] for line in lines} >= {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
+    assert all(len(line.split()) > 3 for line in lines)
+
+
+def test_check_says_what_a_run_would_use_and_writes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert _status(["check", "paper-abaqus"]) == 0
+    said = capsys.readouterr().out
+    for words in ("120 elements, 147 nodes", "time step", "steps", "no friction code", "no viscous code"):
+        assert words in said
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_leaves_a_complete_folder(tmp_path: Path) -> None:
+    done = run("run", "paper-table-3", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "FE/rigid" in done.stdout
+    folder = tmp_path / "results" / "paper-table-3"
+    assert {path.name for path in folder.iterdir()} == FILES | PICTURES
+    assert {path.name for path in folder.parent.iterdir()} == {"paper-table-3"}
+    _has_the_contract_s_numbers(json.loads((folder / "summary.json").read_text()))
+    with (folder / "history.csv").open() as fe, (folder / "rigid.csv").open() as rigid:
+        fe_rows, rigid_rows = list(csv.DictReader(fe)), list(csv.DictReader(rigid))
+    assert [row["t"] for row in fe_rows] == [row["t"] for row in rigid_rows]
+    assert list(fe_rows[0]) == list(rigid_rows[0])
+    assert {"t", "theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"} <= {
+        *fe_rows[0]
+    }
+    report = (folder / "report.html").read_text()
+    assert report.count("data:image/png") == 3
+    assert report.count("<svg") >= 5
+
+
+def _has_the_contract_s_numbers(summary: dict[str, Any]) -> None:
+    for part in ("rigid", "fe", "difference"):
+        assert set(summary[part]) == {"t", "v_gx", "v_gy", "omega", "slide"}
+    assert summary["scene"] == "paper-table-3"
+    assert summary["passed"] is True
+    assert max(map(abs, summary["difference"].values())) < 5e-6
+    assert all({"name", "value", "limit", "passed"} <= set(check) for check in summary["checks"])
+    assert (summary["cost"]["elements"], summary["cost"]["nodes"]) == (120, 147)
+    assert {"steps", "time_step", "setup_s", "time_loop_s", "pictures_s"} <= set(summary["cost"])
+    assert {entry["part"] for entry in summary["left_out"]} == {"damping"}
+
+
+def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'name = "bare"\n[vehicle]\nlength = 10\nwidth = 2.438\nmass = 9979\n'
+        "[start]\nangle = 0.26\nomega = 0.707\ncorner_speed = 25.053\n[corner]\nreaction = 'none'\n"
+        "[plate]\nthickness = 0.053\nyoungs_modulus = 2e11\npoissons_ratio = 0.3\nelements = [20, 6]\n"
+    )
+    assert _status(["run", str(scene), "--no-pictures", "--out", str(out)]) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    reasons = {entry["part"]: entry["why"] for entry in summary["left_out"]}
+    assert set(reasons) == {"stage 1", "friction", "damping", "wall", "pictures"}
+    assert summary["stage1"] is None
+    assert summary["cost"]["pictures_s"] == 0.0
+    assert {path.name for path in out.iterdir()} == FILES
+
+
+def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path: Path) -> None:
+    done = run(
+        "run", "paper-table-3", "--set", "impact.friction=0.8", "--no-pictures", "--out", "bad", cwd=tmp_path
+    )
+    assert done.returncode == 1
+    assert "FAILED" in done.stdout
+    assert "damping" in done.stdout
+    summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
+    assert summary["passed"] is False
+    assert "Failed" in (tmp_path / "bad" / "report.html").read_text()
+
+
+def test_a_run_that_diverges_is_reported_too(tmp_path: Path) -> None:
+    changes = ("impact.friction=0.8", "plate.youngs_modulus=20 TPa")
+    arguments = [part for change in changes for part in ("--set", change)]
+    done = run("run", "paper-table-3", *arguments, "--out", "bad", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (1, "")
+    summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
+    assert summary["fe"]["t"] is None
+    assert {path.name for path in (tmp_path / "bad").iterdir()} == FILES
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key"),
+    [
+        (("run", "nowhere.toml"), "SCENE"),
+        (("run", "paper-table-3", "--set", "plate.elements=[0, 6]"), "plate.elements"),
+        (("run", "paper-table-3", "--set", "plate.elements=[1, 1]"), "plate.elements"),
+        (("run", "mash-tl4-sut", "--set", "impact.friction=2"), "impact.friction"),
+        (("run", "mash-tl4-sut", "--set", "impact.angle=89 deg"), "impact.angle"),
+        (("run", "paper-table-3", "--set", "wall.length=5 m"), "wall.length"),
+        (("run", "paper-table-3", "--set", "plate.youngs_modulus=1e300"), "plate.youngs_modulus"),
+        (("rigid", "paper-table-3", "--set", "vehicle.mass=nan"), "vehicle.mass"),
+        (("check", "paper-table-3", "--set", "colour=1"), "colour"),
+        (("run", "paper-table-3", "--out", "/proc/nowhere/x"), "--out"),
+        (("run", "paper-table-3", "--out", "file"), "--out"),
+        (("run", "paper-table-3", "--out", "file/x"), "--out"),
+        (("run", "paper-table-3", "--out", "foreign"), "--out"),
+        (("run",), "SCENE"),
+        (("walk",), "walk"),
+        (("run", "paper-table-3", "--fast"), "--fast"),
+    ],
+)
+def test_wrong_input_ends_with_two_one_message_and_nothing_written(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: tuple[str, ...],
+    key: str,
+) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "foreign").mkdir()
+    (tmp_path / "foreign" / "thesis.tex").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    assert _status(list(arguments)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert key in err
+    assert "Traceback" not in err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_run_without_a_plate_is_refused_and_rigid_does_without(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'name = "bare"\n[vehicle]\nlength = 10\nwidth = 2.438\nmass = 9979\n'
+        "[impact]\nspeed = 25\nangle = 0.26\nfriction = 0.4\nrestitution = 0.2\n"
+    )
+    assert _status(["run", str(scene)]) == 2
+    assert "plate: given nothing" in capsys.readouterr().err
+    assert _status(["rigid", str(scene)]) == 0
+    assert _status(["check", str(scene)]) == 0
+
+
+def test_an_earlier_result_is_replaced_whole(tmp_path: Path) -> None:
+    arguments = ["run", "paper-abaqus", "--no-pictures", "--out", str(tmp_path / "out")]
+    assert _status(arguments) == 0
+    (tmp_path / "out" / "stale.txt").write_text("old")
+    assert _status(arguments) == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
+    assert {path.name for path in tmp_path.iterdir()} == {"out"}
+
+
+def long_run(tmp_path: Path, stderr: Any) -> subprocess.Popen[bytes]:
+    changes = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none")
+    command = [
+        sys.executable,
+        "-m",
+        "tailslap.command_line",
+        "run",
+        "paper-table-3",
+        *changes,
+        "--no-pictures",
+    ]
+    return subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=stderr)
+
+
+def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path: Path) -> None:
+    """On a terminal a bar appears after two seconds; Ctrl-C ends with 130, and no half-written folder stays."""
+    leader, follower = pty.openpty()
+    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    process = long_run(tmp_path, follower)
+    try:
+        said, end = b"", time.monotonic() + 60.0
+        while b"%" not in said and time.monotonic() < end:
+            if select.select([leader], [], [], 0.2)[0]:
+                said += os.read(leader, 1024)
+        assert b"steps" in said
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=30) == 130
+    finally:
+        process.kill()
+        os.close(leader)
+        os.close(follower)
+    assert not list(tmp_path.rglob("*"))
+
+
+def test_packages_keep_to_themselves() -> None:
+    """solver and postprocess never import fem; the four know neither scene nor command line."""
+    root = Path(__file__).parents[2]
+    allowed = {"solver": (), "meshes": (), "fem": (), "postprocess": ()}
+    names = {*allowed, "tailslap"}
+    for package in allowed:
+        for source in (root / package).glob("**/*.py"):
+            for line in source.read_text().splitlines():
+                words = line.split()
+                if words[:1] in (["import"], ["from"]) and len(words) > 1:
+                    top = words[1].split(".")[0]
+                    assert top not in names - {package}, f"{source.name}: {line}"

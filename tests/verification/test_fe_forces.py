@@ -1,0 +1,121 @@
+"""Verification: internal forces, masses and energies against exact answers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.elements import ElementTable, discretise
+from fem.internal_force import scratch_for, subtract_internal_forces
+from fem.materials import st_venant_kirchhoff
+from fem.measures import _strain_energy
+from fem.start import to_global
+from meshes import plate_mesh
+
+pytestmark = pytest.mark.verification
+
+MATERIAL = st_venant_kirchhoff(200e9, 0.3)
+THICKNESS = 0.053
+
+
+def internal_forces(
+    table: ElementTable, positions: np.ndarray, velocities: Any = None, viscosity: Any = None
+) -> Any:
+    force = np.zeros_like(positions)
+    velocities = np.zeros_like(positions) if velocities is None else velocities
+    power = subtract_internal_forces(
+        positions, velocities, viscosity, force, table, MATERIAL, scratch_for(table)
+    )
+    return -force, power
+
+
+@pytest.fixture(params=["congruent", "distorted"])
+def discretisation(request: Any, distorted_mesh: Any) -> Any:
+    mesh = plate_mesh(10.0, 2.438, (20, 6)) if request.param == "congruent" else distorted_mesh
+    return discretise(mesh, THICKNESS)
+
+
+def test_congruent_elements_share_one_column_and_distorted_ones_do_not(distorted_mesh: Any) -> None:
+    assert discretise(plate_mesh(10.0, 2.438, (20, 6)), THICKNESS).table.gradients.shape == (32, 1)
+    assert discretise(distorted_mesh, THICKNESS).table.gradients.shape == (32, 32)
+
+
+def test_rigid_motion_gives_no_force(discretisation: Any) -> None:
+    """Zero to rounding: against E t, the force that a strain of one would give."""
+    for angle, shift in ((0.0, 0.0), (0.26, 0.0), (2.0, 0.0), (-0.9, 10.0)):
+        positions = to_global(angle) @ discretisation.positions + shift
+        forces, _ = internal_forces(discretisation.table, positions)
+        assert np.abs(forces).max() < 2e-14 * 200e9 * THICKNESS * 10.0
+
+
+def test_patch_of_constant_strain(discretisation: Any) -> None:
+    """Affine deformation, large rotation included: inner nodes are in balance, boundary nodes carry F S N."""
+    gradient = to_global(0.7) @ np.array([[1.02, 0.013], [0.004, 0.97]])
+    positions = gradient @ discretisation.positions + np.array([[3.0], [-1.0]])
+    forces, _ = internal_forces(discretisation.table, positions)
+    strain = 0.5 * (gradient.T @ gradient - np.eye(2))
+    stress = 200e9 / (1 - 0.09) * (0.7 * strain + 0.3 * np.trace(strain) * np.eye(2))
+    traction = gradient @ stress * THICKNESS
+    x, y = discretisation.positions
+    inner = (x > -9.99) & (x < -0.01) & (y > 0.01) & (y < 2.43)
+    scale = np.abs(traction).max() * 2.438
+    assert inner.sum() > 10
+    assert np.abs(forces[:, inner]).max() < 1e-13 * scale
+    # The end's two corners also carry half an edge of the sides beside them; these shares cancel.
+    np.testing.assert_allclose(
+        forces[:, x > -0.01].sum(axis=1), traction[:, 0] * 2.438, atol=1e-12 * scale, rtol=0.0
+    )
+
+
+def test_energy_of_constant_strain(discretisation: Any) -> None:
+    gradient = to_global(-0.3) @ np.array([[1.01, 0.02], [0.0, 0.995]])
+    strain = 0.5 * (gradient.T @ gradient - np.eye(2))
+    density = 0.5 * 200e9 / (1 - 0.09) * (0.7 * np.sum(strain**2) + 0.3 * np.trace(strain) ** 2)
+    energy = _strain_energy(gradient @ discretisation.positions, discretisation.table, MATERIAL)
+    assert energy == pytest.approx(density * 10.0 * 2.438 * THICKNESS, rel=1e-12)
+
+
+def test_forces_are_the_gradient_of_the_energy(discretisation: Any) -> None:
+    random = np.random.default_rng(3)
+    positions = to_global(0.4) @ discretisation.positions + random.normal(
+        0.0, 0.01, discretisation.positions.shape
+    )
+    forces, _ = internal_forces(discretisation.table, positions)
+    direction = random.normal(size=positions.shape)
+    step = 1e-2
+    energy = {
+        k: _strain_energy(positions + k * step * direction, discretisation.table, MATERIAL)
+        for k in (-2, -1, 1, 2)
+    }
+    slope = (8.0 * (energy[1] - energy[-1]) - (energy[2] - energy[-2])) / (12.0 * step)  # exact for a quartic
+    assert np.sum(forces * direction) == pytest.approx(slope, rel=1e-10)
+
+
+def test_a_partly_filled_block_gives_what_full_blocks_give() -> None:
+    """37 elements are one block and five lanes: stretched alike, they carry what one element carries."""
+    many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (37, 1))
+    stretch = np.diag([1.001, 1.0])
+    ends = [
+        internal_forces(d.table, stretch @ d.positions)[0][0][d.positions[0] > -0.01] for d in (many, one)
+    ]
+    np.testing.assert_allclose(np.sort(ends[0]), np.sort(ends[1]), rtol=1e-10)
+
+
+def test_rigid_rotation_dissipates_nothing(discretisation: Any) -> None:
+    positions = to_global(0.26) @ discretisation.positions
+    spin = 0.7 * np.array([-positions[1], positions[0]]) + 25.0
+    forces, power = internal_forces(discretisation.table, positions, spin, 1e-3)
+    assert abs(power) < 1e-20 * 200e9
+    assert np.abs(forces).max() < 1e-13 * 200e9 * THICKNESS * 10.0
+
+
+def test_viscous_power_is_the_power_of_the_viscous_forces(discretisation: Any) -> None:
+    random = np.random.default_rng(5)
+    positions = to_global(0.26) @ discretisation.positions
+    velocities = random.normal(size=positions.shape)
+    elastic, _ = internal_forces(discretisation.table, positions)
+    both, power = internal_forces(discretisation.table, positions, velocities, 2e-6)
+    assert power > 0.0
+    assert np.sum((both - elastic) * velocities) == pytest.approx(power, rel=1e-9)

@@ -1,0 +1,186 @@
+"""Verification: masses, frequencies, time step and friction against exact answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from fem.corner import Corner, Drag, Signed, add_corner_reaction
+from fem.elements import discretise
+from fem.mass import exact_inertia_masses, row_sum_masses
+from fem.simulate import Stepper
+from fem.start import RigidStart
+from fem.stiffness import Spectrum
+from meshes import plate_mesh
+
+pytestmark = pytest.mark.verification
+
+DENSITY, THICKNESS = 7800.0, 0.053
+MASS = DENSITY * THICKNESS * 10.0 * 2.438
+
+
+def moments(masses: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    x, y = positions
+    return np.array([masses.sum(), masses @ x, masses @ y, masses @ x**2, masses @ y**2, masses @ (x * y)])
+
+
+EXACT = MASS * np.array([1.0, -5.0, 2.438 / 2, 100.0 / 3, 2.438**2 / 3, -5.0 * 2.438 / 2])
+
+
+@pytest.mark.parametrize("elements", [(20, 6), (3, 2), (2, 5)])
+def test_masses_have_the_plates_exact_inertia(elements: tuple[int, int]) -> None:
+    d = discretise(plate_mesh(10.0, 2.438, elements), THICKNESS)
+    masses = exact_inertia_masses(d.scalar, DENSITY, THICKNESS)
+    assert (masses > 0.0).all()
+    np.testing.assert_allclose(moments(masses, d.positions), EXACT, rtol=1e-13)
+
+
+def test_masses_of_a_distorted_mesh_have_it_too(distorted_mesh: Any) -> None:
+    d = discretise(distorted_mesh, THICKNESS)
+    masses = exact_inertia_masses(d.scalar, DENSITY, THICKNESS)
+    np.testing.assert_allclose(moments(masses, d.positions), EXACT, rtol=1e-13)
+
+
+def test_row_sums_overstate_the_rotary_inertia() -> None:
+    """By (h_x^2 + h_y^2) / 6 of mass, here 0.78 % of the inertia about the centre: trapezoidal rule of x^2."""
+    d = discretise(plate_mesh(10.0, 2.438, (20, 6)), THICKNESS)
+    masses = row_sum_masses(d.scalar, DENSITY, THICKNESS)
+    excess = (moments(masses, d.positions) - EXACT)[3:5].sum()
+    assert excess == pytest.approx(MASS * (0.5**2 + (2.438 / 6) ** 2) / 6, rel=1e-10)
+    inertia = MASS * (100.0 + 2.438**2) / 12
+    assert excess / inertia == pytest.approx(0.0078, abs=5e-5)
+
+
+def test_masses_move_by_the_least_relative_change() -> None:
+    """Any other change that keeps the moments is larger: the relative change has no part in their null space."""
+    d = discretise(plate_mesh(10.0, 2.438, (6, 3)), THICKNESS)
+    plain, exact = (f(d.scalar, DENSITY, THICKNESS) for f in (row_sum_masses, exact_inertia_masses))
+    x, y = d.positions
+    constraints = np.array([x * 0 + 1, x, y, x * x, x * y, y * y]) * plain
+    free = scipy.linalg.null_space(constraints)
+    change = (exact - plain) / plain
+    assert np.linalg.norm(change) > 1e-3
+    assert np.abs(free.T @ change).max() < 1e-12 * np.linalg.norm(change)
+
+
+def test_a_mesh_too_coarse_for_the_inertia_is_refused() -> None:
+    d = discretise(plate_mesh(10.0, 2.438, (1, 1)), THICKNESS)
+    with pytest.raises(ValueError, match="mesh"):
+        exact_inertia_masses(d.scalar, DENSITY, THICKNESS)
+
+
+def test_kinetic_energy_of_rigid_motion_is_exact(plate_model: Callable[..., Any]) -> None:
+    model = plate_model()
+    stepper = Stepper(model)
+    state = stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden")
+    row = dict(zip(_columns(), stepper.measure(state), strict=True))
+    radius, phi = np.hypot(10.0, 2.438) / 2, 0.26 + np.arctan2(2.438, 10.0)
+    v_x, v_y = 25.053 - 0.707 * radius * np.sin(phi), -0.707 * radius * np.cos(phi)
+    inertia = MASS * (100.0 + 2.438**2) / 12
+    expected = 0.5 * MASS * (v_x**2 + v_y**2) + 0.5 * inertia * 0.707**2
+    assert row["kinetic_energy"] == pytest.approx(expected, rel=1e-13)
+    assert (row["v_gx"], row["v_gy"]) == pytest.approx((v_x, v_y), rel=1e-13)
+    assert (row["theta"], row["omega"]) == pytest.approx((0.26, 0.707), rel=1e-13)
+
+
+def _columns() -> tuple[str, ...]:
+    from fem.measures import COLUMNS
+
+    return COLUMNS
+
+
+def test_highest_frequency_against_a_dense_solution(plate_model: Callable[..., Any]) -> None:
+    model = plate_model(elements=(6, 3))
+    masses, corner = model.loop.mass, model.loop.corner
+    stiffness = model.stiffness.toarray()
+    for unknown in (corner.node, corner.node + masses.size):
+        stiffness[unknown, unknown] += corner.penalty_stiffness
+    squares = scipy.linalg.eigh(stiffness, np.diag(np.tile(masses, 2)), eigvals_only=True)
+    assert model.highest_frequency == pytest.approx(np.sqrt(squares[-1]), rel=1e-6)
+
+
+def test_stiffness_has_three_rigid_motions_and_a_bar_s_frequency(plate_model: Callable[..., Any]) -> None:
+    """The first stretching frequency of a slender free bar is pi sqrt(E / rho) / L."""
+    model = plate_model(mesh=plate_mesh(10.0, 0.2, (60, 2)))
+    squares, shapes = scipy.linalg.eigh(model.stiffness.toarray(), np.diag(np.tile(model.loop.mass, 2)))
+    assert np.abs(squares[:3]).max() < 1e-7 * squares[3]
+    assert squares[3] > 1.0
+    nodes = model.loop.mass.size
+    along = np.abs(shapes[:nodes]).sum(axis=0) > 2.0 * np.abs(shapes[nodes:]).sum(axis=0)
+    first = np.sqrt(squares[3:][along[3:]][0])
+    assert first == pytest.approx(np.pi * np.sqrt(200e9 / 7800.0) / 10.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1, 0.5])
+def test_the_stable_time_step_is_where_it_is_said_to_be(
+    plate_model: Callable[..., Any], damping_ratio: float
+) -> None:
+    """At 0.98 of it a disturbed plate calms down or stays, at 1.02 it runs away until large strains stop it."""
+    ends = []
+    for safety_factor in (0.98, 1.02):
+        model = plate_model(elements=(6, 3), damping_ratio=damping_ratio, safety_factor=safety_factor)
+        stepper = Stepper(model)
+        state = stepper.advance(stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden"), 20_000)
+        ends.append(stepper.measure(state)[_columns().index("vibration_energy")])
+    assert ends[0] < 0.02
+    assert not ends[1] < 2.0
+
+
+def test_damped_step_of_a_plate_that_hardly_touches_its_spring(plate_model: Callable[..., Any]) -> None:
+    """All of the stiffness damped alike: w dt = 2 (sqrt(1 + z^2) - z)."""
+    model = plate_model(elements=(6, 3), penalty_scale=1e-9, damping_ratio=0.3)
+    expected = 2.0 * (np.sqrt(1.09) - 0.3) / model.highest_frequency
+    assert model.stable_time_step == pytest.approx(expected, rel=1e-5)
+
+
+def test_highest_frequency_counts_the_penalty_spring(plate_model: Callable[..., Any]) -> None:
+    """A very stiff spring on the corner's mass alone: w^2 tends to k / m."""
+    model = plate_model(elements=(6, 3))
+    node, mass = model.loop.corner.node, model.loop.mass
+    stiff = 1e5 * model.loop.corner.penalty_stiffness
+    found = Spectrum(model.stiffness, mass, node, stiff).highest_frequency()
+    assert found == pytest.approx(np.sqrt(stiff / mass[node]), rel=1e-4)
+
+
+def slide(law: Any, speed: float, normal: float, steps: int, time_step: float = 1e-3) -> tuple[float, float]:
+    """A free mass of 2 kg held on the wall by this normal force; returns distance and speed."""
+    corner = Corner(0, 1e6)
+    positions, velocities = np.array([[0.0], [-normal / 1e6]]), np.array([[speed], [0.0]])
+    for _ in range(steps):
+        force = np.zeros((2, 1))
+        add_corner_reaction(positions, velocities, np.array([2.0]), time_step, corner, law, force)
+        velocities[0] += time_step * force[0] / 2.0
+        positions[0] += time_step * velocities[0]
+    return positions[0, 0], velocities[0, 0]
+
+
+@pytest.mark.parametrize("normal", [10.0, -10.0])
+@pytest.mark.parametrize("speed", [3.0, -3.0])
+def test_drag_stops_after_the_known_distance_and_stays(normal: float, speed: float) -> None:
+    """s = v^2 m / (2 mu |N|), whichever the directions."""
+    distance, last = slide(Drag(0.5), speed, normal, steps=4000)
+    assert distance == pytest.approx(np.sign(speed) * 9.0 * 2.0 / (2.0 * 0.5 * 10.0), rel=1e-3)
+    assert last == 0.0
+
+
+def test_drag_holds_what_pushes_less_than_its_limit() -> None:
+    force = np.array([[4.0], [0.0]])
+    reaction = add_corner_reaction(
+        np.array([[0.0], [-1e-5]]), np.zeros((2, 1)), np.ones(1), 1e-3, Corner(0, 1e6), Drag(0.5), force
+    )
+    assert reaction == pytest.approx((10.0, -4.0))
+    assert force[0, 0] == 0.0
+
+
+def test_signed_friction_drives_on_where_the_wall_pulls() -> None:
+    _, braked = slide(Signed(0.5), 3.0, 10.0, steps=100)
+    _, driven = slide(Signed(0.5), 3.0, -10.0, steps=100)
+    assert (braked, driven) == pytest.approx((3.0 - 0.25, 3.0 + 0.25), rel=1e-12)
+
+
+def test_without_friction_nothing_acts_along_the_wall() -> None:
+    assert slide(None, 3.0, -10.0, steps=100) == pytest.approx((0.3, 3.0))

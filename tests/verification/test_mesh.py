@@ -1,0 +1,131 @@
+"""Verification: meshes have the nodes, elements and groups that were asked for, and gmsh leaves no trace."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import gmsh
+import meshio
+import numpy as np
+import pytest
+
+from meshes import plate_mesh, wall_mesh, write_mesh
+from meshes.session import gmsh_model
+
+pytestmark = pytest.mark.verification
+
+PLATE_GROUPS = {
+    *("plate", "side_pe", "side_kp", "side_hk", "side_eh"),
+    *("corner_p", "corner_e", "corner_h", "corner_k"),
+}
+
+
+def test_the_papers_counts() -> None:
+    plate, wall = plate_mesh(10.0, 2.438, (20, 6)), wall_mesh(-10.0, 30.0, 5.0, (60, 10))
+    assert (len(plate.cells_dict["quad"]), len(plate.points)) == (120, 147)
+    assert (len(wall.cells_dict["quad"]), len(wall.points)) == (600, 671)
+
+
+def test_nodes_lie_on_the_lattice_to_the_bit() -> None:
+    points = plate_mesh(10.0, 2.438, (20, 6)).points
+    x, y = -10.0 + np.arange(21) * 0.5, np.arange(7) * (2.438 / 6)
+    expected = {(a, b) for a in x for b in y}
+    assert {(a, b) for a, b in points[:, :2]} == expected
+
+
+def test_elements_are_counter_clockwise_and_fill_the_plate() -> None:
+    mesh = plate_mesh(10.0, 2.438, (5, 3))
+    corners = mesh.points[mesh.cells_dict["quad"], :2]
+    following = np.roll(corners, -1, axis=1)
+    areas = 0.5 * (corners[..., 0] * following[..., 1] - corners[..., 1] * following[..., 0]).sum(axis=1)
+    np.testing.assert_allclose(areas, 10.0 * 2.438 / 15, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("group", "place"),
+    [
+        ("corner_p", (0.0, 0.0)),
+        ("corner_e", (-10.0, 0.0)),
+        ("corner_h", (-10.0, 2.438)),
+        ("corner_k", (0.0, 2.438)),
+    ],
+)
+def test_corners_carry_their_names(group: str, place: tuple[float, float]) -> None:
+    mesh = plate_mesh(10.0, 2.438, (4, 2))
+    cell = mesh.cells_dict["vertex"][mesh.cell_sets_dict[group]["vertex"]]
+    np.testing.assert_array_equal(mesh.points[cell.item(), :2], place)
+
+
+@pytest.mark.parametrize(
+    ("group", "axis", "at"),
+    [("side_pe", 1, 0.0), ("side_eh", 0, -10.0), ("side_hk", 1, 2.438), ("side_kp", 0, 0.0)],
+)
+def test_sides_carry_their_names(group: str, axis: int, at: float) -> None:
+    mesh = plate_mesh(10.0, 2.438, (4, 2))
+    lines = mesh.cells_dict["line"][mesh.cell_sets_dict[group]["line"]]
+    assert len(lines) == (4, 2)[1 - axis]
+    np.testing.assert_array_equal(mesh.points[lines][..., axis], at)
+
+
+def test_every_group_is_named() -> None:
+    assert set(plate_mesh(10.0, 2.438, (2, 2)).cell_sets) == PLATE_GROUPS
+    assert set(wall_mesh(0.0, 3.0, 1.0, (2, 2)).cell_sets) == {
+        *("wall", "wall_face", "wall_back", "wall_start", "wall_end")
+    }
+
+
+def test_works_outside_the_main_thread_and_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+    made: list[meshio.Mesh] = []
+    threads = [threading.Thread(target=lambda: made.append(plate_mesh(1.0, 1.0, (3, 2)))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [len(mesh.points) for mesh in made] == [12] * 4
+    assert capfd.readouterr() == ("", "")
+
+
+def test_gmsh_is_closed_after_success_and_after_an_error() -> None:
+    plate_mesh(1.0, 1.0, (1, 1))
+    assert not gmsh.isInitialized()
+    with pytest.raises(ZeroDivisionError), gmsh_model("fails"):
+        raise ZeroDivisionError
+    assert not gmsh.isInitialized()
+
+
+def test_the_callers_own_session_stays_open_and_as_it_was() -> None:
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.model.add("theirs")
+        plate_mesh(1.0, 1.0, (2, 2))
+        assert gmsh.isInitialized()
+        assert gmsh.model.list() == ["", "theirs"]
+        assert gmsh.model.getCurrent() == "theirs"
+    finally:
+        gmsh.finalize()
+
+
+def test_msh_file_is_read_by_gmsh_with_its_groups(tmp_path: Path) -> None:
+    path = tmp_path / "plate.msh"
+    write_mesh(plate_mesh(10.0, 2.438, (20, 6)), path)
+    with gmsh_model("read"):
+        gmsh.merge(str(path))
+        names = {gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()}
+        nodes = len(gmsh.model.mesh.getNodes()[0])
+    assert names == PLATE_GROUPS
+    assert nodes == 147
+
+
+def test_vtu_file_holds_the_mesh(tmp_path: Path) -> None:
+    mesh = plate_mesh(10.0, 2.438, (20, 6))
+    write_mesh(mesh, tmp_path / "plate.vtu")
+    read = meshio.read(tmp_path / "plate.vtu")
+    np.testing.assert_array_equal(read.points, mesh.points)
+    np.testing.assert_array_equal(read.cells_dict["quad"], mesh.cells_dict["quad"])
+
+
+def test_another_format_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"\.msh or \.vtu"):
+        write_mesh(plate_mesh(1.0, 1.0, (1, 1)), tmp_path / "plate.stl")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,210 @@
+"""Verification: pictures of a rigidly rotating plate have the colours of its exact velocities."""
+
+import ctypes
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import pyvista
+from matplotlib.image import imread
+from numpy.typing import NDArray
+
+from postprocess import canvas, contours
+from postprocess.contours import SIZE, WALL, WALL_EDGE, ContourField, draw_contours
+from postprocess.view import view_of_plate
+
+pytestmark = pytest.mark.verification
+
+LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
+COLUMNS, ROWS = 20, 6
+
+
+def grid(
+    columns: int, rows: int, low: tuple[float, float], high: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    x, y = np.meshgrid(np.linspace(low[0], high[0], columns + 1), np.linspace(low[1], high[1], rows + 1))
+    first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
+    quads = np.column_stack([first, first + 1, first + columns + 2, first + columns + 1])
+    return np.column_stack([x.ravel(), y.ravel()]), quads
+
+
+POINTS, QUADS = grid(COLUMNS, ROWS, (SLIDE - LENGTH, 0.0), (SLIDE, WIDTH))
+WALL_POINTS, WALL_QUADS = grid(60, 10, (-10.0, -5.0), (20.0, 0.0))
+CENTROID = (SLIDE - LENGTH / 2, WIDTH / 2)
+
+
+def velocities(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    arm = points - CENTROID
+    return np.column_stack([SPEED[0] - OMEGA * arm[:, 1], SPEED[1] + OMEGA * arm[:, 0]])
+
+
+def fields() -> list[ContourField]:
+    v = velocities(POINTS)
+    rounding = OMEGA * (1.0 + 1e-15 * np.random.default_rng(3).normal(size=len(POINTS)))
+    return [
+        ContourField("v_gx", "v_GX: nodal velocity along X", "m/s", v[:, 0]),
+        ContourField("v_gy", "v_GY: nodal velocity along Y", "m/s", v[:, 1]),
+        ContourField("omega", "ω: nodal angular velocity", "rad/s", rounding),
+    ]
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, NDArray[np.uint8]]:
+    out = tmp_path_factory.mktemp("pictures")
+    paths = draw_contours(
+        POINTS,
+        QUADS,
+        fields(),
+        out,
+        wall_points=WALL_POINTS,
+        wall_quads=WALL_QUADS,
+        corner=(SLIDE, 0.0),
+        centroid=CENTROID,
+    )
+    assert [path.name for path in paths] == ["contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"]
+    return {path.stem: np.rint(imread(path)[..., :3] * 255).astype(np.uint8) for path in paths}
+
+
+def pixels(picture: NDArray[np.uint8], points: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Colours at points (k, 2) [m]; shape (k, 3)."""
+    view = view_of_plate(POINTS, SIZE)
+    column, row = view.pixel(points[:, 0], points[:, 1])  # type: ignore[arg-type]
+    return picture[SIZE[1] - 1 - np.floor(row).astype(int), np.floor(column).astype(int)]
+
+
+def element_points(quads: list[int]) -> NDArray[np.float64]:
+    """A point of each element, off the mesh lines and off the boundaries of the colour bands."""
+    return POINTS[QUADS[quads]].mean(axis=1) + np.array([0.02, 0.05])
+
+
+@pytest.mark.parametrize(("name", "component"), [("contour_v_gx", 0), ("contour_v_gy", 1)])
+def test_colours_are_those_of_the_exact_velocities(
+    pictures: dict[str, NDArray[np.uint8]], name: str, component: int
+) -> None:
+    at = element_points(list(range(0, len(QUADS), 3)))
+    at = at[np.linalg.norm(at - CENTROID, axis=1) > 0.8]
+    values, nodal = velocities(at)[:, component], velocities(POINTS)[:, component]
+    part = (values - nodal.min()) / np.ptp(nodal)
+    inside = np.abs(part * 12 - np.rint(part * 12)) > 0.08
+    assert inside.sum() > 20
+    expected = mpl.colormaps["viridis"].resampled(12)(part[inside])[:, :3] * 255
+    np.testing.assert_allclose(pixels(pictures[name], at[inside]), expected, atol=2)
+
+
+def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures: dict[str, NDArray[np.uint8]]) -> None:
+    ends = element_points([3 * COLUMNS, 4 * COLUMNS - 1])
+    left, right = pixels(pictures["contour_v_gy"], ends)
+    assert left[:2].max() < 80, "the rear end moves fastest towards the wall: dark end of the map"
+    assert right[:2].min() > 220, "the corner P does not: bright end of the map"
+    along = pixels(pictures["contour_v_gx"], ends)
+    np.testing.assert_array_equal(along[0], along[1])
+
+
+def test_a_uniform_field_has_one_colour(pictures: dict[str, NDArray[np.uint8]]) -> None:
+    at = element_points(
+        [q for q in range(len(QUADS)) if abs(POINTS[QUADS[q]].mean(axis=0)[0] - CENTROID[0]) > 1.0]
+    )
+    assert len(np.unique(pixels(pictures["contour_omega"], at), axis=0)) == 1
+
+
+def test_size_wall_and_background(pictures: dict[str, NDArray[np.uint8]]) -> None:
+    grey, edge = (np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (WALL, WALL_EDGE))
+    for picture in pictures.values():
+        assert picture.shape == (700, 1600, 3)
+        wall = pixels(picture, np.array([[-0.8, -0.13], [2.3, -0.3], [9.8, -0.13]]))
+        np.testing.assert_allclose(wall, np.tile(grey, (3, 1)), atol=1)
+        assert np.ptp(edge) < 20, "mesh lines of the wall are grey as well"
+        beside = pixels(picture, np.array([[-0.8, 1.0], [9.8, 1.0], [4.0, 2.6]]))
+        np.testing.assert_array_equal(beside, np.full((3, 3), 255))
+
+
+def test_corner_and_centroid_are_marked(pictures: dict[str, NDArray[np.uint8]]) -> None:
+    for picture in pictures.values():
+        marks = pixels(picture, np.array([(SLIDE, 0.0), CENTROID]))
+        np.testing.assert_array_equal(marks, np.full((2, 3), 255))
+
+
+def test_without_a_wall_mesh_there_is_a_line(tmp_path: Path) -> None:
+    (path,) = draw_contours(POINTS, QUADS, fields()[:1], tmp_path)
+    picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
+    below = pixels(picture, np.array([[2.3, -0.3], [9.8, -0.13]]))
+    np.testing.assert_array_equal(below, np.full((2, 3), 255))
+    assert pixels(picture, np.array([[9.8, 0.0]])).max() < 100
+
+
+def test_a_reference_outline_is_drawn_and_a_wall_out_of_sight_is_not(tmp_path: Path) -> None:
+    outline = np.array([[0.0, 2.6], [8.0, 2.6], [8.0, 1.0], [0.0, 1.0]])
+    (path,) = draw_contours(
+        POINTS,
+        QUADS,
+        fields()[:1],
+        tmp_path,
+        wall_points=WALL_POINTS + np.array([500.0, 0.0]),
+        wall_quads=WALL_QUADS,
+        outline=outline,
+    )
+    picture = np.rint(imread(path)[..., :3] * 255).astype(int)
+    on_outline = pixels(picture, np.array([[3.0, 2.6], [6.1, 2.6], [8.0, 2.55]]))
+    assert np.all(on_outline[:, 0] - on_outline[:, 1:].max(axis=1) > 60), "red"
+    np.testing.assert_array_equal(pixels(picture, np.array([[2.3, -0.3]])), np.full((1, 3), 255))
+
+
+def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    words: list[str] = []
+
+    def remember(plotter: object, text: str, *rest: object, **named: object) -> object:
+        words.append(text)
+        return canvas.add_text(plotter, text, *rest, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(contours, "add_text", remember)
+    draw_contours(
+        POINTS,
+        QUADS,
+        fields()[1:],
+        tmp_path,
+        corner=(SLIDE, 0.0),
+        centroid=CENTROID,
+        scene="a-scene",
+        time=0.38395974,
+    )
+    assert words.count("a-scene,  tail-slap at t = 0.383960 s") == 2
+    assert {
+        "v_GY: nodal velocity along Y [m/s]",
+        "ω: nodal angular velocity [rad/s]",
+        "P",
+        "G",
+        "0",
+        "9",
+    } <= {*words}
+    assert "nodal values from -6.550 to 0.000 m/s" in words
+    assert any(w.startswith("uniform to rounding: 0.655 rad/s at every node") for w in words)
+
+
+def test_every_plotter_is_closed_even_when_drawing_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened: list[pyvista.Plotter] = []
+    make = pyvista.Plotter.__init__
+
+    def remember(self: pyvista.Plotter, *rest: object, **named: object) -> None:
+        make(self, *rest, **named)
+        opened.append(self)
+
+    monkeypatch.setattr(pyvista.Plotter, "__init__", remember)
+    draw_contours(POINTS, QUADS, fields()[:1], tmp_path)
+    with pytest.raises((ValueError, TypeError, RuntimeError)):
+        draw_contours(POINTS, QUADS, [ContourField("bad", "too few", "m", np.zeros(3))], tmp_path)
+    assert [plotter.render_window for plotter in opened] == [None, None]
+    assert not (tmp_path / "contour_bad.png").exists()
+
+
+def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise OSError(name)
+
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setattr(ctypes, "CDLL", missing)
+    with pytest.raises(RuntimeError, match="libegl1"):
+        canvas.choose_window()

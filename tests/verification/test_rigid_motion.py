@@ -1,0 +1,255 @@
+"""Verification: the exact Stage 2 against answers of 17 digits, invariants, limits and its own derivatives."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from scipy.special import ellipeinc
+
+from solver import (
+    REACTIONS,
+    MotionState,
+    RectangularBody,
+    corner_impulse,
+    integrate_odes,
+    plane_motion,
+    tail_slap,
+)
+
+pytestmark = pytest.mark.verification
+
+TRUCK = RectangularBody(10.0, 2.438, 9979.0)
+START = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053, "friction": 0.47}
+NAMES = [field.name for field in fields(MotionState)]
+# t, v_GY, v_GX, omega, s, v_P at theta = 0 for START: Eqs 66-71 by Taylor series with 30 digits.
+ORACLES = {
+    "drag": (
+        *(0.38395974012062573, -3.2755267205481329, 23.273331109008525),
+        *(0.65510534410962657, 9.4236754418595056, 24.071904523478159),
+    ),
+    "none": (
+        *(0.3831252875274082, -3.2868596946836896, 23.31135347503563),
+        *(0.65737193893673792, 9.412600304860043, 24.112689868599513),
+    ),
+    "signed": (
+        *(0.38198946853831261, -3.3020660056320637, 23.361849305052182),
+        *(0.66041320112641275, 9.3974582231843572, 24.16689299722528),
+    ),
+}
+
+
+@pytest.mark.parametrize("reaction", REACTIONS)
+def test_the_strike_to_fifteen_digits(reaction: str) -> None:
+    strike = plane_motion(TRUCK, **START, reaction=reaction).strike
+    got = (strike.t, strike.v_gy, strike.v_gx, strike.omega, strike.slide, strike.v_p)
+    assert got == pytest.approx(ORACLES[reaction], rel=5e-15)
+    assert strike.theta == 0.0
+
+
+def test_without_friction_time_is_an_elliptic_integral() -> None:
+    """omega^2 (1 + 3 cos^2) is constant: omega_0 sqrt(D_0) t = 2 [E(phi_0|3/4) - E(gamma|3/4)]."""
+    shares = np.concatenate([np.logspace(-6, -1, 30), np.linspace(0.1, 0.999, 40), [1.0 - 1e-9]])
+    body = RectangularBody(10.0, 10.0 * np.array([[0.01], [0.2438], [1.0]]), 1000.0)
+    phi = body.corner_angle + shares * (math.pi / 2 - body.corner_angle)
+    angle = phi - body.corner_angle
+    strike = tail_slap(body, angle, 0.7, 30.0, 0.9, "none")
+    integral = 2.0 * (ellipeinc(phi, 0.75) - ellipeinc(body.corner_angle, 0.75))
+    expected = integral / (0.7 * np.sqrt(1.0 + 3.0 * np.cos(phi) ** 2))
+    # The difference of the two integrals rounds like 1 part in angle.
+    assert np.all(abs(strike.t / expected - 1.0) < 2e-15 + 2e-15 / angle)
+
+
+def test_without_friction_the_invariant_holds_and_nothing_is_lost() -> None:
+    motion = plane_motion(TRUCK, **START, reaction="none")
+    states = motion.at(np.linspace(0.0, motion.strike.t, 50))
+    phi = states.theta + TRUCK.corner_angle
+    assert np.ptp(states.omega**2 * (1 + 3 * np.cos(phi) ** 2)) < 1e-14
+    assert np.ptp(states.v_gx) == 0.0
+    assert np.ptp(states.kinetic_energy) < 1e-14 * motion.strike.kinetic_energy
+    assert not np.any(states.friction_work)
+    assert not np.any(states.reaction_tangential)
+    assert states.theta == pytest.approx(plane_motion(TRUCK, 0.26, 0.707, -9.0, 0.0).at(states.t).theta)
+
+
+@pytest.mark.parametrize("reaction", REACTIONS)
+def test_each_rate_is_the_derivative_of_what_it_should_be(reaction: str) -> None:
+    """Newton's law and the kinematics, by differentiating a polynomial through `at`."""
+    motion = plane_motion(TRUCK, 0.6, 1.3, 20.0, 0.9, reaction)
+    end = motion.strike.t
+    nodes = 0.5 * end * (1.0 - np.cos(math.pi * (np.arange(40) + 0.5) / 40))
+    states = motion.at(nodes)
+
+    def rate(values: np.ndarray) -> np.ndarray:
+        return np.polynomial.Chebyshev.fit(nodes, values, 39, domain=[0.0, end]).deriv()(nodes)
+
+    phi, r = states.theta + TRUCK.corner_angle, TRUCK.corner_radius
+    pairs = {
+        "omega": (states.omega, -rate(states.theta)),
+        "v_p": (states.v_p, rate(states.slide)),
+        "v_gx": (states.v_gx, rate(states.slide - r * np.cos(phi))),
+        "v_gy": (states.v_gy, rate(r * np.sin(phi))),
+        "normal": (states.reaction_normal, TRUCK.mass * rate(states.v_gy)),
+        "tangential": (states.reaction_tangential, TRUCK.mass * rate(states.v_gx)),
+        "power": (states.reaction_tangential * states.v_p, rate(states.friction_work)),
+        "moment": (
+            TRUCK.moment_of_inertia * rate(states.omega),
+            r * (np.cos(phi) * states.reaction_normal + np.sin(phi) * states.reaction_tangential),
+        ),
+    }
+    for name, (value, expected) in pairs.items():
+        scale = abs(states.reaction_normal).max() if name == "tangential" else abs(value).max()
+        assert value == pytest.approx(expected, rel=0.0, abs=1e-9 * scale), name
+
+
+@pytest.mark.parametrize(("reaction", "sign"), [("drag", 1.0), ("signed", -1.0)])
+def test_reaction_and_friction(reaction: str, sign: float) -> None:
+    motion = plane_motion(TRUCK, **START, reaction=reaction)
+    states = motion.at(np.linspace(0.0, motion.strike.t, 20))
+    assert np.all(states.reaction_normal < 0.0)
+    assert states.reaction_tangential == pytest.approx(sign * 0.47 * states.reaction_normal, rel=1e-15)
+    assert np.all(sign * np.diff(states.friction_work) < 0.0)
+
+
+@pytest.mark.parametrize("reaction", ["drag", "signed"])
+def test_energy_balances_and_the_work_is_that_of_the_force(reaction: str) -> None:
+    motion = plane_motion(TRUCK, 0.9, 2.0, 25.0, 0.8, reaction)
+    x, w = np.polynomial.legendre.leggauss(30)
+    end = motion.strike.t
+    states = motion.at(0.5 * end * (1.0 + x))
+    work = 0.5 * end * np.sum(w * states.reaction_tangential * states.v_p)
+    assert motion.strike.friction_work == pytest.approx(work, rel=1e-12)
+    before = motion.at(0.0).kinetic_energy
+    assert states.kinetic_energy - states.friction_work == pytest.approx(before, rel=1e-14)
+    assert motion.strike.kinetic_energy - motion.strike.friction_work == pytest.approx(before, rel=1e-14)
+
+
+def test_the_motion_begins_at_its_start_and_passes_the_strike() -> None:
+    motion = plane_motion(TRUCK, **START)
+    first = motion.at(0.0)
+    assert (first.theta, first.omega, first.slide) == pytest.approx((0.26, 0.707, 0.0), rel=1e-15, abs=1e-15)
+    assert first.v_p == pytest.approx(25.053, rel=1e-15)
+    assert isinstance(first.theta, float)
+    there = motion.at([motion.strike.t])
+    for name in NAMES:
+        expected = getattr(motion.strike, name)
+        assert getattr(there, name) == pytest.approx([expected], rel=1e-14, abs=1e-15), name
+    past = motion.at([[motion.latest]])
+    assert motion.latest == 1.01 * motion.strike.t
+    assert past.theta.shape == (1, 1)
+    expected = -0.01 * motion.strike.t * motion.strike.omega
+    assert past.theta == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_motion_is_followed_no_further_than_its_equations_hold() -> None:
+    """Past the strike: to phi = 0 with a thin body; not at all where D vanishes next to the strike."""
+    thin = plane_motion(RectangularBody(10.0, 1e-4, 1.0), 1.2, 1.0, 30.0, 0.5)
+    assert thin.strike.t < thin.latest < 1.001 * thin.strike.t
+    assert thin.at(thin.latest).theta == pytest.approx(-1e-5, rel=1e-9)
+    upper_root = (4.2 + math.sqrt(4.2**2 - 16.0)) / 2.0
+    start = (RectangularBody(1.0, upper_root + 0.02, 1.0), 0.2, 1.0, 30.0, 1.4, "signed")
+    singular, integrated = plane_motion(*start), integrate_odes(*start)
+    assert singular.latest == pytest.approx(singular.strike.t, rel=1e-12)
+    t = 0.9 * singular.strike.t
+    assert singular.at(t).v_p == pytest.approx(integrated.at(t).v_p, rel=1e-9)
+
+
+@pytest.mark.parametrize("reaction", REACTIONS)
+def test_times_and_angles_are_each_others_inverse(reaction: str) -> None:
+    """The time to an angle is that of a motion which ends there: the same with a thicker body, started closer."""
+    friction = 1.25
+    motion = plane_motion(RectangularBody(10.0, 0.1, 1.0), 1.5, 1.0, 300.0, friction, reaction)
+    times = np.linspace(0.05, 0.99, 30) * motion.strike.t
+    states = motion.at(times)
+    phi_0 = motion.body.corner_angle + 1.5
+    gamma = motion.body.corner_angle + states.theta
+    thicker = RectangularBody(np.cos(gamma), np.sin(gamma), 1.0)
+    until = tail_slap(thicker, phi_0 - gamma, 1.0, 300.0, friction, reaction)
+    assert until.t == pytest.approx(times, rel=1e-13)
+    assert until.omega == pytest.approx(states.omega, rel=1e-12)
+
+
+def test_omega_is_proportional_to_its_start() -> None:
+    strikes = tail_slap(TRUCK, 0.7, np.array([0.1, 1.0, 10.0]), 300.0, 0.8)
+    assert strikes.omega / strikes.omega[1] == pytest.approx([0.1, 1.0, 10.0], rel=1e-14)
+    assert strikes.t / strikes.t[1] == pytest.approx([10.0, 1.0, 0.1], rel=1e-14)
+    assert strikes.reaction_normal / strikes.reaction_normal[1] == pytest.approx(
+        [0.01, 1.0, 100.0], rel=1e-14
+    )
+
+
+def test_the_ratio_of_forces_for_two_restitutions_is_exact() -> None:
+    """v_GY at the strike is proportional to k v_0: F(e = 0)/F(e) = 1/(1 - e), whatever the corner speed."""
+    lateral = []
+    for restitution in (0.0, 0.22):
+        start = corner_impulse(TRUCK, 25.0, 0.26, 0.47, restitution)
+        lateral.append(plane_motion(TRUCK, 0.26, start.omega, start.corner_speed, 0.47).strike.v_gy)
+    assert lateral[0] / lateral[1] == pytest.approx(1.0 / 0.78, rel=1e-14)
+
+
+def test_small_angles() -> None:
+    for angle in (1e-3, 1e-6, 1e-9):
+        strike = plane_motion(TRUCK, angle, 0.5, 20.0, 0.47).strike
+        assert strike.t == pytest.approx(angle / 0.5, rel=2.0 * angle + 1e-14)
+        assert strike.slide == pytest.approx(20.0 * angle / 0.5, rel=2.0 * angle + 1e-14)
+        assert strike.omega == pytest.approx(0.5, rel=2.0 * angle + 1e-14)
+
+
+def test_drag_and_signed_meet_in_none() -> None:
+    """The change is linear in mu for small mu, and opposite."""
+    none = plane_motion(TRUCK, **START, reaction="none").strike
+    small = {**START, "friction": 1e-5}
+    drag, signed = (plane_motion(TRUCK, **small, reaction=name).strike for name in ("drag", "signed"))
+    for name in ("t", "omega", "v_gx", "v_gy", "slide", "kinetic_energy"):
+        up, down = getattr(drag, name) - getattr(none, name), getattr(signed, name) - getattr(none, name)
+        assert up == pytest.approx(-down, rel=1e-4), name
+        assert up != 0.0
+    for name in NAMES:
+        frictionless = plane_motion(TRUCK, 0.26, 0.707, 25.053, 0.0, "drag").strike
+        assert getattr(frictionless, name) == getattr(none, name)
+
+
+@pytest.mark.parametrize(
+    ("reaction", "angle", "steps"),
+    [("drag", 0.6, (-1, 0, 1)), ("signed", 0.6, (-1, 0, 1)), ("drag", 1.3, (-2, -1, 0))],
+)
+def test_the_closed_form_is_smooth_across_the_critical_friction(
+    reaction: str, angle: float, steps: tuple[int, ...]
+) -> None:
+    """atan below 4/3, atanh above: the second difference of the answers is rounding, as the step's square is."""
+    a, b, c = (
+        plane_motion(TRUCK, angle, 1.0, 80.0, 4.0 / 3.0 + 1e-9 * step, reaction).strike for step in steps
+    )
+    for name in set(NAMES) - {"theta"}:
+        first, middle, last = (getattr(state, name) for state in (a, b, c))
+        assert first - 2.0 * middle + last == pytest.approx(0.0, abs=1e-13 * abs(middle)), name
+        assert first != last, name
+
+
+def test_broadcasting_equals_single_calls() -> None:
+    widths, angles = np.array([[0.2], [2.438], [9.0]]), np.array([0.05, 0.26, 0.7])
+    body = RectangularBody(10.0, widths, 9979.0)
+    for reaction in REACTIONS:
+        together = tail_slap(body, angles, 0.7, 25.0, np.array([0.0, 0.47, 1.2]), reaction)
+        for i, j in np.ndindex(3, 3):
+            one = RectangularBody(10.0, float(widths[i, 0]), 9979.0)
+            alone = plane_motion(one, float(angles[j]), 0.7, 25.0, [0.0, 0.47, 1.2][j], reaction).strike
+            for name in NAMES:
+                value = getattr(together, name)
+                assert value.shape == (3, 3)
+                assert value[i, j] == pytest.approx(getattr(alone, name), rel=2e-14, abs=1e-12), name
+    assert isinstance(tail_slap(TRUCK, 0.26, 1, 25, 0).t, float)
+
+
+def test_a_hundred_thousand_motions_take_less_than_two_seconds() -> None:
+    random = np.random.default_rng(0)
+    n = 100_000
+    body = RectangularBody(10.0, random.uniform(0.1, 3.0, n), 9979.0)
+    arguments = [random.uniform(*limits, n) for limits in ((0.05, 1.2), (0.1, 1.0), (30.0, 60.0), (0.0, 1.3))]
+    start = time.process_time()
+    strike = tail_slap(body, *arguments)
+    assert time.process_time() - start < 2.0
+    assert np.all(np.isfinite(strike.t))
