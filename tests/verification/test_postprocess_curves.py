@@ -75,7 +75,7 @@ def test_all_plots_are_there_in_order(curves: dict[str, Curve]) -> None:
 def test_plots_over_rigid_are_labelled(curves: dict[str, Curve], name: str, label: str) -> None:
     shown = texts(curves[name])
     for words in (label, "t [s]", "━ FE", "━ rigid, exact", "FE − rigid"):
-        assert words in shown
+        assert shown.count(words) == 1
     unit = label.split("[")[1]
     assert any(words.startswith("[10⁻⁹ ") and words.endswith(unit) for words in shown)
 
@@ -125,8 +125,8 @@ def test_only_what_the_histories_have_is_drawn() -> None:
 def test_rigid_history_at_other_instants() -> None:
     """Straight lines at other instants interpolate exactly: the difference is rounding, below a billionth."""
     t, other = np.linspace(0.0, 1.0, 77), np.linspace(0.0, 1.0, 11)
-    (curve,) = draw_histories({"t": t, "slide": 3.0 * t}, {"t": other, "slide": 3.0 * other})
-    assert any(words.startswith(("[10⁻¹⁵", "[10⁻¹⁸", "[m]")) for words in texts(curve))
+    (curve,) = draw_histories({"t": t, "slide": 3.1 * t}, {"t": other, "slide": 3.1 * other})
+    assert any(words.startswith(("[10⁻¹⁵", "[10⁻¹⁸")) for words in texts(curve))
 
 
 def test_a_run_that_went_wrong_is_still_drawn() -> None:
@@ -140,14 +140,16 @@ def test_a_run_that_went_wrong_is_still_drawn() -> None:
 def test_equal_input_gives_equal_text_and_leaves_the_settings_alone() -> None:
     import matplotlib as mpl
 
-    before = dict(mpl.rcParams)
-    assert draw_histories(*histories(50)) == draw_histories(*histories(50))
-    assert dict(mpl.rcParams) == before
+    expected = draw_histories(*histories(50))
+    with mpl.rc_context({"font.size": 31.0, "axes.grid": False, "svg.hashsalt": "mine"}):
+        before = dict(mpl.rcParams)
+        assert draw_histories(*histories(50)) == expected
+        assert dict(mpl.rcParams) == before
 
 
 def test_thinning_keeps_ends_and_peaks() -> None:
     t = np.linspace(0.0, 1.0, 20_000)
-    values = np.sin(40.0 * t)
+    values = np.sin(5000.0 * t + 0.3)
     values[[7_001, 12_345]] = 9.0, -7.0
     kept_t, kept = thinned(t, values)
     assert len(kept) <= 402
