@@ -26,12 +26,15 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 
 def compiled(function: Callable[..., Any]) -> Any:
-    """Compile on first call for the types it meets, and keep the result on disk."""
+    """Compile on first call for the types it meets, and keep the result on disk.
+
+    The compiled code lets other Python threads run.
+    """
     # The cache folder is read when a function is decorated; other users of Numba keep theirs.
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        return numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy")(function)
+        return numba.njit(cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy")(function)
     finally:
         numba.config.CACHE_DIR = before
 

@@ -1,29 +1,53 @@
-"""The constrained corner: a two-sided penalty slider with Coulomb friction; compiled.
+"""The constrained corner: a two-sided slider on the wall with Coulomb friction; compiled.
 
-    gap         y_P, the corner's distance from the wall's line Y = 0
-    normal      N = -k y_P, both ways: N < 0 pulls the corner back to the wall
+    place       P is the weighted mean of the corner's nodes: one node, or a patch of the side
+    gap         y_P, its distance from the wall's line Y = 0
+    normal      N by the hold: a penalty spring, with or without a dashpot, or the exact constraint;
+                it acts both ways, N < 0 pulls the corner back to the wall
     stopping    the force that would end this step with the corner at rest
-    tangential  R, by the friction law: the stopping force, cut to what the law allows
+    tangential  R by the friction law: the stopping force, cut to what the law allows
 
-A friction law is a NamedTuple and one function registered for it with `overload(friction_force)`; the law of a
-scene without friction is None, and is compiled to nothing.
+Holds and laws are NamedTuples, each with a function registered for it by `overload`; the law of a scene without
+friction is None, and is compiled to nothing.
 """
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import types
 from numba.extending import overload
 
 from fem.compiled import compiled
 
 
-class Corner(NamedTuple):
-    """Node at corner P and the stiffness [N/m] that holds it on the wall."""
+class Penalty(NamedTuple):
+    """N = -k y_P; stiffness [N/m]."""
 
-    node: int
-    penalty_stiffness: float
+    stiffness: float
+
+
+class DampedPenalty(NamedTuple):
+    """N = -k y_P - c y_P', the velocity half a step late; stiffness [N/m], damping [N s/m]."""
+
+    stiffness: float
+    damping: float
+
+
+class Exact(NamedTuple):
+    """N is whatever ends this step with y_P = 0. Its one member is there because a tuple needs one."""
+
+    gap: float
+
+
+class Corner(NamedTuple):
+    """Nodes that carry the corner and their weights, sum 1; sum of weight^2 / mass [1/kg]; how it is held."""
+
+    nodes: np.ndarray
+    weights: np.ndarray
+    mobility: float
+    hold: Any
 
 
 class Drag(NamedTuple):
@@ -38,13 +62,78 @@ class Signed(NamedTuple):
     coefficient: float
 
 
+def hold_forces(hold: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
+    """Normal force of spring and of dashpot [N] of any hold above; compiled code only."""
+    raise NotImplementedError(type(hold))
+
+
+def hold_energy(hold: Any, gap: float) -> float:
+    """Energy [J] in the hold's spring; compiled code only."""
+    raise NotImplementedError(type(hold))
+
+
 def friction_force(law: Any, normal: float, stopping: float) -> float:
     """Tangential force [N] of any law above; compiled code only."""
     raise NotImplementedError(type(law))
 
 
-def _is(law: Any, kind: type) -> bool:
-    return isinstance(law, types.BaseNamedTuple) and law.instance_class is kind
+def _is(value: Any, *kinds: type) -> bool:
+    return isinstance(value, types.BaseNamedTuple) and value.instance_class in kinds
+
+
+@overload(hold_forces)
+def _penalty(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
+    if not _is(hold, Penalty):
+        return None
+
+    def forces(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
+        return -hold.stiffness * gap, 0.0
+
+    return forces
+
+
+@overload(hold_forces)
+def _damped_penalty(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
+    if not _is(hold, DampedPenalty):
+        return None
+
+    def forces(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
+        return -hold.stiffness * gap, -hold.damping * rate
+
+    return forces
+
+
+@overload(hold_forces)
+def _exact(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
+    if not _is(hold, Exact):
+        return None
+
+    def forces(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
+        return closing, 0.0
+
+    return forces
+
+
+@overload(hold_energy)
+def _spring_energy(hold: Any, gap: Any) -> Any:
+    if not _is(hold, Penalty, DampedPenalty):
+        return None
+
+    def energy(hold: Any, gap: Any) -> Any:
+        return 0.5 * hold.stiffness * gap * gap
+
+    return energy
+
+
+@overload(hold_energy)
+def _no_energy(hold: Any, gap: Any) -> Any:
+    if not _is(hold, Exact):
+        return None
+
+    def energy(hold: Any, gap: Any) -> Any:
+        return 0.0
+
+    return energy
 
 
 @overload(friction_force)
@@ -85,15 +174,39 @@ def _signed(law: Any, normal: Any, stopping: Any) -> Any:
 
 
 @compiled
-def add_corner_reaction(positions, velocities, mass, time_step, corner, friction, force):
-    """Add the wall's reaction to `force` at the corner; return it as (normal, tangential) [N].
+def weighted(values, corner):
+    """Weighted mean over the corner's nodes of values of shape (nodes,)."""
+    total = 0.0
+    for i in range(corner.nodes.size):
+        total += corner.weights[i] * values[corner.nodes[i]]
+    return total
 
-    `force` must already hold the other forces on the corner, and `velocities` those half a step back.
+
+@compiled
+def add_corner_reaction(positions, velocities, mass, time_step, corner, friction, force):
+    """Add the wall's reaction to `force`.
+
+    `force` must already hold the other forces, and `velocities` those half a step back. Returns normal and
+    tangential reaction [N], the corner's slip speed half a step back and ahead [m/s], power of the dashpot [W].
     """
-    p = corner.node
-    normal = -corner.penalty_stiffness * positions[1, p]
-    stopping = -(mass[p] * velocities[0, p] / time_step + force[0, p])
+    gap, rate, slip = (
+        weighted(positions[1], corner),
+        weighted(velocities[1], corner),
+        weighted(velocities[0], corner),
+    )
+    pull_x = pull_y = 0.0
+    for i in range(corner.nodes.size):
+        node, share = corner.nodes[i], corner.weights[i]
+        pull_x += share * force[0, node] / mass[node]
+        pull_y += share * force[1, node] / mass[node]
+    closing = -((gap / time_step + rate) / time_step + pull_y) / corner.mobility
+    spring, dashpot = hold_forces(corner.hold, gap, rate, closing)
+    normal = spring + dashpot
+    stopping = -(slip / time_step + pull_x) / corner.mobility
     tangential = friction_force(friction, normal, stopping)
-    force[0, p] += tangential
-    force[1, p] += normal
-    return normal, tangential
+    for i in range(corner.nodes.size):
+        force[0, corner.nodes[i]] += corner.weights[i] * tangential
+        force[1, corner.nodes[i]] += corner.weights[i] * normal
+    later_slip = slip + time_step * (pull_x + corner.mobility * tangential)
+    later_rate = rate + time_step * (pull_y + corner.mobility * normal)
+    return normal, tangential, slip, later_slip, 0.5 * dashpot * (rate + later_rate)

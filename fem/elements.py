@@ -10,8 +10,34 @@ import numpy as np
 if TYPE_CHECKING:
     import meshio
 
+MIDDLE = (np.array([[0.5], [0.5]]), np.array([1.0]))
+"""Quadrature of the reference square by its middle: points, shape (2, 1), and weights."""
+
 UNIFORM_TOLERANCE = 1e-12
 """Relative spread of the gradients below which all elements count as congruent."""
+
+
+@dataclass(frozen=True)
+class ElementKind:
+    """scikit-fem's element, order that the quadrature integrates, cells it sits on, hourglass control needed.
+
+    Order 0 stands for the one point in the middle, which scikit-fem does not choose by itself.
+    """
+
+    element: str
+    order: int
+    cells: str
+    hourglass: bool = False
+
+
+ELEMENT_KINDS = {
+    "quad4": ElementKind("ElementQuad1", 2, "quad"),
+    "quad4-reduced": ElementKind("ElementQuad1", 0, "quad", hourglass=True),
+    "quad9": ElementKind("ElementQuad2", 4, "quad"),
+    "tri3": ElementKind("ElementTriP1", 1, "triangle"),
+    "tri6": ElementKind("ElementTriP2", 2, "triangle"),
+}
+"""Elements by name. All go through the same compiled kernel."""
 
 
 class ElementTable(NamedTuple):
@@ -30,24 +56,63 @@ class ElementTable(NamedTuple):
     per_element: tuple[int, ...]
 
 
+class Hourglass(NamedTuple):
+    """Control of the motions that one point does not see: energy k |sum gamma_a x_a|^2 / 2 an element.
+
+    vectors: gamma, orthogonal to linear fields, shape (nodes per element, elements or 1); stiffness: k [N/m],
+    shape (elements or 1,).
+    """
+
+    vectors: np.ndarray
+    stiffness: np.ndarray
+
+
 @dataclass(frozen=True)
 class Discretisation:
-    """The plate's discretisation: scikit-fem's bases beside the tables drawn from them."""
+    """The plate's discretisation: scikit-fem's basis beside the tables drawn from it."""
 
     scalar: Any  # skfem.CellBasis of one unknown a node
     positions: np.ndarray  # reference positions of the nodes [m], shape (2, nodes)
     corner: int  # node at corner P
+    side: np.ndarray  # nodes of side PE
     table: ElementTable
 
+    @property
+    def cells(self) -> np.ndarray:
+        """Corner nodes of the elements, shape (elements, 3 or 4); corner nodes come first in the numbering."""
+        return np.asarray(self.scalar.mesh.t.T)
 
-def discretise(mesh: meshio.Mesh, thickness: float) -> Discretisation:
-    """Bilinear quadrilaterals with 2 x 2 points on the mesh's quads; corner P from its group `corner_p`."""
+
+def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Discretisation:
+    """Elements of this kind on the mesh's cells; corner P and side PE from its groups."""
     import skfem
     from skfem.io.meshio import from_meshio
 
-    scalar = skfem.CellBasis(from_meshio(mesh), skfem.ElementQuad1(), intorder=2)
+    chosen = ELEMENT_KINDS[kind]
+    rule: dict[str, Any] = {"intorder": chosen.order} if chosen.order else {"quadrature": MIDDLE}
+    scalar = skfem.CellBasis(from_meshio(mesh), getattr(skfem, chosen.element)(), **rule)
     positions = np.ascontiguousarray(scalar.doflocs)
-    return Discretisation(scalar, positions, _corner(mesh, positions), _table(scalar, thickness))
+    side = scalar.get_dofs("side_pe").flatten()
+    return Discretisation(scalar, positions, _corner(mesh, positions), side, _table(scalar, thickness))
+
+
+def hourglass_control(
+    discretisation: Discretisation, thickness: float, modulus: float, share: float
+) -> Hourglass:
+    """Stiffness control after Flanagan and Belytschko (1981): k = share c_11 V sum |b_a|^2 / 16.
+
+    modulus: c_11 [Pa]; share: dimensionless; b_a the gradients at the middle.
+    """
+    table, nodes = discretisation.table, discretisation.positions[:, discretisation.table.connectivity]
+    gradients = table.gradients.reshape(4, 2, -1)
+    pattern = np.array([1.0, -1.0, 1.0, -1.0])
+    slope = np.einsum("a,iae->ie", pattern, nodes)
+    vectors = pattern[:, None] - np.einsum(
+        "ie,aie->ae", slope, np.broadcast_to(gradients, (4, 2, nodes.shape[2]))
+    )
+    stiffness = share * modulus * table.weights[0] * (gradients**2).sum(axis=(0, 1)) / 16.0
+    columns = table.weights.shape[1]
+    return Hourglass(np.ascontiguousarray(vectors[:, :columns]), np.ascontiguousarray(stiffness[:columns]))
 
 
 def _corner(mesh: meshio.Mesh, positions: np.ndarray) -> int:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from fem.compiled import compiled
-from fem.corner import add_corner_reaction
+from fem.corner import add_corner_reaction, hold_energy, weighted
 from fem.internal_force import subtract_internal_forces
 from fem.materials import energy_density
 
@@ -31,39 +31,42 @@ COLUMNS = (
     "vibration_energy",
     "normal_impulse",
     "normal_impulse_magnitude",
+    "gap",
+    "hourglass_energy",
 )
 """Columns of a row, SI. `vibration_energy` is the kinetic energy that is not rigid motion's; the impulses are
 those of the normal reaction and of its magnitude: they part where the reaction rings through zero."""
 
 
 @compiled
-def measure(state, loop, viscosity, reference, force, scratch, row):
+def measure(state, loop, viscosity, hourglass, reference, force, scratch, row):
     """Fill `row` (COLUMNS) with what the state holds at its instant; the state is left as it is.
 
     reference: positions in the body frame [m], shape (2, nodes); the plate's angle is that of the rigid
     rotation that carries them onto the positions with the least mass-weighted square of distance.
     """
     positions, velocities, sums = state
+    half = 0.5 * loop.time_step
     force[:] = 0.0
-    subtract_internal_forces(positions, velocities, viscosity, force, loop.table, loop.material, scratch)
-    normal, tangential = add_corner_reaction(
+    subtract_internal_forces(
+        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+    )
+    normal, tangential, slip, later_slip, _ = add_corner_reaction(
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
     )
-    p = loop.corner.node
-    at_corner = loop.time_step * force[0, p] / loop.mass[p]
     theta, omega, v_x, v_y, kinetic, vibration = _motion(positions, velocities, force, loop, reference)
     row[0], row[1], row[2], row[3] = theta, omega, v_x, v_y
-    row[4] = positions[0, p]
-    row[5] = velocities[0, p] + 0.5 * at_corner
+    row[4], row[5] = weighted(positions[0], loop.corner), 0.5 * (slip + later_slip)
     row[6], row[7] = normal, tangential
-    row[8] = kinetic
-    row[9] = _strain_energy(positions, loop.table, loop.material)
-    row[10] = 0.5 * loop.corner.penalty_stiffness * positions[1, p] ** 2
-    row[11] = sums[0] + 0.5 * loop.time_step * tangential * velocities[0, p]
-    row[12] = sums[1]
+    row[8], row[9] = kinetic, _strain_energy(positions, loop.table, loop.material)
+    row[10] = hold_energy(loop.corner.hold, weighted(positions[1], loop.corner))
+    row[11], row[12] = sums[0] + half * tangential * slip, sums[1]
     row[13] = vibration
-    row[14] = sums[2] + 0.5 * loop.time_step * normal
-    row[15] = sums[3] + 0.5 * loop.time_step * abs(normal)
+    row[14], row[15] = sums[2] + half * normal, sums[3] + half * abs(normal)
+    row[16] = weighted(positions[1], loop.corner)
+    row[17] = 0.0
+    if hourglass is not None:
+        row[17] = _hourglass_energy(positions, loop.table, hourglass)
 
 
 @compiled
@@ -124,4 +127,18 @@ def _strain_energy(positions, table, material):
             e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
             g_12 = f_11 * f_12 + f_21 * f_22
             energy += table.weights[point, column] * energy_density(material, e_11, e_22, g_12)
+    return energy
+
+
+@compiled
+def _hourglass_energy(positions, table, hourglass):
+    energy = 0.0
+    for element in range(table.connectivity.shape[1]):
+        column = 0 if hourglass.stiffness.size == 1 else element
+        q_1 = q_2 = 0.0
+        for a in range(len(table.per_element)):
+            node = table.connectivity[a, element]
+            q_1 += hourglass.vectors[a, column] * positions[0, node]
+            q_2 += hourglass.vectors[a, column] * positions[1, node]
+        energy += 0.5 * hourglass.stiffness[column] * (q_1 * q_1 + q_2 * q_2)
     return energy

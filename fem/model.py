@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.corner import Corner
-from fem.elements import Discretisation, discretise
+from fem.corner import Corner, DampedPenalty, Exact, Penalty
+from fem.elements import ELEMENT_KINDS, Discretisation, Hourglass, discretise, hourglass_control
+from fem.internal_force import Viscosity
 from fem.mass import exact_inertia_masses, row_sum_masses
-from fem.materials import st_venant_kirchhoff
-from fem.stiffness import Spectrum, stiffness_matrix
+from fem.materials import MATERIALS, StVenantKirchhoff, st_venant_kirchhoff
+from fem.patch import corner_weights
+from fem.stiffness import Spectrum, hourglass_matrix, stiffness_matrix
 from fem.time_loop import LoopParameters
 
 if TYPE_CHECKING:
@@ -23,22 +26,48 @@ MASSES = {"exact": exact_inertia_masses, "row-sum": row_sum_masses}
 
 @dataclass(frozen=True)
 class PlateProperties:
-    """Thickness [m], density [kg/m^3], Young's modulus [Pa], Poisson's ratio; how the mass is lumped."""
+    """Thickness [m], density [kg/m^3], Young's modulus [Pa], Poisson's ratio, and choices by name.
+
+    hourglass: share of the stiffness that controls one-point elements; others have none.
+    """
 
     thickness: float
     density: float
     youngs_modulus: float
     poissons_ratio: float
     lumping: str = "exact"
+    element: str = "quad4"
+    material: str = "st-venant-kirchhoff"
+    hourglass: float = 0.1
+
+
+@dataclass(frozen=True)
+class CornerProperties:
+    """How the corner is held: `penalty` with this multiple of the program's stiffness, or `exact`.
+
+    patch_length [m]: 0 for the corner node alone. damping_ratio: of the penalty's dashpot, to critical.
+    friction: a law of `fem.corner`, or None.
+    """
+
+    friction: Any = None
+    constraint: str = "penalty"
+    penalty_scale: float = 1.0
+    patch_length: float = 0.0
+    damping_ratio: float = 0.0
 
 
 @dataclass(frozen=True)
 class StepProperties:
-    """Share of the stable time step that is taken; an upper bound [s] on it; damping ratio at the highest frequency."""
+    """Share of the stable time step that is taken, an upper bound on it [s], and damping.
+
+    damping_ratio: stiffness-proportional, to critical at the highest frequency. bulk_viscosity: linear, the
+    dimensionless coefficient of density x wave speed x element size.
+    """
 
     safety_factor: float = 0.9
     longest: float = np.inf
     damping_ratio: float = 0.0
+    bulk_viscosity: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -46,10 +75,11 @@ class PlateModel:
     """The plate, its corner and its time step."""
 
     discretisation: Discretisation
-    stiffness: Any  # scipy.sparse, body frame [N/m]
-    highest_frequency: float  # [rad/s], corner's spring included
+    stiffness: Any  # scipy.sparse, body frame, at rest, hourglass control included [N/m]
+    highest_frequency: float  # [rad/s], the corner's hold included
     stable_time_step: float  # [s]
     loop: LoopParameters
+    shear_modulus: float  # [Pa], at small strain
 
     @property
     def mass(self) -> float:
@@ -67,28 +97,70 @@ def penalty_stiffness(plate: PlateProperties, scale: float) -> float:
 
 
 def build_model(
-    mesh: meshio.Mesh, plate: PlateProperties, penalty_scale: float, friction: Any, step: StepProperties
+    mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties, step: StepProperties
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
-    friction: a law of `fem.corner`, or None. Raises ValueError where the mesh cannot carry the exact inertia.
+    Raises ValueError where the mesh cannot carry the exact inertia, or has too few nodes for the patch.
     """
-    discretisation = discretise(mesh, plate.thickness)
-    material = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
+    discretisation = discretise(mesh, plate.thickness, plate.element)
+    moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     masses = MASSES[plate.lumping](discretisation.scalar, plate.density, plate.thickness)
-    stiffness = stiffness_matrix(discretisation.scalar, plate.thickness, material)
-    corner = Corner(discretisation.corner, penalty_stiffness(plate, penalty_scale))
-    spectrum = Spectrum(stiffness, masses, corner.node, corner.penalty_stiffness)
+    stiffness = stiffness_matrix(discretisation.scalar, plate.thickness, moduli)
+    hourglass = _hourglass(discretisation, plate, moduli)
+    if hourglass is not None:
+        stiffness = stiffness + hourglass_matrix(discretisation.table, hourglass, masses.size)
+    held = _corner(discretisation, masses, plate, corner)
+    spectrum = Spectrum(stiffness, masses, held)
     frequency = spectrum.highest_frequency()
-    viscosity = 2.0 * step.damping_ratio / frequency if step.damping_ratio else None
-    stable = spectrum.stable_time_step(frequency, viscosity)
+    viscosity = _viscosity(discretisation, plate, step, moduli, frequency)
+    damping = (
+        None if viscosity is None else stiffness_matrix(discretisation.scalar, plate.thickness, viscosity)
+    )
+    stable = spectrum.stable_time_step(frequency, damping)
     loop = LoopParameters(
         table=discretisation.table,
-        material=material,
+        material=MATERIALS[plate.material](plate.youngs_modulus, plate.poissons_ratio),
         mass=masses,
-        corner=corner,
-        friction=friction,
+        corner=held,
+        friction=corner.friction,
         viscosity=viscosity,
+        hourglass=hourglass,
         time_step=min(step.safety_factor * stable, step.longest),
     )
-    return PlateModel(discretisation, stiffness, frequency, stable, loop)
+    return PlateModel(discretisation, stiffness, frequency, stable, loop, moduli.c_33)
+
+
+def _hourglass(d: Discretisation, plate: PlateProperties, moduli: StVenantKirchhoff) -> Hourglass | None:
+    if not ELEMENT_KINDS[plate.element].hourglass:
+        return None
+    return hourglass_control(d, plate.thickness, moduli.c_11, plate.hourglass)
+
+
+def _corner(
+    d: Discretisation, masses: np.ndarray, plate: PlateProperties, corner: CornerProperties
+) -> Corner:
+    nodes, weights = corner_weights(d, corner.patch_length)
+    mobility = float((weights**2 / masses[nodes]).sum())
+    if corner.constraint == "exact":
+        return Corner(nodes, weights, mobility, Exact(0.0))
+    stiffness = penalty_stiffness(plate, corner.penalty_scale)
+    if not corner.damping_ratio:
+        return Corner(nodes, weights, mobility, Penalty(stiffness))
+    damping = corner.damping_ratio * 2.0 * math.sqrt(stiffness / mobility)
+    return Corner(nodes, weights, mobility, DampedPenalty(stiffness, damping))
+
+
+def _viscosity(
+    d: Discretisation,
+    plate: PlateProperties,
+    step: StepProperties,
+    moduli: StVenantKirchhoff,
+    frequency: float,
+) -> Viscosity | None:
+    if not (step.damping_ratio or step.bulk_viscosity):
+        return None
+    time = 2.0 * step.damping_ratio / frequency
+    size = math.sqrt(float(d.scalar.dx.sum(axis=1).min()))
+    bulk = step.bulk_viscosity * math.sqrt(plate.density * moduli.c_11) * size
+    return Viscosity(time * moduli.c_11 + bulk, time * moduli.c_12 + bulk, time * moduli.c_33)

@@ -9,11 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.corner import add_corner_reaction
+from fem.deformed import deformed_frequency
 from fem.internal_force import scratch_for, subtract_internal_forces
 from fem.measures import COLUMNS, measure
 from fem.model import PlateModel
 from fem.start import RigidStart, start_fields
 from fem.time_loop import State, advance, copy_state
+
+LOOKS = 4
+"""Instants of a run at which the stable time step is looked at again, in the deformed plate."""
 
 OVERTIME = 1.5
 """Multiples of the expected duration after which a run that has not struck is given up."""
@@ -36,16 +40,26 @@ class Run:
     strike: Strike | None
     steps: int
     time_loop_s: float
+    highest_frequency: float  # [rad/s], the largest at a few instants of the run
 
 
 class Stepper:
-    """The compiled loop with its parameters and its room to work in; the state is the caller's."""
+    """The compiled loop with its parameters and its room to work in; the state is the caller's.
 
-    def __init__(self, model: PlateModel) -> None:
+    threads: 1, or more for large meshes; numbers repeat to the bit for the same number.
+    """
+
+    def __init__(self, model: PlateModel, threads: int = 1) -> None:
         self.model, self.loop = model, model.loop
         self._reference = model.discretisation.positions
+        self._parts = (self.loop.viscosity, self.loop.hourglass)
         self._force = np.zeros_like(self._reference)
         self._scratch = scratch_for(self.loop.table)
+        self._team = None
+        if threads > 1:
+            from fem.parallel import Team
+
+            self._team = Team(self.loop, self._scratch, threads)
 
     def start(self, start: RigidStart, kind: str) -> State:
         """State at t = 0, its velocities set back by half a step."""
@@ -54,27 +68,30 @@ class Stepper:
         loop, force = self.loop, self._force
         force[:] = 0.0
         subtract_internal_forces(
-            positions, velocities, loop.viscosity, force, loop.table, loop.material, self._scratch
+            positions, velocities, *self._parts, force, loop.table, loop.material, self._scratch
         )
-        normal, tangential = add_corner_reaction(
+        normal, tangential, *_ = add_corner_reaction(
             positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
         )
         velocities = velocities - 0.5 * loop.time_step * force / loop.mass
         # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
-        work = tangential * velocities[0, loop.corner.node]
+        work = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
         sums = -0.5 * loop.time_step * np.array([work, 0.0, normal, abs(normal)])
         return State(positions, velocities, sums)
 
     def advance(self, state: State, steps: int) -> State:
         """The state this many steps later; the one given stays as it is."""
         later = copy_state(state)
-        advance(later, steps, self.loop, self.loop.viscosity, self._force, self._scratch)
+        if self._team:
+            self._team.advance(later, steps)
+        else:
+            advance(later, steps, self.loop, *self._parts, self._force, self._scratch)
         return later
 
     def measure(self, state: State) -> np.ndarray:
         """Values of COLUMNS at the state's instant."""
         row = np.empty(len(COLUMNS))
-        measure(state, self.loop, self.loop.viscosity, self._reference, self._force, self._scratch, row)
+        measure(state, self.loop, *self._parts, self._reference, self._force, self._scratch, row)
         return row
 
     def nodal_velocities(self, state: State) -> np.ndarray:
@@ -83,9 +100,9 @@ class Stepper:
         return 0.5 * (state.velocities + later.velocities)
 
 
-def compile_loop(model: PlateModel, start: RigidStart) -> None:
+def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None:
     """Compile, or load from disk, all that a run of this model needs."""
-    stepper = Stepper(model)
+    stepper = Stepper(model, threads)
     state = stepper.start(start, "sudden")
     stepper.measure(stepper.advance(state, 0))
 
@@ -96,18 +113,19 @@ def simulate(
     duration: float,
     kind: str = "quiet",
     rows: int = 400,
+    threads: int = 1,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
     duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
     """
-    stepper, time_step = Stepper(model), model.loop.time_step
+    stepper, time_step = Stepper(model, threads), model.loop.time_step
     stride = max(1, round(duration / time_step / rows))
     last = OVERTIME * duration / time_step
     began = time.perf_counter()
     state, step = stepper.start(start, kind), 0
-    table, strike = [(0.0, *stepper.measure(state))], None
+    table, strike, seen = [(0.0, *stepper.measure(state))], None, []
     while strike is None and step < last and np.isfinite(table[-1]).all():
         later = stepper.advance(state, stride)
         row = (time_step * (step + stride), *stepper.measure(later))
@@ -115,12 +133,18 @@ def simulate(
             strike, step = _locate(stepper, state, step)
             row = (strike.values["t"], *(strike.values[name] for name in COLUMNS))
         else:
+            if len(table) % (rows // LOOKS) == 0:
+                seen.append(later.positions)
             state, step = later, step + stride
         table.append(row)
         progress(min(1.0, row[0] / duration))
     elapsed = time.perf_counter() - began
     history = dict(zip(("t", *COLUMNS), np.array(table).T, strict=True))
-    return Run(history, strike, step, elapsed)
+    finite = [
+        positions for positions in (*seen[: LOOKS - 1], state.positions) if np.isfinite(positions).all()
+    ]
+    frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
+    return Run(history, strike, step, elapsed, frequency)
 
 
 def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:

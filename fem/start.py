@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from fem.corner import Drag, Signed
+from fem.corner import Drag, Exact, Signed
 from fem.model import PlateModel
 
 
@@ -38,7 +38,7 @@ class _Rigid(NamedTuple):
 
 def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m] and velocities [m/s] at t = 0, both of shape (2, nodes)."""
-    body = model.discretisation.positions - model.discretisation.positions[:, [model.loop.corner.node]]
+    body = model.discretisation.positions - _at_corner(model, model.discretisation.positions)
     elastic, rate, gap, gap_rate = KINDS[kind](model, start, body)
     turn = to_global(start.angle)
     arm = turn @ (body + elastic)
@@ -90,9 +90,16 @@ def _elastic(
     arm = turn @ body
     acceleration = rigid.angular * np.array([-arm[1], arm[0]]) - omega**2 * arm + [[rigid.corner], [0.0]]
     load = -model.loop.mass * acceleration
-    load[:, corner.node] += rigid.tangential, rigid.normal
+    load[:, corner.nodes] += np.outer((rigid.tangential, rigid.normal), corner.weights)
     displacement = solve((turn.T @ load).ravel()).reshape(2, -1)
-    return displacement - displacement[:, [corner.node]], -rigid.normal / corner.penalty_stiffness
+    gap = 0.0 if isinstance(corner.hold, Exact) else -rigid.normal / corner.hold.stiffness
+    return displacement - _at_corner(model, displacement), gap
+
+
+def _at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:
+    """Value at the corner of a nodal field of shape (2, nodes), shape (2, 1)."""
+    corner = model.loop.corner
+    return np.asarray(values[:, corner.nodes] @ corner.weights)[:, None]
 
 
 def _elastic_solver(model: PlateModel, body: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -121,7 +128,7 @@ def _rigid_accelerations(
     masses = model.loop.mass
     total, inertia = masses.sum(), masses @ (body**2).sum(axis=0)
     s_x, s_y = to_global(angle) @ (body @ masses)
-    slope = _friction_slope(model.loop.friction, speed)
+    slope = friction_slope(model.loop.friction, speed)
     corner = omega**2 * (s_x - slope * s_y) / (total - s_y * (s_y + slope * s_x) / inertia)
     angular = s_y * corner / inertia
     normal = s_x * angular - omega**2 * s_y
@@ -132,7 +139,7 @@ def _rigid_accelerations(
     return _Rigid(corner, angular, normal, slope * normal)
 
 
-def _friction_slope(friction: Any, speed: float) -> float:
+def friction_slope(friction: Any, speed: float) -> float:
     """Tangential force per normal force while the reaction pulls."""
     if isinstance(friction, Drag):
         return friction.coefficient * np.sign(speed)

@@ -25,6 +25,7 @@ class LoopParameters(NamedTuple):
     corner: Corner
     friction: Any
     viscosity: Any
+    hourglass: Any
     time_step: float
 
 
@@ -32,7 +33,7 @@ class State(NamedTuple):
     """Where the plate is, and what has been summed up on the way.
 
     positions [m] and velocities half a step back [m/s], shape (2, nodes). sums, shape (4,): friction work and
-    viscous work done on the plate [J]; impulse of the normal reaction and of its magnitude [N s].
+    damping work done on the plate [J]; impulse of the normal reaction and of its magnitude [N s].
     """
 
     positions: np.ndarray
@@ -46,30 +47,36 @@ def copy_state(state: State) -> State:
 
 
 @compiled
-def advance(state, steps, loop, viscosity, force, scratch):
+def advance(state, steps, loop, viscosity, hourglass, force, scratch):
     """Advance the state in place by this many steps. `force` and `scratch` are room to work in."""
-    positions, velocities, sums = state
-    p, time_step = loop.corner.node, loop.time_step
+    positions, velocities, _ = state
     for _ in range(steps):
         force[:] = 0.0
-        viscous_power = subtract_internal_forces(
-            positions, velocities, viscosity, force, loop.table, loop.material, scratch
+        power = subtract_internal_forces(
+            positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
         )
-        normal, tangential = add_corner_reaction(
-            positions, velocities, loop.mass, time_step, loop.corner, loop.friction, force
-        )
-        before = velocities[0, p]
-        _drift(positions, velocities, force, loop.mass, time_step)
-        sums[0] += 0.5 * time_step * tangential * (before + velocities[0, p])
-        sums[1] -= time_step * viscous_power
-        sums[2] += time_step * normal
-        sums[3] += time_step * abs(normal)
+        react(state, loop, power, force)
+        drift(positions, velocities, force, loop.mass, loop.time_step, 0, loop.mass.size)
 
 
 @compiled
-def _drift(positions, velocities, force, mass, time_step):
+def react(state, loop, viscous_power, force):
+    """Add the wall's reaction, and what it and the damping do to the sums."""
+    positions, velocities, sums = state
+    time_step = loop.time_step
+    normal, tangential, slip, later_slip, dashpot_power = add_corner_reaction(
+        positions, velocities, loop.mass, time_step, loop.corner, loop.friction, force
+    )
+    sums[0] += 0.5 * time_step * tangential * (slip + later_slip)
+    sums[1] += time_step * (dashpot_power - viscous_power)
+    sums[2] += time_step * normal
+    sums[3] += time_step * abs(normal)
+
+
+@compiled
+def drift(positions, velocities, force, mass, time_step, begin, end):
     for i in range(2):
-        x, v, f = positions[i], velocities[i], force[i]
-        for node in range(mass.size):
-            v[node] += time_step * f[node] / mass[node]
+        x, v, f, m = positions[i, begin:end], velocities[i, begin:end], force[i, begin:end], mass[begin:end]
+        for node in range(m.size):
+            v[node] += time_step * f[node] / m[node]
             x[node] += time_step * v[node]

@@ -11,7 +11,7 @@ from meshes.session import gmsh_model
 if TYPE_CHECKING:
     import meshio
 
-CELL_TYPES = {1: "line", 3: "quad", 15: "vertex"}
+CELL_TYPES = {1: "line", 2: "triangle", 3: "quad", 15: "vertex"}
 """gmsh element types that a transfinite rectangle has, with meshio's names."""
 
 
@@ -22,14 +22,19 @@ def rectangle_mesh(
     elements: tuple[int, int],
     corners: tuple[str, str, str, str],
     sides: tuple[str, str, str, str],
+    cells: str = "quad",
 ) -> meshio.Mesh:
-    """Mesh a rectangle [m] with `elements` quadrilaterals along X and Y.
+    """Mesh a rectangle [m] with `elements` quadrilaterals along X and Y, or twice as many triangles.
+
+    cells: "quad" or "triangle".
 
     `corners` and `sides` name the physical groups counter-clockwise, from the lower left corner and the
     lower side; `name` is the surface's. An empty name leaves that group out.
     """
     with gmsh_model(name) as gmsh:
         points, curves, surface = _geometry(gmsh.model.geo, origin, size, elements)
+        if cells == "quad":
+            gmsh.model.geo.mesh.setRecombine(2, surface)
         gmsh.model.geo.synchronize()
         _groups(gmsh, 0, points, corners)
         _groups(gmsh, 1, curves, sides)
@@ -61,7 +66,6 @@ def _geometry(
     for curve, count in zip(curves, (*elements, *elements), strict=True):
         geo.mesh.setTransfiniteCurve(curve, count + 1)
     geo.mesh.setTransfiniteSurface(surface, cornerTags=points)
-    geo.mesh.setRecombine(2, surface)
     return points, curves, surface
 
 

@@ -28,6 +28,7 @@ def run_checks(
     checks = [
         _reached(run),
         _finite(history),
+        _time_step(fe_plan, run),
         _energy(history),
         _momentum(fe_plan, history),
         _ringing(fe_plan, history),
@@ -35,13 +36,16 @@ def run_checks(
     ]
     if fe_plan.plate.start == "quiet":
         checks.append(_reaction(fe_plan, history, rigid))
+    if fe_plan.model.loop.hourglass is not None:
+        checks.append(_hourglass(history))
     checks.append(_agreement(fe_plan, differences))
     return tuple(checks)
 
 
 def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
     """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
-    held = history["kinetic_energy"] + history["strain_energy"] + history["contact_energy"]
+    stored = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
+    held = np.sum([history[name] for name in stored], axis=0)
     balance = held - history["friction_work"] - history["damping_work"]
     return np.asarray(balance - balance[0])
 
@@ -59,6 +63,13 @@ def _reached(run: Run) -> Check:
 def _finite(history: Mapping[str, np.ndarray]) -> Check:
     bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in history.values())
     return _check("finite numbers", bad, 0, "entries of the history that are not finite numbers")
+
+
+def _time_step(fe_plan: FePlan, run: Run) -> Check:
+    model = fe_plan.model
+    share = model.loop.time_step / model.stable_time_step * run.highest_frequency / model.highest_frequency
+    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
+    return _check("time step", float(share), 1.0, meaning)
 
 
 def _energy(history: Mapping[str, np.ndarray]) -> Check:
@@ -87,10 +98,15 @@ def _ringing(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
 
 
 def _penetration(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
-    corner, body = fe_plan.model.loop.corner, fe_plan.plan.body
-    gap = np.abs(history["reaction_normal"]).max() / corner.penalty_stiffness
+    gap = float(np.abs(history["gap"]).max() / fe_plan.plan.body.width)
     meaning = "largest distance of the corner from the wall's line over the plate's width"
-    return _check("penetration", float(gap / body.width), 0.01, meaning)
+    return _check("penetration", gap, 0.01, meaning)
+
+
+def _hourglass(history: Mapping[str, np.ndarray]) -> Check:
+    share = history["hourglass_energy"].max() / (history["strain_energy"] + history["hourglass_energy"]).max()
+    meaning = "largest hourglass energy over the largest strain energy; above 10 % the mesh is too coarse"
+    return _check("hourglass share", float(share), 0.1, meaning)
 
 
 def _reaction(fe_plan: FePlan, history: Mapping[str, np.ndarray], rigid: Mapping[str, np.ndarray]) -> Check:

@@ -50,11 +50,19 @@ def run_scene(plan: Plan) -> Outcome:
         from fem.simulate import compile_loop, simulate
 
         fe_plan = make_fe_plan(plan)
-        compile_loop(fe_plan.model, fe_plan.start)
+        compile_loop(fe_plan.model, fe_plan.start, plan.scene.time.threads)
     setup = time.perf_counter() - began
     scene, duration = plan.scene, plan.motion.strike.t
     with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
-        run = simulate(fe_plan.model, fe_plan.start, duration, fe_plan.plate.start, scene.time.rows, progress)
+        run = simulate(
+            fe_plan.model,
+            fe_plan.start,
+            duration,
+            kind=fe_plan.plate.start,
+            rows=scene.time.rows,
+            threads=scene.time.threads,
+            progress=progress,
+        )
     return _compare(fe_plan, run, setup)
 
 

@@ -28,6 +28,10 @@ PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", above=-1
 Scale = Annotated[float, Quantity("a factor", "", "1.0", above=0.0)]
 Share = Annotated[float, Quantity("a share", "", "0.9", above=0.0, most=1.0)]
 DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", above=0.0, most=1.0)]
+Viscosity = Annotated[
+    float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", above=0.0, most=10.0)
+]
+Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
 
 
 def _element_counts(given: object) -> object:
@@ -79,7 +83,10 @@ class Corner(Table):
 
     reaction: Literal["drag", "none", "signed"] = "drag"
     friction: Friction | None = None
+    constraint: Literal["penalty", "exact"] = "penalty"
     penalty_scale: Scale = 1.0
+    damping_ratio: DampingRatio | None = None
+    patch_length: Length | None = None
 
 
 class Strike(Table):
@@ -96,21 +103,33 @@ class Plate(Table):
     youngs_modulus: Modulus
     poissons_ratio: PoissonsRatio
     elements: ElementCounts
+    element: Literal["quad4", "quad4-reduced", "quad9", "tri3", "tri6"] = "quad4"
+    distortion: Distortion = 0.0
+    hourglass: Share = 0.1
     lumping: Literal["exact", "row-sum"] = "exact"
     start: Literal["quiet", "sudden"] = "quiet"
 
 
-class Damping(Table):
-    """Stiffness-proportional damping: the ratio to critical at the model's highest frequency."""
+class Material(Table):
+    """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
 
-    ratio: DampingRatio
+    law: Literal["st-venant-kirchhoff", "neo-hookean"]
+
+
+class Damping(Table):
+    """Damping of the plate: stiffness-proportional, as a ratio to critical at the model's highest frequency;
+    linear bulk viscosity."""
+
+    ratio: DampingRatio | None = None
+    bulk_viscosity: Viscosity | None = None
 
 
 class Time(Table):
-    """Share of the stable time step that is taken; rows of the history."""
+    """Share of the stable time step that is taken; rows of the history; threads of the time loop."""
 
     safety_factor: Share = 0.9
     rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
+    threads: Annotated[int, Field(ge=1, le=256, strict=True)] = 1
 
 
 class Wall(Table):
@@ -131,6 +150,7 @@ class Scene(Table):
     corner: Corner = Corner()
     strike: Strike = Strike()
     plate: Plate | None = None
+    material: Material | None = None
     damping: Damping | None = None
     time: Time = Time()
     wall: Wall | None = None

@@ -138,7 +138,26 @@ def _check_together(scene: Scene) -> None:
         )
     if scene.corner.reaction != "none" and friction is None and scene.impact is None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
-    if scene.damping and not scene.plate:
-        raise InputError("damping", "a table", "it has no meaning without [plate]; leave it out")
-    if scene.wall and not scene.plate:
-        raise InputError("wall", "a table", "it has no meaning without [plate]; leave it out")
+    _check_plate(scene)
+
+
+def _check_plate(scene: Scene) -> None:
+    """Keys of the finite-element model that need or exclude each other."""
+    tables = {"material": scene.material, "damping": scene.damping, "wall": scene.wall}
+    for name, table in tables.items():
+        if table and not scene.plate:
+            raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
+    for key in ("penalty_scale", "damping_ratio"):
+        if scene.corner.constraint == "exact" and key in scene.corner.model_fields_set:
+            raise InputError(
+                f"corner.{key}",
+                getattr(scene.corner, key),
+                'constraint = "exact" has no spring; leave it out',
+            )
+    plate = scene.plate
+    if plate and plate.element != "quad4-reduced" and "hourglass" in plate.model_fields_set:
+        raise InputError(
+            "plate.hourglass", plate.hourglass, 'only element = "quad4-reduced" needs it; leave it out'
+        )
+    if scene.damping and scene.damping.ratio is None and scene.damping.bulk_viscosity is None:
+        raise InputError("damping", "an empty table", "it needs ratio or bulk_viscosity; or leave it out")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tailslap.left_out import left_out
 from tailslap.plan import Plan
@@ -29,6 +29,8 @@ def print_outcome(outcome: Outcome, place: Path) -> None:
     failed = [check for check in outcome.checks if not check.passed]
     for check in failed:
         console.print(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})")
+    for line in flutter_lines(outcome.fe_plan) if failed else []:
+        console.print(line)
     console.print(f"Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed")
     console.print(f"Report: {place / 'report.html'}")
     console.print(
@@ -89,8 +91,8 @@ def fe_part(fe_plan: FePlan) -> list[str]:
     seconds = steps * elements / UPDATES_PER_SECOND
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, "
-        f"{fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",
-        f"penalty      {model.loop.corner.penalty_stiffness:.4g} N/m",
+        f"{fe_plan.plate.element}, {fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",
+        f"corner       {_hold(model.loop.corner)}",
         f"frequency    {model.highest_frequency:.6g} rad/s, the highest, by Lanczos with the corner's spring",
         f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the "
         f"stable {model.stable_time_step:.4g} s",
@@ -98,3 +100,34 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"(at {UPDATES_PER_SECOND:.0e} element updates a second)",
         f"flexibility  the plate gives by {fe_plan.give:.1e} of its travel: expect differences of that size",
     ]
+
+
+def flutter_lines(fe_plan: FePlan) -> list[str]:
+    """What linearising the model with friction foretells."""
+    from fem.flutter import CALM, SUSPECT, foresee_flutter
+
+    found = foresee_flutter(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t)
+    if found is None:
+        return ["flutter      not analysed: the model is too large; the run's own checks watch for it"]
+    if found.growth == 0.0:
+        return ["flutter      none: no growing mode"]
+    cure = "" if found.cure is None else f"; damping.ratio = {found.cure:g} calms it"
+    told = (
+        "EXPECTED, the run will fail its checks"
+        if found.expected
+        else "possible"
+        if found.growth > CALM
+        else "harmless"
+    )
+    return [
+        f"flutter      {told}: the fastest mode, {found.frequency:.4g} rad/s, grows by "
+        f"exp({found.growth:.1f}) during the run, and exp({SUSPECT:g}) spoils it{cure if found.growth > CALM else ''}"
+    ]
+
+
+def _hold(corner: Any) -> str:
+    where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
+    stiffness = getattr(corner.hold, "stiffness", None)
+    return (
+        f"{where}, held exactly" if stiffness is None else f"{where}, penalty stiffness {stiffness:.4g} N/m"
+    )

@@ -57,14 +57,17 @@ def _draw(outcome: Outcome, folder: Path) -> Outcome:
     assert strike is not None
     discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
     spin = nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
+    drawn = (
+        discretisation.cells.max() + 1
+    )  # corner nodes; those on the sides of quadratic elements come after
     fields = [
-        ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0]),
-        ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1]),
-        ContourField("omega", "Angular velocity", "rad/s", spin),
+        ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
+        ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
+        ContourField("omega", "Angular velocity", "rad/s", spin[:drawn]),
     ]
     pictures = draw_contours(
-        strike.positions.T,
-        discretisation.table.connectivity.T,
+        strike.positions.T[:drawn],
+        discretisation.cells,
         fields,
         folder,
         wall_points=None if wall is None else wall.points[:, :2],

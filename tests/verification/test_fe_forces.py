@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.elements import ElementTable, discretise
-from fem.internal_force import scratch_for, subtract_internal_forces
+from fem.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.materials import st_venant_kirchhoff
 from fem.measures import _strain_energy
 from fem.start import to_global
@@ -26,9 +26,14 @@ def internal_forces(
     force = np.zeros_like(positions)
     velocities = np.zeros_like(positions) if velocities is None else velocities
     power = subtract_internal_forces(
-        positions, velocities, viscosity, force, table, MATERIAL, scratch_for(table)
+        positions, velocities, viscosity, None, force, table, MATERIAL, scratch_for(table)
     )
     return -force, power
+
+
+def viscosity(time: float) -> Viscosity:
+    """Stiffness-proportional: the material's constants times a time [s]."""
+    return Viscosity(*(time * constant for constant in MATERIAL))
 
 
 @pytest.fixture(params=["congruent", "distorted"])
@@ -106,7 +111,7 @@ def test_a_partly_filled_block_gives_what_full_blocks_give() -> None:
 def test_rigid_rotation_dissipates_nothing(discretisation: Any) -> None:
     positions = to_global(0.26) @ discretisation.positions
     spin = 0.7 * np.array([-positions[1], positions[0]]) + 25.0
-    forces, power = internal_forces(discretisation.table, positions, spin, 1e-3)
+    forces, power = internal_forces(discretisation.table, positions, spin, viscosity(1e-3))
     assert abs(power) < 1e-20 * 200e9
     assert np.abs(forces).max() < 1e-13 * 200e9 * THICKNESS * 10.0
 
@@ -116,6 +121,6 @@ def test_viscous_power_is_the_power_of_the_viscous_forces(discretisation: Any) -
     positions = to_global(0.26) @ discretisation.positions
     velocities = random.normal(size=positions.shape)
     elastic, _ = internal_forces(discretisation.table, positions)
-    both, power = internal_forces(discretisation.table, positions, velocities, 2e-6)
+    both, power = internal_forces(discretisation.table, positions, velocities, viscosity(2e-6))
     assert power > 0.0
     assert np.sum((both - elastic) * velocities) == pytest.approx(power, rel=1e-9)

@@ -115,7 +115,7 @@ def test_two_runs_are_equal_to_the_bit(plate_model: Callable[..., Any]) -> None:
 
 def test_a_free_plate_flies_straight_and_turns_evenly(plate_model: Callable[..., Any]) -> None:
     """Without the corner's spring: momentum and spin kept, theta = theta_0 - omega t, to rounding."""
-    model = plate_model(penalty_scale=1e-30)
+    model = plate_model(corner={"penalty_scale": 1e-30})
     stepper = Stepper(model)
     first = stepper.start(START, "sudden")
     rows = [dict(zip(COLUMNS, stepper.measure(stepper.advance(first, n)), strict=True)) for n in (0, 5000)]

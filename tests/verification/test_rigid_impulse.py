@@ -104,6 +104,15 @@ def test_broadcasting_equals_single_calls() -> None:
             assert getattr(together, name)[i, j] == pytest.approx(getattr(alone, name), rel=1e-14)
 
 
+def test_every_field_has_the_common_shape() -> None:
+    """Even where a field does not depend on what varies."""
+    bodies = RectangularBody(10.0, 2.438, np.array([5000.0, 9979.0]))
+    results = corner_impulse(bodies, 25.0, 0.26, 0.47, 0.22)
+    assert results.omega.shape == results.corner_speed.shape == results.impulse.shape == (2,)
+    force = strike_force(9979.0, 3.0, np.array([0.1, 0.2, 0.4]))
+    assert force.impulse.shape == force.duration.shape == force.peak_force.shape == (3,)
+
+
 def test_the_body() -> None:
     body = RectangularBody(6.0, 8.0, 12.0)
     assert body.corner_radius == 5.0

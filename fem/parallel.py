@@ -1,0 +1,128 @@
+"""The time loop on several threads, for large meshes; compiled.
+
+Each thread has its own elements, forces and scratch. Between the parts of a step the threads meet at a barrier:
+each writes the number of its turn, and waits until all have written it. The forces are summed in the order of
+the threads, so that a run repeats to the bit on the same number of threads.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from fem.compiled import compiled
+from fem.internal_force import Scratch, subtract_forces_of
+from fem.time_loop import LoopParameters, State, drift, react
+
+WORD = 8
+"""Turns lie this many numbers apart, a cache line, so that waiting threads do not disturb each other."""
+
+_give_way = types.ExternalFunction("sched_yield", types.int32())
+
+
+class Team:
+    """Threads' own room to work in, for one model."""
+
+    def __init__(self, loop: LoopParameters, scratch: Scratch, threads: int) -> None:
+        self._loop, self._threads = loop, threads
+        self._scratches = Scratch(*(np.tile(array, (threads, 1)) for array in scratch))
+        self._forces = np.zeros((threads, 2, loop.mass.size))
+        self._powers = np.zeros(threads)
+
+    def advance(self, state: State, steps: int) -> None:
+        """Advance the state in place by this many steps."""
+        turns = np.zeros(self._threads * WORD, dtype=np.int64)
+        room = (self._forces, self._scratches, self._powers, turns)
+        parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *room)
+        others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
+        for thread in others:
+            thread.start()
+        advance_thread(0, *parts)
+        for thread in others:
+            thread.join()
+
+
+@compiled
+def advance_thread(t, state, steps, loop, viscosity, hourglass, forces, scratches, powers, turns):
+    """What thread t does; see `fem.time_loop.advance` for the step."""
+    positions, velocities, _ = state
+    threads, elements, nodes = forces.shape[0], loop.table.connectivity.shape[1], loop.mass.size
+    first, last = elements * t // threads, elements * (t + 1) // threads
+    begin, end = nodes * t // threads, nodes * (t + 1) // threads
+    scratch = Scratch(scratches.rows[t], scratches.gradients[t], scratches.weights[t])
+    for step in range(steps):
+        forces[t] = 0.0
+        powers[t] = subtract_forces_of(
+            first,
+            last,
+            positions,
+            velocities,
+            viscosity,
+            hourglass,
+            forces[t],
+            loop.table,
+            loop.material,
+            scratch,
+        )
+        _meet(turns, t, threads, 4 * step + 1)
+        _sum_forces(forces, begin, end)
+        _meet(turns, t, threads, 4 * step + 2)
+        if t == 0:
+            react(state, loop, powers.sum(), forces[0])
+        _meet(turns, t, threads, 4 * step + 3)
+        drift(positions, velocities, forces[0], loop.mass, loop.time_step, begin, end)
+        _meet(turns, t, threads, 4 * step + 4)
+
+
+@compiled
+def _sum_forces(forces, begin, end):
+    for t in range(1, forces.shape[0]):
+        for i in range(2):
+            total, part = forces[0, i, begin:end], forces[t, i, begin:end]
+            for node in range(total.size):
+                total[node] += part[node]
+
+
+@compiled
+def _meet(turns, t, threads, turn):
+    """Wait until every thread has come to this turn."""
+    _store(turns, t * WORD, turn)
+    for other in range(threads):
+        waits = 0
+        while _load(turns, other * WORD) < turn:
+            waits += 1
+            if waits > 1000:  # another program has the core: let it run
+                _give_way()
+
+
+@intrinsic
+def _load(context: Any, array: Any, index: Any) -> Any:
+    """An atomic read, which the compiler may not move or merge."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load_atomic(_pointer(context, builder, signature, arguments), "acquire", 8)
+
+    return array.dtype(array, types.intp), code
+
+
+@intrinsic
+def _store(context: Any, array: Any, index: Any, value: Any) -> Any:
+    """An atomic write: all that this thread wrote before it is seen by who reads it."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store_atomic(arguments[2], _pointer(context, builder, signature, arguments), "release", 8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, array.dtype), code
+
+
+def _pointer(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return cgutils.get_item_pointer(
+        context, builder, signature.args[0], array, [arguments[1]], wraparound=False
+    )

@@ -1,0 +1,104 @@
+"""The finite-element model of a scene: mesh, plate, corner and time step from its tables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from tailslap.errors import InputError
+from tailslap.plan import Plan
+from tailslap.scene import Plate, Scene
+
+if TYPE_CHECKING:
+    import meshio
+
+    from fem.model import CornerProperties, PlateModel, PlateProperties, StepProperties
+
+LEAST_STEPS = 1000
+"""Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
+
+MOST_STEPS = 2_000_000_000
+"""A run above this is refused: it would take days, and its instants could not be told apart."""
+
+
+def make_model(plan: Plan, plate: Plate) -> PlateModel:
+    """Mesh and assemble. Raises InputError for keys that make no model."""
+    from fem.model import build_model
+
+    scene = plan.scene
+    try:
+        model = build_model(_mesh(plan, plate), _plate(plan, plate), _corner(scene), _step(plan))
+    except ValueError as error:
+        key = "corner.patch_length" if "patch" in str(error) else "plate.elements"
+        given = scene.corner.patch_length if "patch" in str(error) else list(plate.elements)
+        raise InputError(key, given, str(error)) from None
+    if not model.loop.time_step * MOST_STEPS > plan.motion.strike.t:
+        raise InputError(
+            "plate.youngs_modulus",
+            plate.youngs_modulus,
+            f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MOST_STEPS:g} steps",
+        )
+    return model
+
+
+def plate_density(plan: Plan, plate: Plate) -> float:
+    """The plate's density [kg/m^3]; left out, the vehicle's mass spread over the plate."""
+    vehicle = plan.scene.vehicle
+    return plate.density or vehicle.mass / (vehicle.length * vehicle.width * plate.thickness)
+
+
+def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
+    from fem.elements import ELEMENT_KINDS
+    from meshes import distorted, plate_mesh
+
+    vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
+    mesh = plate_mesh(vehicle.length, vehicle.width, plate.elements, cells)
+    return distorted(mesh, plate.distortion, plate.elements) if plate.distortion else mesh
+
+
+def _plate(plan: Plan, plate: Plate) -> PlateProperties:
+    from fem.model import PlateProperties
+
+    return PlateProperties(
+        plate.thickness,
+        plate_density(plan, plate),
+        plate.youngs_modulus,
+        plate.poissons_ratio,
+        lumping=plate.lumping,
+        element=plate.element,
+        material=plan.scene.material.law if plan.scene.material else "st-venant-kirchhoff",
+        hourglass=plate.hourglass,
+    )
+
+
+def _corner(scene: Scene) -> CornerProperties:
+    from fem.model import CornerProperties
+
+    corner = scene.corner
+    return CornerProperties(
+        _friction(scene),
+        corner.constraint,
+        corner.penalty_scale,
+        patch_length=corner.patch_length or 0.0,
+        damping_ratio=corner.damping_ratio or 0.0,
+    )
+
+
+def _friction(scene: Scene) -> Any:
+    """The friction law of the scene, or None: then there is no friction code."""
+    from fem.corner import Drag, Signed
+
+    laws = {"drag": Drag, "signed": Signed}
+    law, friction = laws.get(scene.corner.reaction), scene.corner_friction
+    return law(friction) if law and friction > 0.0 else None
+
+
+def _step(plan: Plan) -> StepProperties:
+    from fem.model import StepProperties
+
+    scene, damping = plan.scene, plan.scene.damping
+    return StepProperties(
+        scene.time.safety_factor,
+        plan.motion.strike.t / LEAST_STEPS,
+        damping_ratio=(damping.ratio or 0.0) if damping else 0.0,
+        bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
+    )
