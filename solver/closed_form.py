@@ -62,9 +62,7 @@ def _course(path: Path, theta: Any) -> tuple[Any, Any]:
     f_0, f = functions(gamma, theta_0, mu), functions(theta, gamma, theta_0, mu)
     phi_0, phi, p = gamma + theta_0, gamma + theta, 3.0 * mu
     s_0, c_0, s, c = f_0.sin(phi_0), f_0.cos(phi_0), f.sin(phi), f.cos(phi)
-    k2 = (4.0 - 2.0 * mu - mu) * (
-        4.0 + 2.0 * mu + mu
-    )  # the small factor is exact, and never 0: 4/3 is no float
+    k2 = (4.0 - 2.0 * mu - mu) * (4.0 + 2.0 * mu + mu)  # a factor near 0 is exact, and not 0: 4/3 is no float
     k = f_0.sqrt(abs(k2))
     opposite = (2.0 * k) * f.sin(theta - theta_0)
     b_0 = 2.0 * s_0 + p * c_0
@@ -96,9 +94,8 @@ def state(start: Start, theta: Number, t: Number) -> MotionState[Any]:
     energy = 0.5 * m * (v_gx * v_gx + v_gy * v_gy + u * u / 3.0)
     # The gain of energy, m/2 (v_GX^2) + m/6 (u^2 (1 + 3 C^2)), with each difference in closed form, so that
     # it vanishes without friction; D u^2 = D_0 u_0^2 exp(3 mu J).
-    turning = f.expm1(3.0 * mu * j) * u_0 * u_0 * (d / d_ratio) - 3.0 * mu * (
-        u * u * s * c - u_0 * u_0 * s_0 * c_0
-    )
+    turning = f.expm1(3.0 * mu * j) * u_0 * u_0 * (d / d_ratio)
+    turning -= 3.0 * mu * (u * u * s * c - u_0 * u_0 * s_0 * c_0)
     work = m * (mu * (v_gy - v_gy0) * (v_gx + v_gx0) / 2.0 + turning / 6.0)
     v_p, tangential = v_gx + u * s, mu * normal
     return MotionState(t, theta, u / r, v_gx, v_gy, v_p, slide, normal, tangential + 0.0, energy, work + 0.0)

@@ -81,8 +81,8 @@ class PlaneMotion:
     def at(self, times: ArrayLike) -> MotionState[Array]:
         """The states at the instants `times` [s], an array of any shape; theta < 0 past the strike.
 
-        Raises RigidBodyError for an instant outside 0 to `latest`, or past the strike where the corner,
-        with friction, has stopped.
+        Raises RigidBodyError for an instant outside 0 to `latest`, past the strike where the corner, with
+        friction, has stopped, and for a friction so near the limit of "signed" that no table of times holds.
         """
         t = np.asarray(number("time", times))
         gate = Gate()

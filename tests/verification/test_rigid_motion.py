@@ -241,7 +241,17 @@ def test_broadcasting_equals_single_calls() -> None:
                 value = getattr(together, name)
                 assert value.shape == (3, 3)
                 assert value[i, j] == pytest.approx(getattr(alone, name), rel=2e-14, abs=1e-12), name
-    assert isinstance(tail_slap(TRUCK, 0.26, 1, 25, 0).t, float)
+
+
+def test_numbers_in_numbers_out() -> None:
+    """Whole numbers, NumPy scalars and arrays without dimension count as numbers; answers are plain floats."""
+    strikes = (
+        plane_motion(TRUCK, 0.26, 1, np.float32(25.0), np.array(0)).strike,
+        tail_slap(RectangularBody(10, 2.438, np.float64(9979.0)), np.float64(0.26), 1, 25, 0),
+    )
+    for strike in strikes:
+        assert {type(getattr(strike, name)) for name in NAMES} == {float}
+    assert strikes[0] == strikes[1]
 
 
 def test_a_hundred_thousand_motions_take_less_than_two_seconds() -> None:
