@@ -98,7 +98,9 @@ def exactness() -> None:
     for angle, shift in ((0.0, 1.0), (0.26, 0.0), (2.0, 0.0)):
         state = stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden")
         positions = np.ascontiguousarray(to_global(angle) @ body + [[shift], [0.0]])
-        positions[1] -= positions[1, model.loop.corner.nodes[0]]  # the corner on the wall: its spring is slack
+        positions[1] -= positions[
+            1, model.loop.corner.nodes[0]
+        ]  # the corner on the wall: its spring is slack
         later = stepper.advance(type(state)(positions, np.zeros_like(positions), zero), 1)
         forces.append(np.abs(later.velocities * model.loop.mass / model.loop.time_step).max())
     row(

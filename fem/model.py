@@ -46,7 +46,7 @@ class CornerProperties:
     """How the corner is held: `penalty` with this multiple of the program's stiffness, or `exact`.
 
     patch_length [m]: 0 for the corner node alone. damping_ratio: of the penalty's dashpot, to critical.
-    friction: a law of `fem.corner`, or None.
+    friction: a law of `fem.corner`, or None. angles [rad]: of the plate during the run, for the time step.
     """
 
     friction: Any = None
@@ -54,6 +54,7 @@ class CornerProperties:
     penalty_scale: float = 1.0
     patch_length: float = 0.0
     damping_ratio: float = 0.0
+    angles: tuple[float, ...] = (0.26, 0.13, 0.0)
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def build_model(
     if hourglass is not None:
         stiffness = stiffness + hourglass_matrix(discretisation.table, hourglass, masses.size)
     held = _corner(discretisation, masses, plate, corner)
-    spectrum = Spectrum(stiffness, masses, held)
+    spectrum = Spectrum(stiffness, masses, held, corner.angles)
     frequency = spectrum.highest_frequency()
     viscosity = _viscosity(discretisation, plate, step, moduli, frequency)
     damping = (

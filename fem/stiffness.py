@@ -35,20 +35,25 @@ def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> sp.csr_matri
 class Spectrum:
     """The plate's stiffness with the corner's hold, for its highest frequency and stable time steps.
 
-    The hold turns in the body frame as the plate turns; it is taken in both directions, which bounds it.
+    angles [rad]: of the plate during its run; the hold acts across the wall, and so turns in the body frame.
     """
 
-    def __init__(self, stiffness: sp.csr_matrix, masses: np.ndarray, corner: Corner) -> None:
+    def __init__(
+        self, stiffness: sp.csr_matrix, masses: np.ndarray, corner: Corner, angles: tuple[float, ...] = (0.0,)
+    ) -> None:
         self._root = sp.diags(1.0 / np.sqrt(np.tile(masses, 2)))
-        self._shape = _both_directions(corner, masses.size)
         spring = getattr(corner.hold, "stiffness", 0.0)
-        self._held = self._scaled(stiffness + spring * self._shape)
+        # Without a spring all angles are alike.
+        self._shapes = [
+            _across_the_wall(corner, masses.size, angle) for angle in (angles if spring else angles[:1])
+        ]
+        self._held = [self._scaled(stiffness + spring * shape) for shape in self._shapes]
         self._dashpot = getattr(corner.hold, "damping", 0.0)
         self._vector = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
 
     def highest_frequency(self) -> float:
         """Highest circular frequency [rad/s], by Lanczos."""
-        return math.sqrt(self._largest(self._held))
+        return math.sqrt(max(self._largest(held) for held in self._held))
 
     def stable_time_step(self, frequency: float, damping: sp.csr_matrix | None) -> float:
         """Largest stable step [s] of central differences, the damping forces being half a step late.
@@ -62,13 +67,14 @@ class Spectrum:
             return undamped
         from scipy.optimize import brentq
 
-        matrix = self._dashpot * self._shape if damping is None else damping + self._dashpot * self._shape
-        scaled = self._scaled(matrix)
+        plate = 0.0 * self._held[0] if damping is None else self._scaled(damping)
+        damped = [sp.csr_matrix(plate + self._dashpot * self._scaled(shape)) for shape in self._shapes]
+        pairs = list(zip(self._held, damped, strict=True))
 
         def excess(step: float) -> float:
-            return math.sqrt(self._largest(step**2 * self._held + 2.0 * step * scaled)) - 2.0
+            return max(math.sqrt(self._largest(step**2 * held + 2.0 * step * c)) for held, c in pairs) - 2.0
 
-        ratio = 0.5 * self._largest(scaled) / frequency
+        ratio = 0.5 * max(map(self._largest, damped)) / frequency
         least = undamped * (math.sqrt(1.0 + ratio**2) - ratio)
         return float(brentq(excess, 0.999 * least, 1.001 * undamped, rtol=1e-6))
 
@@ -83,11 +89,12 @@ class Spectrum:
         return float(values[0])
 
 
-def _both_directions(corner: Corner, nodes: int) -> sp.csr_matrix:
-    """w w^T in x and in y for the corner's weights w."""
-    shape = sp.csr_matrix((corner.weights, (corner.nodes, np.zeros_like(corner.nodes))), shape=(nodes, 1))
-    block = shape @ shape.T
-    return sp.csr_matrix(sp.block_diag([block, block]))
+def _across_the_wall(corner: Corner, nodes: int, angle: float) -> sp.csr_matrix:
+    """w w^T for the corner's weights w in the direction across the wall, body frame, the plate at this angle."""
+    columns = np.zeros_like(corner.nodes)
+    shape = sp.csr_matrix((corner.weights, (corner.nodes, columns)), shape=(nodes, 1))
+    across = sp.vstack([-math.sin(angle) * shape, math.cos(angle) * shape])
+    return sp.csr_matrix(across @ across.T)
 
 
 def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> sp.csr_matrix:

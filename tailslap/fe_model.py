@@ -26,7 +26,7 @@ def make_model(plan: Plan, plate: Plate) -> PlateModel:
 
     scene = plan.scene
     try:
-        model = build_model(_mesh(plan, plate), _plate(plan, plate), _corner(scene), _step(plan))
+        model = build_model(_mesh(plan, plate), _plate(plan, plate), _corner(plan), _step(plan))
     except ValueError as error:
         key = "corner.patch_length" if "patch" in str(error) else "plate.elements"
         given = scene.corner.patch_length if "patch" in str(error) else list(plate.elements)
@@ -70,16 +70,17 @@ def _plate(plan: Plan, plate: Plate) -> PlateProperties:
     )
 
 
-def _corner(scene: Scene) -> CornerProperties:
+def _corner(plan: Plan) -> CornerProperties:
     from fem.model import CornerProperties
 
-    corner = scene.corner
+    corner, angle = plan.scene.corner, plan.start.angle
     return CornerProperties(
-        _friction(scene),
+        _friction(plan.scene),
         corner.constraint,
         corner.penalty_scale,
         patch_length=corner.patch_length or 0.0,
         damping_ratio=corner.damping_ratio or 0.0,
+        angles=(angle, 0.5 * angle, 0.0),
     )
 
 

@@ -15,8 +15,8 @@ pytestmark = pytest.mark.regression
 
 def test_work_is_bounded(outcome: Callable[..., Any]) -> None:
     """Steps of the shipped scenes: more of them would be a smaller step for no reason."""
-    assert outcome("paper-table-3").run.steps == pytest.approx(6597, abs=3)
-    assert outcome("paper-abaqus").run.steps == pytest.approx(6583, abs=3)
+    assert outcome("paper-table-3").run.steps == pytest.approx(6550, abs=3)
+    assert outcome("paper-abaqus").run.steps == pytest.approx(6537, abs=3)
 
 
 def test_differences_of_the_shipped_scene(outcome: Callable[..., Any]) -> None:
