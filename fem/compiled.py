@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numba.extending
 import platformdirs
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
@@ -37,6 +38,25 @@ def compiled(function: Callable[..., Any]) -> Any:
         return numba.njit(cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy")(function)
     finally:
         numba.config.CACHE_DIR = before
+
+
+def implements(generic: Callable[..., Any], *kinds: type, inline: str = "never") -> Callable[..., Any]:
+    """Decorator: what `generic` is, in compiled code, for a first argument that is one of these NamedTuples, or None.
+
+    The choice is made by type when a loop is compiled; the function's other arguments are as the generic's.
+    """
+
+    def register(implementation: Callable[..., Any]) -> Callable[..., Any]:
+        def choose(first: Any, *rest: Any) -> Any:
+            kind = getattr(
+                first, "instance_class", type(None) if isinstance(first, numba.types.NoneType) else None
+            )
+            return implementation if kind in kinds else None
+
+        numba.extending.overload(generic, strict=False, inline=inline)(choose)
+        return implementation
+
+    return register
 
 
 @functools.cache

@@ -7,7 +7,7 @@
     stopping    the force that would end this step with the corner at rest
     tangential  R by the friction law: the stopping force, cut to what the law allows
 
-Holds and laws are NamedTuples, each with a function registered for it by `overload`; the law of a scene without
+Holds and laws are NamedTuples, each with a function registered for it by `implements`; the law of a scene without
 friction is None, and is compiled to nothing.
 """
 
@@ -16,10 +16,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
-from numba.extending import overload
 
-from fem.compiled import compiled
+from fem.compiled import compiled, implements
 
 
 class Penalty(NamedTuple):
@@ -77,100 +75,48 @@ def friction_force(law: Any, normal: float, stopping: float) -> float:
     raise NotImplementedError(type(law))
 
 
-def _is(value: Any, *kinds: type) -> bool:
-    return isinstance(value, types.BaseNamedTuple) and value.instance_class in kinds
+@implements(hold_forces, Penalty)
+def _penalty(hold, gap, rate, closing):
+    return -hold.stiffness * gap, 0.0
 
 
-@overload(hold_forces)
-def _penalty(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
-    if not _is(hold, Penalty):
-        return None
-
-    def forces(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
-        return -hold.stiffness * gap, 0.0
-
-    return forces
+@implements(hold_forces, DampedPenalty)
+def _damped_penalty(hold, gap, rate, closing):
+    return -hold.stiffness * gap, -hold.damping * rate
 
 
-@overload(hold_forces)
-def _damped_penalty(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
-    if not _is(hold, DampedPenalty):
-        return None
-
-    def forces(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
-        return -hold.stiffness * gap, -hold.damping * rate
-
-    return forces
+@implements(hold_forces, Exact)
+def _exact(hold, gap, rate, closing):
+    return closing, 0.0
 
 
-@overload(hold_forces)
-def _exact(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
-    if not _is(hold, Exact):
-        return None
-
-    def forces(hold: Any, gap: Any, rate: Any, closing: Any) -> Any:
-        return closing, 0.0
-
-    return forces
+@implements(hold_energy, Penalty, DampedPenalty)
+def _spring_energy(hold, gap):
+    return 0.5 * hold.stiffness * gap * gap
 
 
-@overload(hold_energy)
-def _spring_energy(hold: Any, gap: Any) -> Any:
-    if not _is(hold, Penalty, DampedPenalty):
-        return None
-
-    def energy(hold: Any, gap: Any) -> Any:
-        return 0.5 * hold.stiffness * gap * gap
-
-    return energy
+@implements(hold_energy, Exact)
+def _no_energy(hold, gap):
+    return 0.0
 
 
-@overload(hold_energy)
-def _no_energy(hold: Any, gap: Any) -> Any:
-    if not _is(hold, Exact):
-        return None
-
-    def energy(hold: Any, gap: Any) -> Any:
-        return 0.0
-
-    return energy
+@implements(friction_force, type(None))
+def _no_friction(law, normal, stopping):
+    return 0.0
 
 
-@overload(friction_force)
-def _no_friction(law: Any, normal: Any, stopping: Any) -> Any:
-    if not isinstance(law, types.NoneType):
-        return None
-
-    def force(law: Any, normal: Any, stopping: Any) -> Any:
-        return 0.0
-
-    return force
+@implements(friction_force, Drag)
+def _drag(law, normal, stopping):
+    limit = law.coefficient * abs(normal)
+    return min(max(stopping, -limit), limit)
 
 
-@overload(friction_force)
-def _drag(law: Any, normal: Any, stopping: Any) -> Any:
-    if not _is(law, Drag):
-        return None
-
-    def force(law: Any, normal: Any, stopping: Any) -> Any:
-        limit = law.coefficient * abs(normal)
+@implements(friction_force, Signed)
+def _signed(law, normal, stopping):
+    limit = law.coefficient * normal
+    if limit >= 0.0:
         return min(max(stopping, -limit), limit)
-
-    return force
-
-
-@overload(friction_force)
-def _signed(law: Any, normal: Any, stopping: Any) -> Any:
-    if not _is(law, Signed):
-        return None
-
-    def force(law: Any, normal: Any, stopping: Any) -> Any:
-        limit = law.coefficient * normal
-        if limit >= 0.0:
-            return min(max(stopping, -limit), limit)
-        return limit if stopping > 0.0 else -limit
-
-    return force
+    return limit if stopping > 0.0 else -limit
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 A material is a NamedTuple of its constants and two functions of the Green strain (11, 22, twice 12): `stress`,
 the second Piola-Kirchhoff stress [Pa] (11, 22, 12), and `energy_density` [J/m^3]. They are registered for the
-tuple with `overload` and chosen by its type when the loop is compiled.
+tuple with `implements` and chosen by its type when the loop is compiled.
 """
 
 from __future__ import annotations
@@ -10,10 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from numba import types
-from numba.extending import overload
-
-from fem.compiled import compiled
+from fem.compiled import compiled, implements
 
 
 class StVenantKirchhoff(NamedTuple):
@@ -60,35 +57,19 @@ def energy_density(material: Any, e_11: float, e_22: float, g_12: float) -> floa
     raise NotImplementedError(type(material))
 
 
-def _is(material: Any, kind: type) -> bool:
-    return isinstance(material, types.BaseNamedTuple) and material.instance_class is kind
+@implements(stress, StVenantKirchhoff, inline="always")
+def _st_venant_kirchhoff_stress(material, e_11, e_22, g_12):
+    return (
+        material.c_11 * e_11 + material.c_12 * e_22,
+        material.c_12 * e_11 + material.c_11 * e_22,
+        material.c_33 * g_12,
+    )
 
 
-@overload(stress, inline="always")
-def _st_venant_kirchhoff_stress(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-    if not _is(material, StVenantKirchhoff):
-        return None
-
-    def law(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-        return (
-            material.c_11 * e_11 + material.c_12 * e_22,
-            material.c_12 * e_11 + material.c_11 * e_22,
-            material.c_33 * g_12,
-        )
-
-    return law
-
-
-@overload(energy_density)
-def _st_venant_kirchhoff_energy(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-    if not _is(material, StVenantKirchhoff):
-        return None
-
-    def law(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-        s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
-        return 0.5 * (s_11 * e_11 + s_22 * e_22 + s_12 * g_12)
-
-    return law
+@implements(energy_density, StVenantKirchhoff)
+def _st_venant_kirchhoff_energy(material, e_11, e_22, g_12):
+    s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
+    return 0.5 * (s_11 * e_11 + s_22 * e_22 + s_12 * g_12)
 
 
 @compiled
@@ -106,36 +87,24 @@ def logarithms(lame, shear, area):
     return plane, thickness
 
 
-@overload(stress)
-def _neo_hookean_stress(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-    if not _is(material, NeoHookean):
-        return None
-
-    def law(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-        area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
-        plane, thickness = logarithms(material.lame, material.shear, area)
-        volume = 0.5 * material.lame * (plane + thickness)
-        scale = 1.0 / (1.0 + area)
-        # S = mu (1 - C^-1) + lambda ln J C^-1, the first part written as mu C^-1 (C - 1).
-        return (
-            scale * (material.shear * (area - 2.0 * e_22) + volume * (1.0 + 2.0 * e_22)),
-            scale * (material.shear * (area - 2.0 * e_11) + volume * (1.0 + 2.0 * e_11)),
-            scale * g_12 * (material.shear - volume),
-        )
-
-    return law
+@implements(stress, NeoHookean)
+def _neo_hookean_stress(material, e_11, e_22, g_12):
+    area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
+    plane, thickness = logarithms(material.lame, material.shear, area)
+    volume = 0.5 * material.lame * (plane + thickness)
+    scale = 1.0 / (1.0 + area)
+    # S = mu (1 - C^-1) + lambda ln J C^-1, the first part written as mu C^-1 (C - 1).
+    return (
+        scale * (material.shear * (area - 2.0 * e_22) + volume * (1.0 + 2.0 * e_22)),
+        scale * (material.shear * (area - 2.0 * e_11) + volume * (1.0 + 2.0 * e_11)),
+        scale * g_12 * (material.shear - volume),
+    )
 
 
-@overload(energy_density)
-def _neo_hookean_energy(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-    if not _is(material, NeoHookean):
-        return None
-
-    def law(material: Any, e_11: Any, e_22: Any, g_12: Any) -> Any:
-        area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
-        plane, thickness = logarithms(material.lame, material.shear, area)
-        volume = plane + thickness
-        shear = material.shear * (2.0 * (e_11 + e_22) + math.expm1(thickness) - volume)
-        return 0.5 * shear + 0.125 * material.lame * volume * volume
-
-    return law
+@implements(energy_density, NeoHookean)
+def _neo_hookean_energy(material, e_11, e_22, g_12):
+    area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
+    plane, thickness = logarithms(material.lame, material.shear, area)
+    volume = plane + thickness
+    shear = material.shear * (2.0 * (e_11 + e_22) + math.expm1(thickness) - volume)
+    return 0.5 * shear + 0.125 * material.lame * volume * volume

@@ -20,23 +20,34 @@ NARROW = 96
 
 def print_outcome(outcome: Outcome, place: Path) -> None:
     """The comparison, the checks that failed, where the files are, and what it cost."""
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True, markup=False)
-    if not console.is_terminal:
-        console.width = NARROW
-    console.print(_comparison(outcome))
-    failed = [check for check in outcome.checks if not check.passed]
-    for check in failed:
-        console.print(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})")
-    for line in flutter_lines(outcome.fe_plan) if failed else []:
-        console.print(line)
-    console.print(f"Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed")
-    console.print(f"Report: {place / 'report.html'}")
-    console.print(
+    for line in (_drawn(_comparison(outcome)), *_verdict(outcome), f"Report: {place / 'report.html'}"):
+        print(line)
+    print(
         f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, "
         f"set-up {outcome.setup_s:.2f} s, pictures {outcome.pictures_s:.2f} s"
     )
+
+
+def _verdict(outcome: Outcome) -> list[str]:
+    failed = [check for check in outcome.checks if not check.passed]
+    lines = [
+        f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})"
+        for check in failed
+    ]
+    if failed:
+        lines += flutter_lines(outcome.fe_plan)
+    return [*lines, f"Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed"]
+
+
+def _drawn(table: Table) -> str:
+    """The table as text: captured, for rich would end the program itself when the reader of a pipe leaves."""
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True, markup=False)
+    console.width = max(console.width if console.is_terminal else 0, NARROW)
+    with console.capture() as shown:
+        console.print(table)
+    return shown.get().rstrip("\n")
 
 
 def _comparison(outcome: Outcome) -> Table:

@@ -40,8 +40,10 @@ def forces_of(d: Any, positions: np.ndarray, material: Any, hourglass: Any = Non
     return -force
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("law", sorted(MATERIALS))
+@pytest.mark.parametrize(
+    ("kind", "law"),
+    [*((kind, "st-venant-kirchhoff") for kind in KINDS), ("quad4", "neo-hookean"), ("tri3", "neo-hookean")],
+)
 def test_patch_of_constant_strain_on_distorted_elements(kind: str, law: str) -> None:
     """Every element and material: inner nodes in balance, the boundary's forces as F S N asks, energy V W."""
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4), ELEMENT_KINDS[kind].cells), 0.2, (8, 4))

@@ -1,0 +1,1 @@
+"""The command `paper`: what Chuong and Malla (2025) print, computed beside printed."""

@@ -1,0 +1,205 @@
+"""Verification: the command `paper`: its page, its files, its exit statuses, and that its commands repeat it."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_command_line import imported
+from test_postprocess_report import Page
+
+from postprocess.paper_page import LINES, MARKS, Column, Row, Table, draw_figures, glued, prose
+from tailslap.command_line import _status
+from tailslap.paper.answer import Answer, answer
+from tailslap.paper.content import all_numbers, sections
+from tailslap.paper.figures import FIGURES, figures, marks
+from tailslap.paper.findings import findings
+
+pytestmark = pytest.mark.verification
+
+FILES = {"paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("paper") / "out"
+    assert _status(["paper", "--out", str(place)]) == 0
+    return place
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> Page:
+    return Page((folder / "paper.html").read_text(encoding="utf-8"))
+
+
+def strict(text: str) -> Any:
+    def refuse(word: str) -> None:
+        raise ValueError(word)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_the_page_holds_every_cell_note_and_finding(page: Page) -> None:
+    result = answer()
+    whole = page.text.replace("\N{NO-BREAK SPACE}", " ")
+    packed = "".join(whole.split())  # a subscript is an element of its own
+    words = [
+        text for part in sections(result) for table in part.tables for text in (table.title, *table.notes)
+    ]
+    words += [cell for part in sections(result) for t in part.tables for row in t.rows for cell in row.cells]
+    words += [
+        text for finding in findings(result) for text in (finding.title, finding.checked, *finding.seen)
+    ]
+    missing = [
+        text for text in words if "".join(text.replace("_", "").split()) not in packed.replace("_", "")
+    ]
+    assert missing == []
+    assert all(command in whole for finding in findings(result) for command in finding.repeat)
+
+
+def test_the_page_fetches_nothing(page: Page) -> None:
+    links = {value for _, name, value in page.attributes if name in ("src", "href", "xlink:href")}
+    assert all(link.startswith("#") for link in links)
+    assert {f"#part-{number}" for number in range(1, 7)} <= links
+    assert {"#findings"} <= links
+    ids = [value for _, name, value in page.attributes if name == "id"]
+    assert len(ids) == len({*ids})
+    assert {link[1:] for link in links} <= {*ids}
+    assert "script" not in page.tags
+
+
+def test_the_figures_are_drawn_with_their_marks(folder: Path) -> None:
+    """Two lines, a legend, and a mark in its own colour for each printed point."""
+    captions = {name: f"Figure {number}" for number, name in FIGURES.items()}
+    curves = draw_figures(captions, figures().courses, {name: marks(name) for name in captions})
+    assert [curve.name for curve in curves] == ["theta", "v_gy", "v_gx", "omega", "slide"]
+    for curve in curves:
+        said = {*" ".join(ElementTree.fromstring(curve.svg).itertext()).split()}
+        assert {"drag", "none", "paper"} <= said
+        assert ("ABAQUS" in said) == (curve.name != "theta")
+        for points, style in zip(marks(curve.name).values(), MARKS.values(), strict=True):
+            assert len(re.findall(f"<use [^>]*fill: {style['color']}", curve.svg)) == len(points)
+        for style in LINES.values():
+            assert len(re.findall(f"<path [^>]*stroke: {style['color']}", curve.svg)) == 1
+    assert (folder / "paper.html").read_text().count("<svg") == 5
+
+
+def test_marks_are_the_printed_points() -> None:
+    assert marks("theta") == {"paper": ((0.0, 0.26), (0.38, 0.0)), "ABAQUS": ()}
+    assert marks("omega") == {"paper": ((0.0, 0.707), (0.383, 0.65)), "ABAQUS": ((0.37, 0.66),)}
+    assert marks("v_gx") == {"paper": ((0.383, 23.27),), "ABAQUS": ((0.37, 23.305),)}
+
+
+def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The folder is complete; `--json` prints what `summary.json` holds, without NaN or infinity."""
+    assert {path.name for path in folder.iterdir()} == FILES
+    assert _status(["paper", "--json", "--out", str(tmp_path / "other")]) == 0
+    said = strict(capsys.readouterr().out)
+    assert said == strict((folder / "summary.json").read_text())
+    assert said == strict(json.dumps(all_numbers(answer())))
+    rows = (folder / "figures_10_to_14_drag.csv").read_text().splitlines()
+    assert rows[0] == "t,theta,v_gy,v_gx,omega,slide"
+    assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)
+
+
+def test_nothing_heavy_is_imported(tmp_path: Path) -> None:
+    """matplotlib and jinja2, for the page, and no mesh, FE or picture library."""
+    assert imported("paper", "--json", cwd=tmp_path) == {"matplotlib", "jinja2"}
+    assert {path.name for path in (tmp_path / "results" / "paper").iterdir()} == FILES
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key"),
+    [
+        (("--out", "file"), "--out"),
+        (("--out", "foreign"), "--out"),
+        (("--out", "file/x"), "--out"),
+        (("--fast",), "--fast"),
+        (("mash-tl4-sut",), "mash-tl4-sut"),
+    ],
+)
+def test_wrong_input_ends_with_two_and_nothing_written(
+    arguments: tuple[str, ...],
+    key: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "foreign").mkdir()
+    (tmp_path / "foreign" / "thesis.tex").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    assert _status(["paper", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert (out, sorted(tmp_path.rglob("*"))) == ("", before)
+    assert key in err
+
+
+def test_a_reader_of_the_pipe_may_leave(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m tailslap.command_line paper | head -n 1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("B. Chuong and R. B. Malla")
+
+
+def test_an_earlier_result_is_replaced_whole(tmp_path: Path) -> None:
+    place = tmp_path / "out"
+    assert _status(["paper", "--out", str(place)]) == 0
+    (place / "stale.txt").write_text("old")
+    assert _status(["paper", "--out", str(place)]) == 0
+    assert {path.name for path in place.iterdir()} == FILES
+
+
+@pytest.mark.parametrize("number", range(7))
+def test_the_commands_of_a_finding_repeat_it(number: int, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each runs as it is printed, and says the finding's figures, by the scene's way, not the paper's tables'."""
+    result = answer()
+    for command in findings(result)[number].repeat:
+        program, *arguments = shlex.split(command)
+        if program == "python":
+            exec(arguments[1], {})
+        elif arguments[0] == "rigid":
+            assert _status(arguments) == 0
+        else:
+            assert arguments == ["run", "paper-abaqus"]
+    numbers = [float(word) for word in re.findall(r"-?\d+\.\d*(?:e[-+]?\d+)?", capsys.readouterr().out)]
+    for value in expected(result)[number]:
+        assert any(said == pytest.approx(value, rel=1e-6) for said in numbers), value
+
+
+def expected(result: Answer) -> tuple[tuple[float, ...], ...]:
+    """What the commands of each finding must say, in the units of `tailslap rigid`."""
+    table, starts, cases = result.table_3, result.table_1.starts, result.restitution
+    row_d = result.table_4[3]
+    return (
+        tuple(
+            cell.computed for column in (table.analytical, table.analytical_15) for cell in column.values()
+        ),
+        tuple(cell.computed for start in starts.values() for cell in (start.omega, start.corner_speed)),
+        (table.abaqus_read["slide"].computed, table.abaqus_read["v_gy"].computed),
+        (result.reaction.first,),
+        tuple(case.peak_force / 1e3 for case in cases.values()),
+        tuple(cell.computed / 1e3 for cell in row_d.peak),
+        (result.row_b[0].peak[0].computed / 1e3,),
+    )
+
+
+def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units() -> None:
+    assert glued("v = 3 m/s and 4 %") == "v\u00a0=\u00a03\u00a0m/s and 4\u00a0%"
+    assert prose("v_GY < 1 & θ_0") == "<i>v</i><sub>GY</sub> &lt; 1 &amp; <i>θ</i><sub>0</sub>"
+    assert prose("paper_page") == "paper_page"
+
+
+def test_headings_over_several_columns() -> None:
+    columns = (Column("a"), Column("b", group="g"), Column("c", group="g"), Column("d", group="h"))
+    table = Table("t", "x", columns, (Row("r", ("1", "2", "3", "4")),))
+    assert table.groups == (("", 1), ("g", 2), ("h", 1))
+    assert Table("t", "x", (Column("a"),), ()).groups == ()
