@@ -89,12 +89,13 @@ class PlateModel:
 
 
 def penalty_stiffness(plate: PlateProperties, scale: float) -> float:
-    """The program's choice of corner stiffness [N/m], Young's modulus times thickness, times `scale`.
+    """The program's choice of corner stiffness [N/m], 0.3 times Young's modulus times thickness, times `scale`.
 
-    It is of the size of an element's own stiffness, so that it costs little time step, and the corner gives way
-    under the reaction by no more than the plate beside it.
+    A spring as stiff as the elements brings the corner's frequency among the plate's: with friction the two flutter
+    sooner, and the time step falls by 14 %. A much softer one shows in the results, and flutters with the plate's
+    lowest modes, which stiffness-proportional damping hardly reaches.
     """
-    return scale * plate.youngs_modulus * plate.thickness
+    return scale * 0.3 * plate.youngs_modulus * plate.thickness
 
 
 def build_model(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import sys
@@ -13,6 +14,7 @@ import click
 
 import tailslap
 from tailslap.errors import InputError
+from tailslap.studies import study
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
@@ -67,27 +69,34 @@ def run(name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool
 @commands.command()
 @scene_arguments
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
-def rigid(name: str, changes: tuple[str, ...], as_json: bool) -> int:
+@click.option("--units", type=click.Choice(["si", "us"]), default="si", help="Units of the printed numbers.")
+def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int:
     """The rigid-body method alone."""
     from tailslap.rigid import rigid_answer, rigid_lines
 
+    if as_json and units == "us":
+        raise InputError("--units", units, "--json is in SI always; leave out one of the two")
     plan = _plan(name, changes)
-    click.echo(json.dumps(rigid_answer(plan), indent=2) if as_json else "\n".join(rigid_lines(plan)))
+    click.echo(json.dumps(rigid_answer(plan), indent=2) if as_json else "\n".join(rigid_lines(plan, units)))
     return DONE
+
+
+commands.add_command(study)
 
 
 @commands.command()
 @scene_arguments
 def check(name: str, changes: tuple[str, ...]) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    from tailslap.tables import fe_part, rigid_part
+    from tailslap.tables import fe_part, flutter_lines, rigid_part
 
     plan = _plan(name, changes)
     lines = rigid_part(plan)
     if plan.scene.plate:
         from tailslap.fe_plan import make_fe_plan
 
-        lines += fe_part(make_fe_plan(plan))
+        fe_plan = make_fe_plan(plan)
+        lines += fe_part(fe_plan) + flutter_lines(fe_plan)
     click.echo("\n".join(lines))
     return DONE
 
@@ -104,6 +113,23 @@ def scenes() -> int:
     return DONE
 
 
+@commands.command()
+@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/paper]")
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI, instead of tables.")
+def paper(out: Path | None, as_json: bool) -> int:
+    """Write the paper's tables and figures, computed beside printed."""
+    from tailslap.paper.answer import answer
+    from tailslap.paper.terminal import print_paper
+    from tailslap.paper.write import write_paper
+    from tailslap.result_folder import result_folder
+
+    result, place = answer(), out or Path("results") / "paper"
+    with result_folder(place) as folder:
+        write_paper(result, folder)
+    print_paper(result, place, as_json)
+    return DONE
+
+
 def _plan(name: str, changes: tuple[str, ...]) -> Any:
     from tailslap.plan import make_plan
     from tailslap.scene_files import read_scene
@@ -113,6 +139,9 @@ def _plan(name: str, changes: tuple[str, ...]) -> Any:
 
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: run a command and leave with its exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without Greek letters shows question marks
     sys.exit(_status(arguments))
 
 

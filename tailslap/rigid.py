@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 from tailslap.plan import Plan, other_convention
+from tailslap.us_units import shown
 
 COMPARED = ("t", "v_gx", "v_gy", "omega", "slide")
 """The quantities that are compared at the tail-slap."""
@@ -47,33 +49,41 @@ def _stage_three(plan: Plan) -> dict[str, float]:
     }
 
 
-def rigid_lines(plan: Plan) -> list[str]:
-    """The answer as a person reads it."""
+def rigid_lines(plan: Plan, units: str = "si") -> list[str]:
+    """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
     answer = rigid_answer(plan)
     start, two, three = answer["start"], answer["stage2"], answer["stage3"]
-    lines = [f"{plan.scene.name}: rigid-body method, reaction {plan.scene.corner.reaction}", ""]
+    rows = functools.partial(_rows, units)
+    lines = [f"{plan.scene.name}: rigid-body method, reaction {plan.scene.corner.reaction}"]
+    lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
     if one := answer["stage1"]:
         lines += [
             "Stage 1, impulse at the front corner",
-            *_rows(("angular velocity", one["omega"], "rad/s"), ("corner speed", one["corner_speed"], "m/s")),
-            *_rows(("impulse", one["impulse"] / 1e3, "kN s")),
+            *rows(("angular velocity", one["omega"], "rad/s"), ("corner speed", one["corner_speed"], "m/s")),
+            *rows(("impulse", one["impulse"], "N s")),
         ]
     lines += [
         "Stage 2, from",
-        *_rows(("angle", start["angle"], "rad"), ("angular velocity", start["omega"], "rad/s")),
-        *_rows(("corner speed", start["corner_speed"], "m/s")),
+        *rows(("angle", start["angle"], "rad"), ("angular velocity", start["omega"], "rad/s")),
+        *rows(("corner speed", start["corner_speed"], "m/s")),
         "to the tail-slap",
-        *_rows(("time", two["t"], "s"), ("v_GX", two["v_gx"], "m/s"), ("v_GY", two["v_gy"], "m/s")),
-        *_rows(("angular velocity", two["omega"], "rad/s"), ("slide", two["slide"], "m")),
+        *rows(("time", two["t"], "s"), ("v_GX", two["v_gx"], "m/s"), ("v_GY", two["v_gy"], "m/s")),
+        *rows(("angular velocity", two["omega"], "rad/s"), ("slide", two["slide"], "m")),
         "Stage 3, tail-slap",
-        *_rows(("impulse", three["impulse"] / 1e3, "kN s"), ("duration", three["duration"], "s")),
-        *_rows(("peak force", three["peak_force"] / 1e3, "kN")),
+        *rows(("impulse", three["impulse"], "N s"), ("duration", three["duration"], "s")),
+        *rows(("peak force", three["peak_force"], "N")),
     ]
-    if other := answer["other_convention"]:
-        force = other["stage3"]["peak_force"] / 1e3
-        lines += ["", f'With the convention "{other["convention"]}" the peak force would be {force:.4g} kN.']
-    return lines
+    return lines + _other(answer["other_convention"], units)
 
 
-def _rows(*rows: tuple[str, float, str]) -> list[str]:
-    return [f"  {name:<18}{value:>14.7g} {unit}" for name, value, unit in rows]
+def _other(other: dict[str, Any] | None, units: str) -> list[str]:
+    """The peak force by the other convention of restitution."""
+    if other is None:
+        return []
+    force = shown(other["stage3"]["peak_force"], "N", units, digits=4)
+    return ["", f'With the convention "{other["convention"]}" the peak force would be {force}.']
+
+
+def _rows(units: str, *rows: tuple[str, float, str]) -> list[str]:
+    """Lines of values that are given in SI."""
+    return [f"  {name:<18}{shown(value, unit, units, width=14)}" for name, value, unit in rows]

@@ -41,7 +41,7 @@ def test_right_or_caught(outcome: Callable[..., Any], size: tuple[float, float],
 @pytest.mark.parametrize("modulus", ["200 GPa", "20 TPa"])
 def test_flutter_is_caught_and_damping_cures_it(outcome: Callable[..., Any], modulus: str) -> None:
     """Friction that follows |N| on a two-sided slider makes the stiffness unsymmetric: the plate flutters."""
-    change = (f"plate.youngs_modulus={modulus}", "impact.friction=0.8")
+    change = (f"plate.youngs_modulus={modulus}", "impact.friction=0.8", "corner.penalty_scale=3")
     flutter = outcome("paper-table-3", *change)
     assert not flutter.passed
     cured = outcome("paper-table-3", *change, "damping.ratio=0.1")
@@ -53,9 +53,9 @@ def test_each_check_can_fail(outcome: Callable[..., Any]) -> None:
     """A scene for every check of the run that a wrong model can trip; the balances are tripped in test_checks."""
     tripped: set[str] = set()
     for change in (
-        ("plate.youngs_modulus=20 TPa", "impact.friction=0.8"),
-        ("impact.friction=0.8",),
-        ("corner.penalty_scale=1e-6",),
+        ("plate.youngs_modulus=20 TPa", "impact.friction=0.8", "corner.penalty_scale=3"),
+        ("impact.friction=0.8", "corner.penalty_scale=3"),
+        ("corner.penalty_scale=1e-5",),
     ):
         result = outcome("paper-table-3", *change)
         tripped |= {check.name for check in result.checks if not check.passed}

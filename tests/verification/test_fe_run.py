@@ -38,7 +38,7 @@ def test_the_shipped_plate_against_the_oracles(outcome: Callable[..., Any], reac
 def test_the_difference_is_flexibility_and_falls_with_one_over_e(
     outcome: Callable[..., Any], reaction: str
 ) -> None:
-    moduli = np.array([2e9, 2e10, 2e11, 1e12])
+    moduli = np.array([2e9, 2e10, 2e11, 2e12])
     worst = []
     for modulus in moduli:
         result = outcome("paper-table-3", f"corner.reaction={reaction}", f"plate.youngs_modulus={modulus}")
@@ -73,7 +73,7 @@ def test_energy_and_momentum_are_kept(outcome: Callable[..., Any]) -> None:
 
 
 def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome: Callable[..., Any]) -> None:
-    result = outcome("paper-table-3", "damping.ratio=0.1", "plate.start=sudden", "corner.reaction=none")
+    result = outcome("paper-table-3", "damping.ratio=0.2", "plate.start=sudden", "corner.reaction=none")
     work, vibration = result.fe_history["damping_work"], result.fe_history["vibration_energy"]
     assert work[0] == 0.0
     assert (np.diff(work) < 0.0).all()

@@ -1,0 +1,103 @@
+"""What the machine could do at best: its copy bandwidth, its multiply-add rate, and the loop's need of both.
+
+Needs are counted from the source, for n nodes and p points an element. Additions and multiplications:
+
+    _add_point    F 8 n - 4 | strain 13 | stress 7 | P = w F S 16 | nodal forces 8 n     per point
+    _scatter      2 n                                                                    per element
+    drift         v += dt f / m, x += dt v: 2 x 5                                        per node
+
+Bytes, each array once for every pass over it, as if nothing stayed in a cache between passes:
+
+    _gather       connectivity 4 n                                                       per element
+                  positions 16                                                           per node
+    force         cleared 16 | added to 32                                               per node
+    drift         positions 32 | velocities 32 | force 16 | mass 8                       per node
+    _copy_block   8 p (2 n + 1) where elements are not congruent                         per element
+
+So the bandwidth is a bound where these arrays are far larger than the cache; below that only arithmetic is, and
+more than the bandwidth's share can be reached.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from typing import Any
+
+import numba
+import numpy as np
+
+from fem.compiled import FAST_MATH
+from fem.internal_force import subtract_internal_forces
+from fem.simulate import Stepper
+
+CHAIN = 16
+"""Multiply-adds one after the other on a number: few enough that several vectors of numbers are under way at once."""
+
+MULTIPLY_ADD = re.compile(r"^\s+vfn?m(?:add|sub)\d+([ps])d\s(.*)$", re.MULTILINE)
+
+
+@numba.njit(fastmath={"contract"}, error_model="numpy", nogil=True)
+def _chains(values: np.ndarray, repeats: int, factor: float, term: float) -> None:
+    for _ in range(repeats):
+        for i in range(values.size):
+            value = values[i]
+            for _ in range(CHAIN):
+                value = value * factor + term
+            values[i] = value
+
+
+def copy_rate() -> float:
+    """Bytes read and written per second by a copy of arrays far above the cache."""
+    source = np.ones(16_000_000)
+    target = np.zeros_like(source)
+    began = time.perf_counter()
+    np.copyto(target, source)
+    return 2.0 * source.nbytes / (time.perf_counter() - began)
+
+
+def multiply_add_rate(threads: int = 1) -> float:
+    """Operations per second in packed multiply-adds on registers, two each, of all threads together."""
+    values, repeats = np.ones((threads, 256)), 20_000
+    _chains(values[0], 1, 0.5, 0.5)
+    team = [threading.Thread(target=_chains, args=(row, repeats, 0.5, 0.5)) for row in values]
+    began = time.perf_counter()
+    for thread in team:
+        thread.start()
+    for thread in team:
+        thread.join()
+    return 2.0 * CHAIN * values.size * repeats / (time.perf_counter() - began)
+
+
+def flops_per_update(stepper: Stepper) -> float:
+    """Additions and multiplications an element and step; see above."""
+    table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
+    return len(table.weights) * (16 * nodes + 32) + 2 * nodes + 10 * _nodes_per_element(stepper)
+
+
+def bytes_per_update(stepper: Stepper) -> float:
+    """Bytes an element and step; see above."""
+    table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
+    moved = 4 * nodes + 152 * _nodes_per_element(stepper)
+    return moved if table.weights.shape[1] == 1 else moved + 8 * len(table.weights) * (2 * nodes + 1)
+
+
+def _nodes_per_element(stepper: Stepper) -> float:
+    return float(stepper.loop.mass.size / stepper.loop.table.connectivity.shape[1])
+
+
+def multiply_adds(stepper: Stepper) -> tuple[int, int]:
+    """Packed and scalar multiply-adds in the machine code of the internal forces.
+
+    The kernel is compiled anew, since code from the cache on disk cannot be read. Every packed loop has its
+    scalar twin, for arrays that overlap; the twin is never taken.
+    """
+    fresh = numba.njit(fastmath=FAST_MATH, error_model="numpy")(subtract_internal_forces.py_func)
+    loop, positions = stepper.loop, stepper.model.discretisation.positions
+    parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
+    scratch = stepper._scratch
+    fresh(positions, np.zeros_like(positions), *parts, loop.table, loop.material, scratch)
+    found = MULTIPLY_ADD.findall("\n".join(fresh.inspect_asm().values()))
+    packed = sum(kind == "p" and ("ymm" in operands or "zmm" in operands) for kind, operands in found)
+    return packed, sum(kind == "s" for kind, _ in found)

@@ -1,0 +1,92 @@
+"""What single precision does to `paper-abaqus`: the five differences, in double and in single.
+
+    .venv/bin/python benchmarks/precision.py
+
+Positions, velocities, forces, masses, element tables and scratch rows are float32; the kernels are generic in
+that. Their constants are not, so that Numba computes in double between a load and a store: what is seen is the
+harm of storing in single precision alone, the least there can be.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+from fem.internal_force import Scratch
+from fem.model import PlateModel
+from fem.simulate import Run, Stepper, simulate
+from fem.start import RigidStart
+from fem.time_loop import State
+from postprocess.comparison import relative_difference
+from tailslap.fe_plan import FePlan, make_fe_plan
+from tailslap.plan import make_plan
+from tailslap.rigid import COMPARED, stage_two_numbers
+from tailslap.scene_files import read_scene
+
+SCENE = "paper-abaqus"
+
+
+def single(values: np.ndarray) -> np.ndarray:
+    """The array in single precision."""
+    return values.astype(np.float32)
+
+
+def single_model(model: PlateModel) -> PlateModel:
+    """The model with its arrays in single precision."""
+    table = model.loop.table
+    table = table._replace(gradients=single(table.gradients), weights=single(table.weights))
+    return dataclasses.replace(
+        model,
+        discretisation=dataclasses.replace(
+            model.discretisation, positions=single(model.discretisation.positions), table=table
+        ),
+        loop=model.loop._replace(table=table, mass=single(model.loop.mass)),
+    )
+
+
+class SingleStepper(Stepper):
+    """The loop with scratch rows and state in single precision; sums of works stay double."""
+
+    def __init__(self, model: PlateModel, threads: int = 1) -> None:
+        super().__init__(single_model(model), threads)
+        self._scratch = Scratch(*(single(array) for array in self._scratch))
+        self._double = Stepper(model)
+
+    def start(self, start: RigidStart, kind: str) -> State:
+        """The start, computed in double and rounded."""
+        positions, velocities, sums = self._double.start(start, kind)
+        return State(single(positions), single(velocities), sums)
+
+
+def run(fe_plan: FePlan, stepper: Any) -> Run:
+    """The scene's run by this kind of stepper."""
+    with mock.patch("fem.simulate.Stepper", stepper):
+        return simulate(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t)
+
+
+def row(what: str, fe_plan: FePlan, result: Run) -> str:
+    """One line of the table."""
+    if result.strike is None:
+        return f"{what:<8} no tail-slap: the run left the finite or its time"
+    values = {name: result.strike.values[name] for name in COMPARED}
+    difference = relative_difference(values, stage_two_numbers(fe_plan.plan))
+    energy = sum(result.history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
+    drift = np.abs(energy / energy[0] - 1.0).max()
+    numbers = "".join(f"{value:>+12.1e}" for value in difference.values())
+    return f"{what:<8}{numbers}{drift:>12.1e}{np.ptp(result.history['reaction_normal']):>14.3g}"
+
+
+def main() -> None:
+    """Run both and print."""
+    fe_plan = make_fe_plan(make_plan(*read_scene(SCENE)))
+    names = "".join(f"{name:>12}" for name in COMPARED)
+    print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}")
+    for what, stepper in (("double", Stepper), ("single", SingleStepper)):
+        print(row(what, fe_plan, run(fe_plan, stepper)), flush=True)
+
+
+if __name__ == "__main__":
+    main()

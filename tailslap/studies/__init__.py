@@ -1,0 +1,55 @@
+"""Prepared studies: `tailslap study NAME SCENE`.
+
+A study is a module or package in this folder, whose name is the study's, with a click command called `command`:
+it is found by being there. Its arguments are those of `study_arguments`, and its own.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tailslap.errors import InputError
+
+
+def study_names() -> list[str]:
+    """Names of the studies, sorted; nothing is imported."""
+    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+
+
+def study_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The argument SCENE and the options --set and --out, which all studies have."""
+    function = click.option("--out", type=click.Path(path_type=Path), help="Result folder.")(function)
+    function = click.option(
+        "--set",
+        "changes",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="Change a key, like vehicle.mass='5000 lb'.",
+    )(function)
+    return click.argument("name", metavar="SCENE")(function)
+
+
+class Studies(click.Group):
+    """The commands below `tailslap study`, each imported when it is asked for."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Names for the help text."""
+        return study_names()
+
+    def get_command(self, context: click.Context, name: str) -> click.Command:
+        """The study's command; InputError, listing the studies, for a name that is none."""
+        if name not in study_names():
+            raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
+        command: click.Command = importlib.import_module(f"{__name__}.{name}").command
+        return command
+
+
+@click.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")
+def study() -> None:
+    """Run a prepared study of a scene: `tailslap study NAME --help` tells more."""

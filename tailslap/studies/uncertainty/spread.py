@@ -1,0 +1,98 @@
+"""The study itself: combinations, distribution, indices."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from tailslap.errors import InputError, Verbatim
+from tailslap.inputs import scene_inputs
+from tailslap.plan import Plan, make_plan
+from tailslap.progress import announced
+from tailslap.studies.uncertainty.indices import Indices, sobol_indices
+from tailslap.studies.uncertainty.model import Array, with_values
+from tailslap.studies.uncertainty.ranges import Range, used_keys
+from tailslap.studies.uncertainty.sampling import SEED, Samples, draw, tables
+
+PERCENTILES = (5, 50, 95)
+BINS = 60
+LEAST_ROWS, LEAST_SPREAD = 16, 1e-12
+"""Rows and relative standard deviation below which there are no indices."""
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Of the peak force [N]: counts has one entry fewer than edges; percentiles are those of PERCENTILES."""
+
+    mean: float
+    standard_deviation: float
+    percentiles: tuple[float, ...]
+    edges: Array
+    counts: Array
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The finished study of a plan. first_refusal: why the theory refused the first combination, or ""."""
+
+    plan: Plan
+    samples: Samples
+    distribution: Distribution
+    indices: Indices
+    first_refusal: str
+    seconds: float
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Keys of the scene that the force depends on and that did not vary."""
+        varied = {item.key for item in self.samples.ranges}
+        keys = (row.key for row in scene_inputs(self.plan.scene, self.plan.source))
+        return tuple(key for key in keys if key in used_keys(self.plan.scene) and key not in varied)
+
+    @property
+    def share_below(self) -> float:
+        """Share of the combinations whose force is below that of the scene's own values."""
+        return float(np.mean(self.samples.known < self.plan.force.peak_force))
+
+
+def find_spread(plan: Plan, ranges: tuple[Range, ...], at_least: int) -> Spread:
+    """Run the study. Raises InputError where the theory refuses (nearly) all combinations."""
+    importlib.import_module("scipy.stats")  # takes longer than the study
+    began = time.perf_counter()
+    samples = draw(plan.scene, ranges, at_least)
+    refusal = _first_refusal(plan, samples)
+    complete = samples.complete
+    if np.count_nonzero(complete) < LEAST_ROWS:
+        raise InputError(
+            "--range", Verbatim("these ranges"), f"the theory refuses nearly all of them, like {refusal}"
+        )
+    distribution = describe(samples.known)
+    if not distribution.standard_deviation > LEAST_SPREAD * distribution.mean:
+        raise InputError("--range", Verbatim("these ranges"), "the peak force is the same all over them")
+    with announced("Resampling for the confidence intervals ..."):
+        forces = (samples.force_a[complete], samples.force_b[complete], samples.force_ab[:, complete])
+        indices = sobol_indices(*forces, seed=SEED)
+    return Spread(plan, samples, distribution, indices, refusal, time.perf_counter() - began)
+
+
+def describe(forces: Array) -> Distribution:
+    """Mean, standard deviation, percentiles and histogram of peak forces [N], shape (n,)."""
+    counts, edges = np.histogram(forces, BINS)
+    percentiles = tuple(np.percentile(forces, PERCENTILES).tolist())
+    return Distribution(float(forces.mean()), float(forces.std(ddof=1)), percentiles, edges, counts)
+
+
+def _first_refusal(plan: Plan, samples: Samples) -> str:
+    """Why the first combination that is refused is."""
+    forces = (samples.force_a, samples.force_b, *samples.force_ab)
+    for table, force in zip(tables(samples.a, samples.b), forces, strict=True):
+        for row in np.flatnonzero(np.isnan(force))[:1]:
+            values = zip(samples.ranges, table[:, row].tolist(), strict=True)
+            try:
+                make_plan(with_values(plan.scene, {item.key: value for item, value in values}))
+            except InputError as error:
+                return str(error)
+    return ""

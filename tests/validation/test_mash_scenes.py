@@ -1,0 +1,98 @@
+"""Validation: the MASH scenes against the test conditions that are published.
+
+MASH 2016 names a vehicle by its mass in kg, and gives speeds as 31, 44, 62, 56 and 50 mph or 50, 70, 100, 90 and
+80 km/h. Tests 3-10 and 3-11 as printed in National Academies (2024), doi 10.17226/27896, chapters 12 and 13.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tailslap.plan import make_plan
+from tailslap.scene_files import read_scene, shipped_scenes, title
+
+pytestmark = pytest.mark.validation
+
+POUND, MILE, FOOT, KIP = 0.45359237, 1609.344, 0.3048, 4448.2216152605
+TESTS = {  # pounds, the kilograms of the vehicle's name, mph, km/h, degrees
+    "mash-tl1-car": (2420, 1100, 31, 50, 25),
+    "mash-tl1-pickup": (5000, 2270, 31, 50, 25),
+    "mash-tl2-car": (2420, 1100, 44, 70, 25),
+    "mash-tl2-pickup": (5000, 2270, 44, 70, 25),
+    "mash-tl3-car": (2420, 1100, 62, 100, 25),
+    "mash-tl3-pickup": (5000, 2270, 62, 100, 25),
+    "mash-tl4-sut": (22000, 10000, 56, 90, 15),
+    "mash-tl5-tractor-van": (79300, 36000, 50, 80, 15),
+    "mash-tl6-tractor-tank": (79300, 36000, 50, 80, 15),
+}
+NEW = sorted(set(TESTS) - {"mash-tl4-sut"})
+
+
+def test_every_mash_scene_is_one_of_these() -> None:
+    assert {name for name in shipped_scenes() if name.startswith("mash-")} == set(TESTS)
+
+
+@pytest.mark.parametrize("name", TESTS)
+def test_conditions(name: str) -> None:
+    pounds, kilograms, mph, kmh, degrees = TESTS[name]
+    scene = read_scene(name)[0]
+    assert scene.impact is not None
+    assert scene.vehicle.mass == pytest.approx(pounds * POUND, rel=1e-5)  # the paper prints 9979 kg
+    assert scene.vehicle.mass == pytest.approx(kilograms, rel=0.0025)
+    assert scene.impact.speed == pytest.approx(mph * MILE / 3600.0, rel=1e-12)
+    assert scene.impact.speed == pytest.approx(kmh / 3.6, abs=1.0 / 3.6)
+    assert math.degrees(scene.impact.angle) == pytest.approx(degrees, rel=1e-12)
+    assert (scene.impact.friction, scene.impact.restitution) == (0.47, 0.22)  # the paper's Table 1
+
+
+@pytest.mark.parametrize(("name", "least"), [("mash-tl3-car", 51.0), ("mash-tl3-pickup", 106.0)])
+def test_impact_severity(name: str, least: float) -> None:
+    """m (v sin(theta))^2 / 2 is above the least that a test must have [kip ft], by less than a tenth."""
+    scene = read_scene(name)[0]
+    assert scene.impact is not None
+    severity = scene.vehicle.mass * (scene.impact.speed * math.sin(scene.impact.angle)) ** 2 / 2.0
+    assert least < severity / (KIP * FOOT) < 1.1 * least
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "width"),
+    [
+        ("mash-tl3-car", 169 / 12, 65 / 12),
+        ("mash-tl3-pickup", 237 / 12, 78 / 12),
+        ("mash-tl5-tractor-van", 69.0, 8.5),  # AASHTO's design vehicle WB-62
+        ("mash-tl6-tractor-tank", 60.0, 8.5),
+    ],
+)
+def test_dimensions_in_feet(name: str, length: float, width: float) -> None:
+    vehicle = read_scene(name)[0].vehicle
+    assert (vehicle.length / FOOT, vehicle.width / FOOT) == pytest.approx((length, width), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", NEW)
+def test_scenes_say_what_is_assumed(name: str) -> None:
+    text = shipped_scenes()[name]
+    assert title(text).startswith(f"MASH TL-{name[7]}, test {name[7]}-1")
+    assert text.count("# Assumed: ") == 2
+    assert ("# Not one rigid body: " in text) == ("tractor" in name)
+
+
+@pytest.mark.parametrize("level", ["tl1", "tl2", "tl3"])
+@pytest.mark.parametrize("vehicle", ["car", "pickup"])
+def test_a_level_changes_the_speed_alone(level: str, vehicle: str) -> None:
+    """The same vehicle at every level; velocities after the impact go with the speed before it."""
+    plan, fastest = (make_plan(*read_scene(f"mash-{tl}-{vehicle}")) for tl in (level, "tl3"))
+    assert plan.scene.vehicle == fastest.scene.vehicle
+    speeds = [p.scene.impact.speed for p in (plan, fastest) if p.scene.impact]
+    assert plan.force.peak_force / fastest.force.peak_force == pytest.approx(speeds[0] / speeds[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", NEW)
+def test_the_plate_runs_and_passes_its_checks(outcome: Callable[..., Any], name: str) -> None:
+    result = outcome(name)
+    assert [check.name for check in result.checks if not check.passed] == []
+    assert max(map(abs, result.difference.values())) < 5e-5
+    assert result.fe_plan.model.mass == pytest.approx(result.fe_plan.plan.scene.vehicle.mass, rel=1e-12)
