@@ -76,15 +76,18 @@ def row(what: str, fe_plan: FePlan, result: Run) -> str:
     energy = sum(result.history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
     drift = np.abs(energy / energy[0] - 1.0).max()
     numbers = "".join(f"{value:>+12.1e}" for value in difference.values())
-    return f"{what:<8}{numbers}{drift:>12.1e}{np.ptp(result.history['reaction_normal']):>14.3g}"
+    swing = np.ptp(result.history["reaction_normal"])
+    updates = result.steps * fe_plan.model.loop.table.connectivity.shape[1] / result.time_loop_s
+    return f"{what:<8}{numbers}{drift:>12.1e}{swing:>14.3g}{updates:>12.2g}"
 
 
 def main() -> None:
     """Run both and print."""
     fe_plan = make_fe_plan(make_plan(*read_scene(SCENE)))
     names = "".join(f"{name:>12}" for name in COMPARED)
-    print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}")
+    print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}{'updates/s':>12}")
     for what, stepper in (("double", Stepper), ("single", SingleStepper)):
+        run(fe_plan, stepper)  # compiles
         print(row(what, fe_plan, run(fe_plan, stepper)), flush=True)
 
 

@@ -175,8 +175,8 @@ def test_the_patch_s_weighted_mean_is_the_corner_itself(length: float) -> None:
 def test_a_point_gives_without_bound_and_a_patch_converges(outcome: Callable[..., Any]) -> None:
     """A point load's give grows by the same amount with each halving of the mesh, a patch's stops growing."""
     gives: dict[str, list[float]] = {"point": [], "patch": []}
-    for n in (20, 40, 80, 160):
-        for name, change in (("point", ()), ("patch", ("corner.patch_length=1",))):
+    for n in (10, 20, 40, 80):
+        for name, change in (("point", ()), ("patch", ("corner.patch_length=2",))):
             elements = f"plate.elements=[{n}, {3 * n // 10}]"
             changes = ("corner.reaction=none", "corner.constraint=exact", "plate.start=sudden", elements)
             gives[name].append(make_give(*changes, *change))
@@ -247,7 +247,6 @@ def test_flutter_rates_are_seen_in_the_time_loop(plate_model: Callable[..., Any]
 def test_flutter_is_foreseen_where_it_spoils_a_run(outcome: Callable[..., Any]) -> None:
     for changes, spoilt in (
         ((), False),
-        (("impact.friction=0.6",), False),
         (("impact.friction=0.8", "corner.penalty_scale=3"), True),
         (("plate.youngs_modulus=20 TPa", "corner.penalty_scale=3"), True),
         (("corner.constraint=exact", "plate.youngs_modulus=20 TPa"), True),

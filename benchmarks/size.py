@@ -1,0 +1,156 @@
+"""Time and memory against the number of elements, from 120 to a million, and the exponents fitted to them.
+
+    .venv/bin/python benchmarks/size.py
+
+Each size runs in a process of its own, within a limit of time and of memory; what does not finish is said so. The
+whole run is predicted, steps times time per step: to let a million elements strike would take hours.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+SIZES = ((20, 6), (40, 12), (80, 24), (160, 48), (320, 96), (640, 192), (1280, 384), (2048, 512))
+DURATION = 0.3832
+"""Time to the tail-slap of the paper's Table 3 [s]."""
+
+MEMORY = 18 * 2**30
+"""Bytes of address space that a size may take."""
+
+COLUMNS = {
+    "mesh_s": "mesh, s",
+    "model_s": "model, s",
+    "quiet_s": "quiet start, s",
+    "step_s": "step, s",
+    "steps": "steps",
+    "run_s": "run, s",
+    "memory_gib": "memory, GiB",
+}
+FITTED = ("mesh_s", "model_s", "quiet_s", "step_s", "steps", "run_s", "memory_gib")
+FIT_FROM = 1920
+"""Elements from which on the exponents are fitted: below, fixed costs show."""
+
+
+@contextmanager
+def stage(name: str) -> Iterator[None]:
+    """Time a stage and tell the parent process."""
+    began = time.perf_counter()
+    yield
+    tell(**{name: time.perf_counter() - began})
+
+
+def tell(**values: float) -> None:
+    """Print values for the parent process, with the memory used so far."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 2**30
+    print(json.dumps(values | {"memory_gib": peak}), flush=True)
+
+
+def measure(elements: tuple[int, int]) -> None:
+    """One size, in this process: set-up, steps, then the quiet start, the hungriest, last."""
+    from fem.corner import Drag
+    from fem.model import CornerProperties, PlateProperties, StepProperties, build_model
+    from fem.simulate import Stepper
+    from fem.start import RigidStart
+    from meshes import plate_mesh
+
+    with stage("mesh_s"):
+        mesh = plate_mesh(10.0, 2.438, elements)
+    with stage("model_s"):
+        plate = PlateProperties(0.053, 7800.0, 200e9, 0.3)
+        model = build_model(mesh, plate, CornerProperties(Drag(0.47)), StepProperties())
+    stepper, start = Stepper(model), RigidStart(0.26, 0.707, 25.053)
+    state = stepper.start(start, "sudden")
+    stepper.advance(state, 1)
+    step, steps = time_per_step(stepper, state), DURATION / model.loop.time_step
+    tell(step_s=step, steps=steps, run_s=step * steps)
+    with stage("quiet_s"):
+        stepper.start(start, "quiet")
+
+
+def time_per_step(stepper: Any, state: Any, seconds: float = 0.2, batches: int = 9) -> float:
+    """Best of several batches [s]."""
+    began = time.perf_counter()
+    stepper.advance(state, 2)
+    steps = max(1, round(2 * seconds / (time.perf_counter() - began)))
+    best = np.inf
+    for _ in range(batches):
+        began = time.perf_counter()
+        stepper.advance(state, steps)
+        best = min(best, (time.perf_counter() - began) / steps)
+    return float(best)
+
+
+def in_process(elements: tuple[int, int], budget: float) -> dict[str, Any]:
+    """One size in a process of its own, as far as it gets."""
+    command = [sys.executable, __file__, "--one", *map(str, elements)]
+    one_thread = os.environ | {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+    try:
+        done = subprocess.run(
+            command, env=one_thread, preexec_fn=limit, capture_output=True, text=True, timeout=budget
+        )
+        output, failure = (
+            done.stdout,
+            (done.stderr.strip().splitlines() or [""])[-1] if done.returncode else "",
+        )
+    except subprocess.TimeoutExpired as expired:
+        output, failure = (expired.stdout or b"").decode(), f"stopped after {budget:g} s"
+    values: dict[str, Any] = {"failure": failure}
+    for line in output.splitlines():
+        values |= json.loads(line)
+    return values
+
+
+def exponent(counts: list[int], values: list[float]) -> float:
+    """Slope of log(value) over log(count)."""
+    return float(np.polyfit(np.log(counts), np.log(values), 1)[0])
+
+
+def print_exponents(found: dict[int, dict[str, Any]]) -> None:
+    """The fitted exponents, over the sizes that gave a number."""
+    cells = []
+    for name in FITTED:
+        pairs = [(count, row[name]) for count, row in found.items() if name in row and count >= FIT_FROM]
+        cells.append(
+            f"{exponent(*map(list, zip(*pairs, strict=True))):>15.2f}" if len(pairs) > 1 else " " * 15
+        )
+    print(f"{'exponent':>9}{''.join(cells)}  of the number of elements, from {FIT_FROM} on")
+
+
+def main() -> None:
+    """Measure every size and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--budget", type=float, default=90.0, help="seconds that one size may take")
+    parser.add_argument("--one", type=int, nargs=2, help="only this size, in this process")
+    given = parser.parse_args()
+    if given.one:
+        measure(tuple(given.one))
+        return
+    print(f"{'elements':>9}" + "".join(f"{title:>15}" for title in COLUMNS.values()))
+    found = {}
+    for elements in SIZES:
+        count = elements[0] * elements[1]
+        found[count] = row = in_process(elements, given.budget)
+        cells = (f"{row[name]:>15.3g}" if name in row else f"{'-':>15}" for name in COLUMNS)
+        print(f"{count:>9}{''.join(cells)}  {row['failure']}", flush=True)
+    print_exponents(found)
+
+
+if __name__ == "__main__":
+    main()
