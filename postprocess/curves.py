@@ -75,7 +75,7 @@ def draw_histories(fe: History, rigid: History) -> tuple[Curve, ...]:
     with rc_context(), np.errstate(all="ignore"):
         rcdefaults()
         rcParams.update(STYLE)
-        double, single = _sheet((0.42, 0.48), (0.16, 0.2)), _sheet((0.16, 0.74))
+        double, single = make_sheet((0.42, 0.48), (0.16, 0.2)), make_sheet((0.16, 0.74))
         compared = [_draw_compared(double, panel, fe, rigid) for panel in COMPARED if panel.name in both]
         ledger = [_draw_ledger(single, panel, fe) for panel in LEDGER if {*fe} & {*dict(panel.columns)}]
     return (*compared, *ledger)
@@ -103,34 +103,36 @@ def _draw_compared(sheet: Sheet, panel: Panel, fe: History, rigid: History) -> C
     t, values = fe["t"], fe[panel.name]
     exact = np.interp(t, rigid["t"], rigid[panel.name])
     power = power_of_ten(values - exact)
-    _clear(sheet)
+    clear_sheet(sheet)
     upper, lower = sheet.axes
     upper.plot(*thinned(t, exact), color=RIGID, linewidth=4.0, solid_capstyle="round")
     upper.plot(*thinned(t, values), color=FE, linewidth=1.2)
     upper.set_ylabel(f"{panel.symbol} [{panel.unit}]")
     lower.plot(*thinned(t, (values - exact) * 10.0**-power), color=DIFFERENCE, linewidth=0.9)
     lower.set_ylabel(f"FE − rigid\n[{_factor(power)}{panel.unit}]", fontsize=8)
-    return _finish(sheet, panel, (("rigid, exact", RIGID), ("FE", FE)))
+    return finish_curve(sheet, panel, (("rigid, exact", RIGID), ("FE", FE)))
 
 
 def _draw_ledger(sheet: Sheet, panel: Panel, fe: History) -> Curve:
     drawn = [(fe[name], label) for name, label in panel.columns if name in fe]
     histories = [values - values[0] if panel.from_start else values for values, _ in drawn]
     power = power_of_ten(np.concatenate(histories))
-    _clear(sheet)
+    clear_sheet(sheet)
     (axes,) = sheet.axes
     for values, colour in zip(histories, COLOURS, strict=False):
         width = THICK if panel.from_start and colour == FE else THIN
         axes.plot(*thinned(fe["t"], values * 10.0**-power), color=colour, linewidth=width)
     axes.set_ylabel(f"{panel.symbol} [{_factor(power)}{panel.unit}]")
-    return _finish(sheet, panel, tuple((label, c) for (_, label), c in zip(drawn, COLOURS, strict=False)))
+    return finish_curve(
+        sheet, panel, tuple((label, c) for (_, label), c in zip(drawn, COLOURS, strict=False))
+    )
 
 
 def _factor(power: int) -> str:
     return f"10{str(power).translate(SUPERSCRIPTS)} " if power else ""
 
 
-def _sheet(*spans: tuple[float, float]) -> Sheet:
+def make_sheet(*spans: tuple[float, float]) -> Sheet:
     """A figure with axes one below the other; each by its lower edge and height, parts of the figure."""
     from matplotlib.figure import Figure
 
@@ -144,12 +146,12 @@ def _sheet(*spans: tuple[float, float]) -> Sheet:
     return Sheet(figure, (*others, last))
 
 
-def _clear(sheet: Sheet) -> None:
+def clear_sheet(sheet: Sheet) -> None:
     for artist in (*sheet.figure.texts, *(line for axes in sheet.axes for line in axes.lines)):
         artist.remove()
 
 
-def _finish(sheet: Sheet, panel: Panel, legend: tuple[tuple[str, str], ...]) -> Curve:
+def finish_curve(sheet: Sheet, panel: Panel, legend: tuple[tuple[str, str], ...]) -> Curve:
     """Fits the axes to their lines, and names these in their own colours above the plot."""
     for axes in sheet.axes:
         axes.relim()

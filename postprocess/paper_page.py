@@ -13,6 +13,7 @@ import numpy as np
 
 from postprocess import curves
 from postprocess.curves import DIFFERENCE, FE, LEFT, RIGID, STYLE, Curve, History, thinned
+from postprocess.pages import write_page
 from postprocess.panels import COMPARED, Panel
 
 TEMPLATE = "paper.html.j2"
@@ -112,14 +113,7 @@ class PaperPage:
 
 def write_paper_page(path: Path, page: PaperPage) -> Path:
     """Writes the page and returns its path."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    options: dict[str, Any] = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
-    environment = Environment(loader=PackageLoader("postprocess"), undefined=StrictUndefined, **options)
-    environment.filters["prose"] = prose
-    content = {field.name: getattr(page, field.name) for field in fields(page)}
-    path.write_text(environment.get_template(TEMPLATE).render(**content), encoding="utf-8")
-    return path
+    return write_page(path, TEMPLATE, {f.name: getattr(page, f.name) for f in fields(page)}, {"prose": prose})
 
 
 def prose(words: str) -> Any:
@@ -150,7 +144,7 @@ def draw_figures(
     with rc_context():
         rcdefaults()
         rcParams.update(STYLE)
-        sheet = curves._sheet((0.16, 0.74))
+        sheet = curves.make_sheet((0.16, 0.74))
         return tuple(
             _draw(sheet, replace(panels[name], caption=caption), courses, marks[name])
             for name, caption in captions.items()
@@ -163,7 +157,7 @@ def _draw(
     courses: Mapping[str, History],
     marks: Mapping[str, tuple[tuple[float, float], ...]],
 ) -> Curve:
-    curves._clear(sheet)
+    curves.clear_sheet(sheet)
     (axes,) = sheet.axes
     axes.set_ylabel(f"{panel.symbol} [{panel.unit}]")
     legend = []
@@ -178,4 +172,4 @@ def _draw(
     for words, colour in legend:
         sheet.figure.text(x, 0.93, words, color=colour, fontweight="bold")
         x += 0.02 + 0.0195 * len(words)
-    return curves._finish(sheet, panel, ())
+    return curves.finish_curve(sheet, panel, ())

@@ -1,6 +1,5 @@
 """`report.html`: one file that holds all it shows, with no script and nothing fetched from elsewhere."""
 
-import base64
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -9,7 +8,7 @@ from typing import Any
 
 from postprocess.comparison import PAPER_SOURCE, ComparisonRow
 from postprocess.curves import Curve
-from postprocess.numbers import number, padded, signed, subscripted
+from postprocess.pages import write_page
 
 TEMPLATE = "report.html.j2"
 
@@ -90,23 +89,11 @@ class ReportContent:
 
 def write_report(path: Path, content: ReportContent) -> Path:
     """Writes the page and returns its path; every picture must be there."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    loader = PackageLoader("postprocess")
-    environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters.update(
-        number=number, padded=padded, signed=signed, subscripted=subscripted, data_uri=data_uri
-    )
-    page = environment.get_template(TEMPLATE).render(
-        **{field.name: getattr(content, field.name) for field in fields(content)},
-        verdict=verdict(content),
-        curve_groups=_grouped(content.curves),
-        has_paper=any(row.paper_analytical is not None for row in content.comparison),
-    )
-    path.write_text(page, encoding="utf-8")
-    return path
+    values = {field.name: getattr(content, field.name) for field in fields(content)}
+    values["verdict"] = verdict(content)
+    values["curve_groups"] = _grouped(content.curves)
+    values["has_paper"] = any(row.paper_analytical is not None for row in content.comparison)
+    return write_page(path, TEMPLATE, values)
 
 
 def verdict(content: ReportContent) -> str:
@@ -120,11 +107,6 @@ def verdict(content: ReportContent) -> str:
     size = f"by at most {largest:.1e}" if math.isfinite(largest) else "without bound"
     words += "At the tail-slap the FE run differs from the exact rigid-body solution "
     return words + f"{size} (FE/rigid − 1):"
-
-
-def data_uri(path: Path) -> str:
-    """The PNG file as a data URI."""
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
 
 
 def _grouped(curves: tuple[Curve, ...]) -> Mapping[str, list[Any]]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from postprocess.curves import Curve
-from postprocess.numbers import number
+from postprocess.pages import write_page
 from postprocess.report import Result
 
 TEMPLATE = "uncertainty.html.j2"
@@ -43,19 +43,8 @@ class UncertaintyContent:
 
 def write_uncertainty_page(path: Path, content: UncertaintyContent) -> Path:
     """Writes the page and returns its path."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("postprocess"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(number=number, interval=interval)
     values = {field.name: getattr(content, field.name) for field in fields(content)}
-    path.write_text(environment.get_template(TEMPLATE).render(values), encoding="utf-8")
-    return path
+    return write_page(path, TEMPLATE, values, {"interval": interval})
 
 
 def interval(ends: tuple[float, float]) -> str:
