@@ -36,10 +36,17 @@ COLUMNS = {
     "steps": "steps",
     "run_s": "run, s",
     "memory_gib": "memory, GiB",
+    "quiet_gib": "quiet, GiB",
 }
-FITTED = ("mesh_s", "model_s", "quiet_s", "step_s", "steps", "run_s", "memory_gib")
+"""Columns of the table. Memory is the process's peak up to the steps, and after the quiet start."""
+
 FIT_FROM = 1920
 """Elements from which on the exponents are fitted: below, fixed costs show."""
+
+
+def tell(**values: float) -> None:
+    """Print values for the parent process."""
+    print(json.dumps(values), flush=True)
 
 
 @contextmanager
@@ -50,10 +57,9 @@ def stage(name: str) -> Iterator[None]:
     tell(**{name: time.perf_counter() - began})
 
 
-def tell(**values: float) -> None:
-    """Print values for the parent process, with the memory used so far."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 2**30
-    print(json.dumps(values | {"memory_gib": peak}), flush=True)
+def peak() -> float:
+    """Most memory that this process has used [GiB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 2**30
 
 
 def measure(elements: tuple[int, int]) -> None:
@@ -73,9 +79,10 @@ def measure(elements: tuple[int, int]) -> None:
     state = stepper.start(start, "sudden")
     stepper.advance(state, 1)
     step, steps = time_per_step(stepper, state), DURATION / model.loop.time_step
-    tell(step_s=step, steps=steps, run_s=step * steps)
+    tell(step_s=step, steps=steps, run_s=step * steps, memory_gib=peak())
     with stage("quiet_s"):
         stepper.start(start, "quiet")
+    tell(quiet_gib=peak())
 
 
 def time_per_step(stepper: Any, state: Any, seconds: float = 0.2, batches: int = 9) -> float:
@@ -99,14 +106,14 @@ def in_process(elements: tuple[int, int], budget: float) -> dict[str, Any]:
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
+    failure = ""
     try:
         done = subprocess.run(
             command, env=one_thread, preexec_fn=limit, capture_output=True, text=True, timeout=budget
         )
-        output, failure = (
-            done.stdout,
-            (done.stderr.strip().splitlines() or [""])[-1] if done.returncode else "",
-        )
+        output = done.stdout
+        if done.returncode:
+            failure = (done.stderr.strip().splitlines() or ["ended"])[-1][:60]
     except subprocess.TimeoutExpired as expired:
         output, failure = (expired.stdout or b"").decode(), f"stopped after {budget:g} s"
     values: dict[str, Any] = {"failure": failure}
@@ -122,13 +129,11 @@ def exponent(counts: list[int], values: list[float]) -> float:
 
 def print_exponents(found: dict[int, dict[str, Any]]) -> None:
     """The fitted exponents, over the sizes that gave a number."""
-    cells = []
-    for name in FITTED:
-        pairs = [(count, row[name]) for count, row in found.items() if name in row and count >= FIT_FROM]
-        cells.append(
-            f"{exponent(*map(list, zip(*pairs, strict=True))):>15.2f}" if len(pairs) > 1 else " " * 15
-        )
-    print(f"{'exponent':>9}{''.join(cells)}  of the number of elements, from {FIT_FROM} on")
+    cells = ""
+    for name in COLUMNS:
+        large = {count: row[name] for count, row in found.items() if name in row and count >= FIT_FROM}
+        cells += f"{exponent(list(large), list(large.values())):>15.2f}" if len(large) > 1 else f"{'-':>15}"
+    print(f"{'exponent':>9}{cells}  of the number of elements, from {FIT_FROM} on")
 
 
 def main() -> None:

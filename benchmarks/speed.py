@@ -14,6 +14,7 @@ Exits 1 if the kernel is not packed.
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import os
 import platform
@@ -28,6 +29,7 @@ from typing import Any
 ONE_THREAD = {
     f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "VECLIB_MAXIMUM")
 }
+MINE = "this program"
 SIZES = {120: (20, 6), 7680: (160, 48), 122880: (640, 192)}
 DISTORTION = 0.2
 OTHERS = {"Akantu": "akantu_plate.py", "Kratos": "kratos_plate.py", "Warp": "warp_plate.py"}
@@ -94,6 +96,7 @@ def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
     ), stepper
 
 
+@functools.cache
 def far_corner(count: int, time_step: float) -> list[float]:
     """Where this program has the far corner [m] at the instant of comparison."""
     from speed_others.plate import CHECKED_STEPS
@@ -132,21 +135,21 @@ def other(name: str, count: int, interpreter: str, time_step: float) -> Entry:
     return entry
 
 
-def entries(interpreter: str | None) -> tuple[list[Entry], dict[str, Any]]:
-    """All lines in the order of a turn, and our loops by name."""
+def entries(interpreter: str | None) -> tuple[list[Entry], dict[Any, Any]]:
+    """All lines in the order of a turn, and our loops by name and elements."""
     lines, loops = [], {}
     for count in SIZES:
         for name, choices in (
-            ("this program", {}),
-            ("this program, distorted", {"distortion": DISTORTION}),
-            ("this program, 2 threads", {"threads": 2}),
+            (MINE, {}),
+            (f"{MINE}, distorted", {"distortion": DISTORTION}),
+            (f"{MINE}, 2 threads", {"threads": 2}),
         ):
             if "threads" in choices and count != max(SIZES):
                 continue
             entry, stepper = ours(name, count, **choices)
             lines.append(entry)
             loops[name, count] = stepper
-            if interpreter and name == "this program" and count in COMPARED:
+            if interpreter and name == MINE and count in COMPARED:
                 step = stepper.loop.time_step
                 lines += [other(code, count, interpreter, step) for code in OTHERS]
     return lines, loops
@@ -163,48 +166,49 @@ def machine() -> list[Entry]:
     ]
 
 
-def share(entry: Entry, stepper: Any, copying: Entry, arithmetic: Entry) -> str:
-    """Shares of the machine's two rates, and of the bound that the lesser of them sets."""
+def print_rates(lines: list[Entry]) -> None:
+    """Every entry with its best and median."""
+    print(f"{'rate':<26}{'elements':>9}{'best':>11}{'median':>11}  remark")
+    for entry in lines:
+        size = str(entry.elements or "")
+        print(f"{entry.name:<26}{size:>9}{entry.best:>11.3g}{entry.median:>11.3g}  {entry.remark}")
+
+
+def print_shares(rates: list[Entry], lines: list[Entry], loops: dict[Any, Any]) -> None:
+    """What share of the machine's rates the loop on one core reaches, best against best."""
     from bound import bytes_per_update, flops_per_update
 
-    flops, moved = flops_per_update(stepper), bytes_per_update(stepper)
-    by_arithmetic = entry.best * flops / arithmetic.best
-    by_bandwidth = entry.best * moved / copying.best
-    return (
-        f"{flops:.0f} flop, {moved:.0f} B an update: {by_arithmetic:.0%} of arithmetic, "
-        f"{by_bandwidth:.0%} of bandwidth, {max(by_arithmetic, by_bandwidth):.0%} of the lesser bound"
-    )
-
-
-def print_table(rates: list[Entry], lines: list[Entry], loops: dict[str, Any]) -> None:
-    """Every entry with its best and median."""
-    print(f"\n{'what':<26}{'elements':>9}{'best':>11}{'median':>11}  remark")
-    for entry in [*rates, *lines]:
-        remark = entry.remark
+    copying, arithmetic, _ = rates
+    print(f"\n{'share of what the machine can do':<35}{'flop':>6}{'byte':>6}{'arithmetic':>12}", end="")
+    print(f"{'bandwidth':>11}{'the lesser':>12}")
+    for entry in lines:
         stepper = loops.get((entry.name, entry.elements))
-        if stepper and "threads" not in entry.name:
-            remark = share(entry, stepper, *rates[:2])
-        size = str(entry.elements or "")
-        print(f"{entry.name:<26}{size:>9}{entry.best:>11.3g}{entry.median:>11.3g}  {remark}")
+        if stepper is None or "threads" in entry.name:
+            continue
+        flops, moved = flops_per_update(stepper), bytes_per_update(stepper)
+        shares = entry.best * flops / arithmetic.best, entry.best * moved / copying.best
+        print(f"{entry.name:<26}{entry.elements:>9}{flops:>6.0f}{moved:>6.0f}", end="")
+        print(f"{shares[0]:>12.0%}{shares[1]:>11.0%}{max(shares):>12.0%}")
 
 
-def print_ratios(lines: list[Entry]) -> None:
-    """This program against the others, and two threads against one."""
-    print(f"\n{'ratio':<44}{'wanted':>9}{'best':>9}{'median':>9}")
+def print_ratios(rates: list[Entry], lines: list[Entry]) -> None:
+    """This program against the others, and distorted and two threads against plain."""
     found = {(entry.name, entry.elements): entry for entry in lines}
+    _, one, two = rates
+    pairs = [("multiply-adds, 2 threads / 1", None, two, one)]
     for (name, count), entry in found.items():
-        mine = found["this program", count]
+        mine = found[MINE, count]
         if name in OTHERS:
             wanted = WANTED.get(name) if count == 7680 else None
-            pair = (f"this program / {name}, {count} elements", wanted, mine, entry)
-        elif name != "this program":
-            pair = (f"{name} / plain, {count} elements", 1.7 if "threads" in name else None, entry, mine)
-        else:
-            continue
-        what, wanted, above, below = pair
+            pairs.append((f"{MINE} / {name}, {count} elements", wanted, mine, entry))
+        elif name != MINE:
+            wanted = 1.7 if "threads" in name else None
+            pairs.append((f"{name} / plain, {count} elements", wanted, entry, mine))
+    print(f"\n{'ratio':<50}{'wanted':>8}{'of bests':>10}{'of medians':>12}")
+    for what, wanted, above, below in pairs:
         asked = f"{wanted:g}" if wanted else ""
         best, median = above.best / below.best, above.median / below.median
-        print(f"{what:<44}{asked:>9}{best:>9.2f}{median:>9.2f}")
+        print(f"{what:<50}{asked:>8}{best:>10.2f}{median:>12.2f}")
 
 
 def check_packing(stepper: Any) -> int:
@@ -233,11 +237,12 @@ def main() -> int:
     for _ in range(given.turns):
         for entry in [*rates, *lines]:
             entry.turn()
-    print_table(rates, lines, loops)
-    print_ratios(lines)
+    print_rates([*rates, *lines])
+    print_shares(rates, lines, loops)
+    print_ratios(rates, lines)
     if not given.others:
         print("\nAkantu, Kratos, Warp: not measured, for want of --others PYTHON")
-    return check_packing(loops["this program", 120])
+    return check_packing(loops[MINE, 120])
 
 
 if __name__ == "__main__":
