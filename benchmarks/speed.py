@@ -189,6 +189,9 @@ def print_shares(rates: list[Entry], lines: list[Entry], loops: dict[Any, Any]) 
         shares = entry.best * flops / arithmetic.best, entry.best * moved / copying.best
         print(f"{entry.name:<26}{entry.elements:>9}{flops:>6.0f}{moved:>6.0f}", end="")
         print(f"{shares[0]:>12.0%}{shares[1]:>11.0%}{max(shares):>12.0%}")
+    print(
+        "Bandwidth binds only where the arrays are far larger than the cache; within it, shares may pass 100 %."
+    )
 
 
 def print_ratios(rates: list[Entry], lines: list[Entry]) -> None:
