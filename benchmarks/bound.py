@@ -2,17 +2,19 @@
 
 Needs are counted from the source, for n nodes and p points an element. Additions and multiplications:
 
-    _add_point    F 8 n - 4 | strain 13 | stress 7 | P = w F S 16 | nodal forces 8 n     per point
-    _scatter      2 n                                                                    per element
-    drift         v += dt f / m, x += dt v: 2 x 5                                        per node
+    _add_point      F 8 m - 4 | strain 13 | stress 7 | w S 3 | P = F S 12 | nodal forces 8 m    per point
+    subtract_first  2 m                                                                       per element
+    balance         2 m                                                                       per element
+    scatter         2 n                                                                       per element
+    drift           v += dt f / m, x += dt v: 2 x 5                                           per node
 
-Bytes, each array once for every pass over it, as if nothing stayed in a cache between passes:
+with m = n - 1. Bytes, each array once for every pass over it, as if nothing stayed in a cache between passes:
 
-    _gather       connectivity 4 n                                                       per element
-                  positions 16                                                           per node
-    force         cleared 16 | added to 32                                               per node
-    drift         positions 32 | velocities 32 | force 16 | mass 8                       per node
-    _copy_block   8 p (2 n + 1) where elements are not congruent                         per element
+    gather          positions 16                                                              per node
+                    connectivity 4 n where the nodes are not numbered alike                   per element
+    force           cleared 16 | added to 32                                                  per node
+    drift           positions 32 | velocities 32 | force 16 | mass 8                          per node
+    _add_point      8 p (2 m + 1) where elements are not congruent                            per element
 
 So the bandwidth is a bound where these arrays are far larger than the cache; below that only arithmetic is, and
 more than the bandwidth's share can be reached.
@@ -73,14 +75,17 @@ def multiply_add_rate(threads: int = 1) -> float:
 def flops_per_update(stepper: Stepper) -> float:
     """Additions and multiplications an element and step; see above."""
     table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
-    return len(table.weights) * (16 * nodes + 32) + 2 * nodes + 10 * _nodes_per_element(stepper)
+    element = len(table.weights) * (16 * (nodes - 1) + 31) + 4 * (nodes - 1) + 2 * nodes
+    return element + 10 * _nodes_per_element(stepper)
 
 
 def bytes_per_update(stepper: Stepper) -> float:
     """Bytes an element and step; see above."""
     table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
-    moved = 4 * nodes + 152 * _nodes_per_element(stepper)
-    return moved if table.weights.shape[1] == 1 else moved + 8 * len(table.weights) * (2 * nodes + 1)
+    moved = 152 * _nodes_per_element(stepper)
+    if stepper._scratch.lattice is None:
+        moved += 4 * nodes
+    return moved if table.weights.shape[1] == 1 else moved + 8 * len(table.weights) * (2 * nodes - 1)
 
 
 def _nodes_per_element(stepper: Stepper) -> float:

@@ -1,25 +1,40 @@
 """Internal forces of the plate: total Lagrangian, any element, any material; compiled.
 
-The elements go through in blocks of LANES. A block's nodal values lie in one scratch array, row after row, one
-lane an element: inside one array, with row numbers that are constants to the compiler, it can see that rows do
-not overlap, and packs the lanes into vector instructions; over many separate arrays it cannot. The rows, with
-n nodes an element:
+The elements go through in blocks of lanes (`fem.lanes`). A block's nodal values lie in one scratch array, row
+after row: inside one array, with row numbers that are constants to the compiler, it can see that rows do not
+overlap, and packs the lanes into vector instructions; over many separate arrays it cannot. The rows, with n nodes
+an element:
 
     positions 2n | forces 2n | velocities 2n | viscous power 1
+
+Shape functions sum to one, so gradients are taken of differences from the first node, and its force is what
+balances the others': its own gradients are not needed.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
 from fem.compiled import compiled, inlined
 from fem.elements import ElementTable
+from fem.lanes import (
+    LANES,
+    Lattice,
+    aligned,
+    balance,
+    clear_idle,
+    find_lattice,
+    gather,
+    in_blocks,
+    lane_count,
+    scatter,
+    subtract_first,
+)
 from fem.materials import stress
-
-LANES = 32
-"""Elements a block; every row of a block stays in the first-level cache."""
 
 
 class Viscosity(NamedTuple):
@@ -31,20 +46,29 @@ class Viscosity(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room for one block: the rows above, and the block's gradients (2n a point) and weights (1 a point)."""
+    """Room for one block, and the element table as the lanes want it.
+
+    rows: as above. gradients, weights: of all nodes but the first; of congruent elements as tuples, a tuple of
+    gradients and a weight a point, constants of the loop over the lanes; else as arrays, a row a block.
+    """
 
     rows: np.ndarray
-    gradients: np.ndarray
-    weights: np.ndarray
+    gradients: Any
+    weights: Any
+    lattice: Lattice | None
 
 
 def scratch_for(table: ElementTable) -> Scratch:
-    """Make room; the gradients of congruent elements are laid down here once and for all."""
-    rows = np.zeros((6 * len(table.per_element) + 1) * LANES)
-    gradients, weights = np.zeros((len(table.gradients), LANES)), np.zeros((len(table.weights), LANES))
+    """Make room, and lay out the table."""
+    points, nodes = len(table.weights), len(table.per_element)
+    rows = aligned((6 * nodes + 1) * LANES)
+    lattice = find_lattice(table.connectivity)
+    gradients = table.gradients.reshape(points, 2 * nodes, -1)[:, 2:]
     if table.weights.shape[1] == 1:
-        gradients[:], weights[:] = table.gradients, table.weights
-    return Scratch(rows, gradients.ravel(), weights.ravel())
+        congruent = tuple(tuple(point) for point in gradients[:, :, 0].tolist())
+        return Scratch(rows, congruent, tuple(table.weights[:, 0].tolist()), lattice)
+    flat = gradients.reshape(points * 2 * (nodes - 1), -1)
+    return Scratch(rows, in_blocks(flat, lattice), in_blocks(table.weights, lattice), lattice)
 
 
 @compiled
@@ -54,9 +78,9 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
     positions, velocities: [m], [m/s], shape (2, nodes). viscosity: None, or a `Viscosity`; hourglass: None, or
     an `Hourglass`. What is None is compiled out.
     """
-    elements = table.connectivity.shape[1]
+    lanes = lane_count(table.connectivity, scratch.lattice)
     return subtract_forces_of(
-        0, elements, positions, velocities, viscosity, hourglass, force, table, material, scratch
+        0, lanes, positions, velocities, viscosity, hourglass, force, table, material, scratch
     )
 
 
@@ -64,71 +88,93 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
 def subtract_forces_of(
     begin, end, positions, velocities, viscosity, hourglass, force, table, material, scratch
 ):
-    """The same for the elements from `begin` to before `end`."""
-    tag, nodes, rows = table.per_element, len(table.per_element), scratch.rows
+    """The same for the lanes from `begin`, the first of a block, to before `end`."""
+    others, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
+    connectivity, lattice = table.connectivity, scratch.lattice
     power = 0.0
     for first in range(begin, end, LANES):
         count = min(LANES, end - first)
-        _gather(positions, table.connectivity, first, count, 0, rows)
+        gather(positions, connectivity, lattice, first, count, rows)
+        subtract_first(others, rows)
         rows[2 * nodes * LANES : 4 * nodes * LANES] = 0.0
-        if table.weights.shape[1] != 1:
-            _copy_block(table.gradients, first, count, scratch.gradients)
-            _copy_block(table.weights, first, count, scratch.weights)
         if viscosity is not None:
-            _gather(velocities, table.connectivity, first, count, 4 * nodes, rows)
+            rates = rows[4 * nodes * LANES :]
+            gather(velocities, connectivity, lattice, first, count, rates)
+            subtract_first(others, rates)
             rows[6 * nodes * LANES :] = 0.0
         for point in range(table.weights.shape[0]):
-            # Views, because an index that might be negative would keep the lanes from being packed.
-            gradients = scratch.gradients[2 * nodes * LANES * point :]
-            _add_point(tag, material, viscosity, rows, gradients, scratch.weights[LANES * point :])
+            gradients = point_of(scratch.gradients, first // LANES, point, 2 * len(others))
+            weights = point_of(scratch.weights, first // LANES, point, 1)
+            _add_point(others, material, viscosity, rows, gradients, weights)
         if hourglass is not None:
-            _add_hourglass(hourglass, first, count, tag, rows)
-        _scatter(force, table.connectivity, first, count, 2 * nodes, rows)
+            _add_hourglass(hourglass, first, count, others, lattice, rows)
+        forces = rows[2 * nodes * LANES : 4 * nodes * LANES]
+        balance(others, forces)
+        clear_idle(lattice, first // LANES, 2 * nodes, forces)
+        scatter(force, connectivity, lattice, first, count, forces)
         if viscosity is not None:
+            powers = rows[6 * nodes * LANES :]
+            clear_idle(lattice, first // LANES, 1, powers)
             for lane in range(count):
-                power += rows[6 * nodes * LANES + lane]
+                power += powers[lane]
     return power
 
 
-@compiled
-def _gather(values, connectivity, first, count, row, rows):
-    for a in range(connectivity.shape[0]):
-        for lane in range(count):
-            node = connectivity[a, first + lane]
-            rows[(row + 2 * a) * LANES + lane] = values[0, node]
-            rows[(row + 2 * a + 1) * LANES + lane] = values[1, node]
+def point_of(values: Any, block: int, point: int, rows: int) -> Any:
+    """Numbers of one point: of all elements, or of a block, `rows` an element; compiled code only."""
+    raise NotImplementedError(type(values))
+
+
+@overload(point_of, inline="always")
+def _point_of(values: Any, block: Any, point: Any, rows: Any) -> Any:
+    if isinstance(values, types.BaseTuple):
+
+        def numbers(values: Any, block: Any, point: Any, rows: Any) -> Any:
+            return values[point]
+    else:
+        # Views, because an index that might be negative would keep the lanes from being packed.
+        def numbers(values: Any, block: Any, point: Any, rows: Any) -> Any:
+            return values[block, rows * LANES * point :]
+
+    return numbers
+
+
+def at_lane(values: Any, row: int, lane: int) -> float:
+    """Number `row` of a point, or of an element in its lane; compiled code only."""
+    raise NotImplementedError(type(values))
+
+
+@overload(at_lane, inline="always")
+def _at_lane(values: Any, row: Any, lane: Any) -> Any:
+    if isinstance(values, types.Float):
+
+        def number(values: Any, row: Any, lane: Any) -> Any:
+            return values
+    elif isinstance(values, types.BaseTuple):
+
+        def number(values: Any, row: Any, lane: Any) -> Any:
+            return values[row]
+    else:
+
+        def number(values: Any, row: Any, lane: Any) -> Any:
+            return values[row * LANES + lane]
+
+    return number
 
 
 @compiled
-def _copy_block(values, first, count, block):
-    for row in range(values.shape[0]):
-        source, target = values[row, first : first + count], block[row * LANES : row * LANES + count]
-        for lane in range(count):
-            target[lane] = source[lane]
-
-
-@compiled
-def _scatter(force, connectivity, first, count, row, rows):
-    for a in range(connectivity.shape[0]):
-        for lane in range(count):
-            node = connectivity[a, first + lane]
-            force[0, node] -= rows[(row + 2 * a) * LANES + lane]
-            force[1, node] -= rows[(row + 2 * a + 1) * LANES + lane]
-
-
-@compiled
-def _add_point(tag, material, viscosity, rows, gradients, weights):
+def _add_point(others, material, viscosity, rows, gradients, weights):
     """Add one quadrature point's nodal forces to the block's rows: P = F S, f_a = w P grad N_a."""
-    nodes = len(tag)
+    nodes = len(others) + 1
     for lane in range(LANES):
-        weight = weights[lane]
-        f_11, f_12, f_21, f_22 = _gradient(0, tag, rows, gradients, lane)
+        weight = at_lane(weights, 0, lane)
+        f_11, f_12, f_21, f_22 = _gradient(2, others, rows, gradients, lane)
         e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
         e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
         g_12 = f_11 * f_12 + f_21 * f_22
         s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
         if viscosity is not None:
-            r_11, r_12, r_21, r_22 = _gradient(4 * nodes, tag, rows, gradients, lane)
+            r_11, r_12, r_21, r_22 = _gradient(4 * nodes + 2, others, rows, gradients, lane)
             d_11 = f_11 * r_11 + f_21 * r_21
             d_22 = f_12 * r_12 + f_22 * r_22
             d_12 = f_11 * r_12 + f_12 * r_11 + f_21 * r_22 + f_22 * r_21
@@ -139,24 +185,25 @@ def _add_point(tag, material, viscosity, rows, gradients, weights):
             s_11 += v_11
             s_22 += v_22
             s_12 += v_12
-        p_11 = weight * (f_11 * s_11 + f_12 * s_12)
-        p_12 = weight * (f_11 * s_12 + f_12 * s_22)
-        p_21 = weight * (f_21 * s_11 + f_22 * s_12)
-        p_22 = weight * (f_21 * s_12 + f_22 * s_22)
-        for a in range(len(tag)):
-            g_1 = gradients[2 * a * LANES + lane]
-            g_2 = gradients[(2 * a + 1) * LANES + lane]
-            rows[(2 * nodes + 2 * a) * LANES + lane] += p_11 * g_1 + p_12 * g_2
-            rows[(2 * nodes + 2 * a + 1) * LANES + lane] += p_21 * g_1 + p_22 * g_2
+        s_11 *= weight
+        s_22 *= weight
+        s_12 *= weight
+        p_11 = f_11 * s_11 + f_12 * s_12
+        p_12 = f_11 * s_12 + f_12 * s_22
+        p_21 = f_21 * s_11 + f_22 * s_12
+        p_22 = f_21 * s_12 + f_22 * s_22
+        for a in range(len(others)):
+            g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
+            rows[(2 * nodes + 2 * a + 2) * LANES + lane] += p_11 * g_1 + p_12 * g_2
+            rows[(2 * nodes + 2 * a + 3) * LANES + lane] += p_21 * g_1 + p_22 * g_2
 
 
 @inlined
-def _gradient(row, tag, rows, gradients, lane):
+def _gradient(row, others, rows, gradients, lane):
     """Gradient of the vector field in the rows from `row`: F from positions, its rate from velocities."""
     t_11 = t_12 = t_21 = t_22 = 0.0
-    for a in range(len(tag)):
-        g_1 = gradients[2 * a * LANES + lane]
-        g_2 = gradients[(2 * a + 1) * LANES + lane]
+    for a in range(len(others)):
+        g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
         x = rows[(row + 2 * a) * LANES + lane]
         y = rows[(row + 2 * a + 1) * LANES + lane]
         t_11 += x * g_1
@@ -167,18 +214,21 @@ def _gradient(row, tag, rows, gradients, lane):
 
 
 @compiled
-def _add_hourglass(hourglass, first, count, tag, rows):
+def _add_hourglass(hourglass, first, count, others, lattice, rows):
     """Add k gamma_a (sum gamma_b x_b) to the block's forces; zero for every linear field, rigid motion included."""
-    nodes = len(tag)
-    congruent = hourglass.stiffness.size == 1
+    nodes = len(others) + 1
     for lane in range(count):
-        column = 0 if congruent else first + lane
+        column = first + lane
+        if lattice is not None:
+            column = lattice.element[column]
+        if hourglass.stiffness.size == 1:
+            column = 0
         q_1 = q_2 = 0.0
-        for a in range(len(tag)):
+        for a in range(1, nodes):
             q_1 += hourglass.vectors[a, column] * rows[2 * a * LANES + lane]
             q_2 += hourglass.vectors[a, column] * rows[(2 * a + 1) * LANES + lane]
         q_1 *= hourglass.stiffness[column]
         q_2 *= hourglass.stiffness[column]
-        for a in range(len(tag)):
+        for a in range(1, nodes):
             rows[(2 * nodes + 2 * a) * LANES + lane] += hourglass.vectors[a, column] * q_1
             rows[(2 * nodes + 2 * a + 1) * LANES + lane] += hourglass.vectors[a, column] * q_2

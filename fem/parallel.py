@@ -17,6 +17,7 @@ from numba.extending import intrinsic
 
 from fem.compiled import compiled
 from fem.internal_force import Scratch, subtract_forces_of
+from fem.lanes import LANES, aligned, lane_count
 from fem.time_loop import LoopParameters, State, drift, react
 
 WORD = 8
@@ -30,14 +31,14 @@ class Team:
 
     def __init__(self, loop: LoopParameters, scratch: Scratch, threads: int) -> None:
         self._loop, self._threads = loop, threads
-        self._scratches = Scratch(*(np.tile(array, (threads, 1)) for array in scratch))
+        self._scratch, self._rows = scratch, aligned(threads * scratch.rows.size).reshape(threads, -1)
         self._forces = np.zeros((threads, 2, loop.mass.size))
         self._powers = np.zeros(threads)
 
     def advance(self, state: State, steps: int) -> None:
         """Advance the state in place by this many steps."""
         turns = np.zeros(self._threads * WORD, dtype=np.int64)
-        room = (self._forces, self._scratches, self._powers, turns)
+        room = (self._forces, self._scratch, self._rows, self._powers, turns)
         parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *room)
         others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
         for thread in others:
@@ -48,13 +49,15 @@ class Team:
 
 
 @compiled
-def advance_thread(t, state, steps, loop, viscosity, hourglass, forces, scratches, powers, turns):
+def advance_thread(t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, turns):
     """What thread t does; see `fem.time_loop.advance` for the step."""
     positions, velocities, _ = state
-    threads, elements, nodes = forces.shape[0], loop.table.connectivity.shape[1], loop.mass.size
-    first, last = elements * t // threads, elements * (t + 1) // threads
+    threads, nodes = forces.shape[0], loop.mass.size
+    lanes = lane_count(loop.table.connectivity, shared.lattice)
+    blocks = (lanes + LANES - 1) // LANES
+    first, last = blocks * t // threads * LANES, min(lanes, blocks * (t + 1) // threads * LANES)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
-    scratch = Scratch(scratches.rows[t], scratches.gradients[t], scratches.weights[t])
+    scratch = Scratch(rows[t], shared.gradients, shared.weights, shared.lattice)
     for step in range(steps):
         forces[t] = 0.0
         powers[t] = subtract_forces_of(

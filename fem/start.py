@@ -103,18 +103,32 @@ def _at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:
 
 
 def _elastic_solver(model: PlateModel, body: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Solver of K u = f with u free of mass-weighted rigid motion; f must be in equilibrium."""
+    """Solver of K u = f with u free of mass-weighted rigid motion; f must be in equilibrium.
+
+    Three unknowns are held, a node's two and one of the node farthest from it, which carry no force then; the
+    matrix left is sparse and definite. The rigid motion is taken out afterwards.
+    """
     from scipy.sparse.linalg import splu
 
     nodes = body.shape[1]
     rigid = np.zeros((2 * nodes, 3))
     rigid[:nodes, 0] = rigid[nodes:, 1] = 1.0
     rigid[:nodes, 2], rigid[nodes:, 2] = -body[1], body[0]
-    # Scaled to the stiffness, so that the bordered matrix is well conditioned.
-    border = rigid * np.tile(model.loop.mass, 2)[:, None]
-    border *= abs(model.stiffness).max() / np.abs(border).max(axis=0)
-    factor = splu(sp.csc_matrix(sp.bmat([[model.stiffness, border], [border.T, None]])))
-    return lambda load: factor.solve(np.append(load, np.zeros(3)))[: 2 * nodes]
+    weighted = rigid * np.tile(model.loop.mass, 2)[:, None]
+    from_first = np.abs(body - body[:, :1])
+    far = int((from_first**2).sum(axis=0).argmax())
+    across = int(from_first[:, far].argmin())
+    free = np.delete(np.arange(2 * nodes), [0, nodes, across * nodes + far])
+    held = sp.csc_matrix(model.stiffness)[free][:, free]
+    factor = splu(held, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+    def solve(load: np.ndarray) -> np.ndarray:
+        displacement = np.zeros(2 * nodes)
+        displacement[free] = factor.solve(load[free])
+        motion = np.linalg.solve(rigid.T @ weighted, weighted.T @ displacement)
+        return np.asarray(displacement - rigid @ motion)
+
+    return solve
 
 
 def _rigid_accelerations(

@@ -42,7 +42,18 @@ def rectangle_mesh(
         gmsh.model.mesh.generate(2)
         mesh = _to_meshio(gmsh)
     mesh.points[:, :2] = _on_lattice(mesh.points[:, :2], origin, size, elements)
-    return mesh
+    return _row_by_row(mesh)
+
+
+def _row_by_row(mesh: meshio.Mesh) -> meshio.Mesh:
+    """The same mesh, nodes numbered along X and then along Y, cells in the order of their nodes."""
+    import meshio
+
+    order = np.lexsort((mesh.points[:, 0], mesh.points[:, 1]))
+    number = np.argsort(order)
+    cells = [(block.type, number[block.data]) for block in mesh.cells]
+    cells = [(kind, nodes[np.lexsort(nodes.T[::-1])]) for kind, nodes in cells]
+    return meshio.Mesh(mesh.points[order], cells, cell_sets=mesh.cell_sets)
 
 
 def _on_lattice(points: Any, origin: Any, size: Any, elements: Any) -> Any:
