@@ -15,7 +15,6 @@ from unittest import mock
 
 import numpy as np
 
-from fem.internal_force import Scratch
 from fem.model import PlateModel
 from fem.simulate import Run, Stepper, simulate
 from fem.start import RigidStart
@@ -54,7 +53,7 @@ class SingleStepper(Stepper):
 
     def __init__(self, model: PlateModel, threads: int = 1) -> None:
         super().__init__(single_model(model), threads)
-        self._scratch = Scratch(*(single(array) for array in self._scratch))
+        self._scratch = self._scratch._replace(rows=single(self._scratch.rows))
         self._double = Stepper(model)
 
     def start(self, start: RigidStart, kind: str) -> State:
