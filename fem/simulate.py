@@ -65,6 +65,17 @@ class Stepper:
         """State at t = 0, its velocities set back by half a step."""
         positions, velocities = start_fields(self.model, start, kind)
         positions, velocities = np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
+        loop = self.loop
+        self._react(positions, velocities)
+        velocities = velocities - 0.5 * loop.time_step * self._force / loop.mass
+        normal, tangential = self._react(positions, velocities)
+        # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
+        work = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
+        sums = -0.5 * loop.time_step * np.array([work, 0.0, normal, abs(normal)])
+        return State(positions, velocities, sums)
+
+    def _react(self, positions: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
+        """Put all forces into the room for them; returns the normal and the tangential reaction [N]."""
         loop, force = self.loop, self._force
         force[:] = 0.0
         subtract_internal_forces(
@@ -73,11 +84,7 @@ class Stepper:
         normal, tangential, *_ = add_corner_reaction(
             positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
         )
-        velocities = velocities - 0.5 * loop.time_step * force / loop.mass
-        # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
-        work = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
-        sums = -0.5 * loop.time_step * np.array([work, 0.0, normal, abs(normal)])
-        return State(positions, velocities, sums)
+        return normal, tangential
 
     def advance(self, state: State, steps: int) -> State:
         """The state this many steps later; the one given stays as it is."""
@@ -115,10 +122,12 @@ def simulate(
     rows: int = 400,
     threads: int = 1,
     progress: Callable[[float], None] = lambda share: None,
+    spoilt: Callable[[dict[str, float]], bool] = lambda row: False,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
     duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
+    spoilt: told each row of the history by its names; when it says so, the run is given up there.
     """
     stepper, time_step = Stepper(model, threads), model.loop.time_step
     stride = max(1, round(duration / time_step / rows))
@@ -138,6 +147,8 @@ def simulate(
             state, step = later, step + stride
         table.append(row)
         progress(min(1.0, row[0] / duration))
+        if spoilt(dict(zip(("t", *COLUMNS), row, strict=True))):
+            break
     elapsed = time.perf_counter() - began
     history = dict(zip(("t", *COLUMNS), np.array(table).T, strict=True))
     finite = [

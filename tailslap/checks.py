@@ -19,11 +19,20 @@ AGREEMENT = 5e-4
 GIVES = 2.0
 """Multiples of the plate's own give that are allowed on top: for soft plates the difference is 0.5 to 0.7 of it."""
 
+NUMERICAL_SHARE = 0.25
+"""Share of the plate's give that may be the mesh's doing, and that may be the corner's spring; more, and the
+difference from the rigid motion is not the plate's own."""
+
+RINGING, SPOILT = 2e-3, 0.1
+"""Friction by ringing that is allowed, and at which a run is given up."""
+
 
 def run_checks(
     fe_plan: FePlan, run: Run, rigid: Mapping[str, np.ndarray], differences: Mapping[str, float]
 ) -> tuple[Check, ...]:
     """All checks of a run; `rigid` is the rigid history at the run's instants, `differences` may be empty."""
+    from fem.corner import Exact
+
     history = run.history
     checks = [
         _reached(run),
@@ -33,7 +42,10 @@ def run_checks(
         _momentum(fe_plan, history),
         _ringing(fe_plan, history),
         _penetration(fe_plan, history),
+        _mesh(fe_plan),
     ]
+    if not isinstance(fe_plan.model.loop.corner.hold, Exact):
+        checks.append(_contact_spring(fe_plan, rigid))
     if fe_plan.plate.start == "quiet":
         checks.append(_reaction(fe_plan, history, rigid))
     if fe_plan.model.loop.hourglass is not None:
@@ -87,20 +99,47 @@ def _momentum(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
 
 
 def _ringing(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
-    """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would."""
-    rectified = history["normal_impulse_magnitude"][-1] - abs(history["normal_impulse"][-1])
+    last = {name: float(column[-1]) for name, column in history.items()}
+    meaning = "friction added by a ringing reaction, as its share of v_GX or omega; [damping] ratio = 0.1 quietens it"
+    return _check("friction by ringing", friction_by_ringing(fe_plan, last), RINGING, meaning)
+
+
+def friction_by_ringing(fe_plan: FePlan, row: Mapping[str, float]) -> float:
+    """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would.
+
+    row: of the history. The share of v_GX or omega, whichever is more, that this has taken off by then.
+    """
+    rectified = row["normal_impulse_magnitude"] - abs(row["normal_impulse"])
     law = fe_plan.model.loop.friction
     speed = (law.coefficient if law else 0.0) * rectified / fe_plan.model.mass
     radius, strike = fe_plan.plan.body.corner_radius, fe_plan.plan.motion.strike
-    value = max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / (radius * strike.omega))
-    meaning = "friction added by a ringing reaction, as its share of v_GX or omega; [damping] ratio = 0.1 quietens it"
-    return _check("friction by ringing", float(value), 2e-3, meaning)
+    return max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / (radius * strike.omega))
 
 
 def _penetration(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
     gap = float(np.abs(history["gap"]).max() / fe_plan.plan.body.width)
     meaning = "largest distance of the corner from the wall's line over the plate's width"
     return _check("penetration", gap, 0.01, meaning)
+
+
+def _mesh(fe_plan: FePlan) -> Check:
+    """What richer elements would change: a mesh that is too coarse is too stiff, and looks rigid without being so."""
+    give, other = fe_plan.give, fe_plan.other_give
+    meaning = (
+        "change of the plate's give with richer elements (or, on large meshes, half as many): "
+        f"{AGREEMENT:g} and {100 * NUMERICAL_SHARE:g} % of the give are allowed; refine plate.elements"
+    )
+    return _check("mesh", abs(give - other), AGREEMENT + NUMERICAL_SHARE * max(give, other), meaning)
+
+
+def _contact_spring(fe_plan: FePlan, rigid: Mapping[str, np.ndarray]) -> Check:
+    gap = abs(rigid["reaction_normal"][0]) / fe_plan.model.loop.corner.hold.stiffness
+    share = float(gap / fe_plan.travel)
+    meaning = (
+        f"part of the give that is the corner's spring and not the plate: {AGREEMENT:g} and "
+        f'{100 * NUMERICAL_SHARE:g} % of the give are allowed; corner.constraint = "exact" has none'
+    )
+    return _check("contact spring", share, AGREEMENT + NUMERICAL_SHARE * fe_plan.give, meaning)
 
 
 def _hourglass(history: Mapping[str, np.ndarray]) -> Check:

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 import tailslap
-from tailslap.errors import InputError
+from tailslap.errors import InputError, Interrupted
 from tailslap.studies import study
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
@@ -155,8 +155,9 @@ def _status(arguments: list[str] | None) -> int:
     except click.ClickException as error:
         error.show()
         return WRONG_INPUT
-    except (KeyboardInterrupt, click.Abort):
-        return _complain("interrupted; nothing was written", INTERRUPTED)
+    except (KeyboardInterrupt, click.Abort) as error:
+        kept = error.__cause__ if isinstance(error.__cause__, Interrupted) else error
+        return _complain(str(kept) or "interrupted; nothing was written", INTERRUPTED)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE

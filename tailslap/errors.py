@@ -11,6 +11,10 @@ class InputError(Exception):
         super().__init__(f"{key}: given {_shown(given)}; {allowed}")
 
 
+class Interrupted(KeyboardInterrupt):
+    """An interrupt after which something is kept; the message says what."""
+
+
 class Missing:
     """Stands for a value that was not given at all."""
 

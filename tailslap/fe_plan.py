@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 UPDATES_PER_SECOND = 2e7
 """Element updates a second that the expected cost is reckoned with; `benchmarks/speed.py` measures them."""
 
+RICHER = {"quad4": "quad9", "quad4-reduced": "quad9", "tri3": "tri6"}
+"""Elements of twice the order on the same mesh."""
+
+RICHER_UP_TO = 20_000
+"""Elements above which the mesh is judged by a coarser one."""
+
 
 @dataclass(frozen=True)
 class FePlan:
@@ -30,7 +36,9 @@ class FePlan:
     wall: meshio.Mesh | None
     model: PlateModel
     start: RigidStart
-    give: float  # share of the centre's travel to the wall that the elastic plate gives at the start
+    travel: float  # way of the centre of mass towards the wall [m]
+    give: float  # share of that travel that the elastic plate gives at the start
+    other_give: float  # the same with richer elements on this mesh: what it differs by is the mesh's doing
 
     @property
     def expected_steps(self) -> int:
@@ -52,9 +60,26 @@ def make_fe_plan(plan: Plan) -> FePlan:
     plate, wall = needed_plate(plan.scene), _wall(plan)
     model = make_model(plan, plate)
     start = RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
+    other = make_model(plan, comparable_plate(plate))
+    travel = centre_travel(plan)
+    gives = [abs(elastic_give(m, start)) / travel for m in (model, other)]
+    return FePlan(plan, plate, wall, model, start, travel, *gives)
+
+
+def centre_travel(plan: Plan) -> float:
+    """Way [m] of the centre of mass towards the wall until the tail-slap."""
     corner_angle = plan.body.corner_angle
-    travel = plan.body.corner_radius * (math.sin(start.angle + corner_angle) - math.sin(corner_angle))
-    return FePlan(plan, plate, wall, model, start, abs(elastic_give(model, start)) / travel)
+    return plan.body.corner_radius * (math.sin(plan.start.angle + corner_angle) - math.sin(corner_angle))
+
+
+def comparable_plate(plate: Plate) -> Plate:
+    """The plate by which the mesh is judged: richer elements, or where that would be large, a coarser mesh."""
+    along, across = plate.elements
+    if along * across > RICHER_UP_TO:
+        return plate.model_copy(update={"elements": (max(1, along // 2), max(1, across // 2))})
+    if plate.element in RICHER:
+        return plate.model_copy(update={"element": RICHER[plate.element]})
+    return plate.model_copy(update={"elements": (2 * along, 2 * across)})
 
 
 def _wall(plan: Plan) -> meshio.Mesh | None:

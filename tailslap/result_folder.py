@@ -39,6 +39,11 @@ def result_folder(place: Path) -> Iterator[Path]:
         raise
 
 
+def demand_place(place: Path) -> None:
+    """Before long work: raise InputError if `place` holds something else than an earlier result."""
+    _refuse_foreign(place.absolute())
+
+
 def _refuse_foreign(place: Path) -> None:
     if place.exists() and not place.is_dir():
         raise InputError("--out", str(place), "this is a file; allowed is a folder")

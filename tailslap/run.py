@@ -11,7 +11,7 @@ import numpy as np
 
 from postprocess.comparison import relative_difference
 from postprocess.report import Check
-from tailslap.checks import energy_error, run_checks
+from tailslap.checks import SPOILT, energy_error, friction_by_ringing, run_checks
 from tailslap.fe_plan import FePlan, make_fe_plan
 from tailslap.plan import Plan
 from tailslap.progress import announced, progress_bar
@@ -62,6 +62,7 @@ def run_scene(plan: Plan) -> Outcome:
             rows=scene.time.rows,
             threads=scene.time.threads,
             progress=progress,
+            spoilt=lambda row: friction_by_ringing(fe_plan, row) > SPOILT,
         )
     return _compare(fe_plan, run, setup)
 

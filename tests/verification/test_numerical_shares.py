@@ -1,0 +1,80 @@
+"""Verification: what the mesh and the corner's spring do to the answer is told from what the plate does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tailslap.checks import SPOILT
+from tailslap.fe_plan import comparable_plate, make_fe_plan
+from tailslap.plan import make_plan
+from tailslap.scene_files import read_scene
+
+pytestmark = pytest.mark.verification
+
+
+def fe_plan(*changes: str) -> Any:
+    return make_fe_plan(make_plan(*read_scene("paper-abaqus", changes)))
+
+
+def failed(result: Any) -> set[str]:
+    return {check.name for check in result.checks if not check.passed}
+
+
+def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome: Callable[..., Any]) -> None:
+    """A spring of stiffness k moves the whole plate by N/k; the elastic part is that of the exact constraint."""
+    result, exact = outcome("paper-abaqus"), fe_plan("corner.constraint=exact")
+    (spring,) = (check for check in result.checks if check.name == "contact spring")
+    assert spring.value == pytest.approx(result.fe_plan.give - exact.give, rel=1e-4)
+
+
+def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome: Callable[..., Any]) -> None:
+    soft = ("plate.youngs_modulus=20 MPa", "plate.elements=[10,3]", "corner.reaction=none")
+    assert failed(outcome("paper-table-3", *soft, "corner.penalty_scale=0.7")) == {"contact spring"}
+    exact = outcome("paper-table-3", *soft, "corner.constraint=exact")
+    assert "contact spring" not in {check.name for check in exact.checks}
+    assert failed(exact) == set()
+
+
+def test_mesh_that_locks_is_caught(outcome: Callable[..., Any]) -> None:
+    """Linear triangles a hundred times too stiff in bending look rigid; quadratic ones show that the plate is not."""
+    slender = ("vehicle.width=0.2", "plate.youngs_modulus=20 GPa", "damping.ratio=0.2", "plate.element=tri3")
+    assert "mesh" in failed(outcome("paper-abaqus", *slender))
+
+
+def test_give_of_a_patch_converges_to_that_of_richer_elements() -> None:
+    changes = ("corner.patch_length=1", "corner.constraint=exact")
+    gaps = []
+    for n in (20, 40, 80):
+        plan = fe_plan(*changes, f"plate.elements=[{n},{3 * n // 10}]")
+        gaps.append(abs(plan.give - plan.other_give) / plan.give)
+    assert gaps[0] < 0.06
+    assert np.all(np.diff(np.log2(gaps)) < -1.0)
+
+
+def test_large_meshes_are_judged_by_a_coarser_one() -> None:
+    plate = read_scene("paper-abaqus", ("plate.elements=[400,120]",))[0].plate
+    assert plate is not None
+    assert comparable_plate(plate).elements == (200, 60)
+    quadratic = plate.model_copy(update={"elements": (8, 4), "element": "tri6"})
+    assert comparable_plate(quadratic).elements == (16, 8)
+
+
+def test_spoilt_run_is_given_up(outcome: Callable[..., Any]) -> None:
+    """Flutter at 5 000 times the stiffness: no use in ringing on to the end."""
+    result = outcome("paper-table-3", "plate.youngs_modulus=1000 TPa", "plate.elements=[6,2]")
+    (ringing,) = (check.value for check in result.checks if check.name == "friction by ringing")
+    assert SPOILT < ringing < 2.0 * SPOILT
+    assert {"tail-slap reached", "friction by ringing"} <= failed(result)
+    assert result.run.steps < 0.9 * result.fe_plan.expected_steps
+
+
+def test_momentum_closes_with_exact_constraint_and_damping(outcome: Callable[..., Any]) -> None:
+    """The reaction at the first instant is that of the velocities which the first step sees."""
+    fast = ("start.omega=7.07", "start.corner_speed=250.53", "vehicle.width=10", "wall.length=1000")
+    result = outcome("paper-table-3", *fast, "corner.constraint=exact", "damping.ratio=0.02")
+    (momentum,) = (check.value for check in result.checks if check.name == "momentum balance")
+    assert momentum < 1e-14

@@ -1,0 +1,152 @@
+"""Verification: the stability study calls each kind of cell by its name, and an interrupted study goes on."""
+
+from __future__ import annotations
+
+import json
+import operator
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tailslap.errors import Interrupted
+from tailslap.plan import make_plan
+from tailslap.scene_files import read_scene
+from tailslap.studies.journal import Journal
+from tailslap.studies.parallel import run_parts
+from tailslap.studies.stability.axes import Cell, base_tables, cell_tables, cells, stability_axes
+from tailslap.studies.stability.survey import Survey
+from tailslap.studies.stability.verdict import Verdict, judge
+from tailslap.studies.stability.words import failed_checks, headline, refusals
+from tailslap.studies.stability.write import write_map
+
+pytestmark = pytest.mark.verification
+
+COARSE = ("plate.elements=[10,3]",)
+
+
+def verdict(first: str, x: float, second: str, y: float, *changes: str) -> dict[str, Any]:
+    scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
+    cell = Cell(first, second, (x, y))
+    return judge(cell_tables(base_tables(scene), stability_axes(scene, 3), cell), 1e-3)
+
+
+def test_eight_axes_with_ten_values_make_2800_cells() -> None:
+    scene = read_scene("paper-table-3")[0]
+    found = cells(stability_axes(scene, 10))
+    assert len(found) == len({cell.key for cell in found}) == 28 * 100
+    frictionless = read_scene("paper-abaqus", ("corner.constraint=exact",))[0]
+    assert {axis.name for axis in stability_axes(frictionless, 10)}.isdisjoint({"friction", "penalty"})
+
+
+def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact() -> None:
+    scene = read_scene("mash-tl4-sut")[0]
+    base = base_tables(scene)
+    changed = cell_tables(base, stability_axes(scene, 3), Cell("speed", "angle", (2.0, 30.0)))
+    assert changed["impact"]["speed"] == 2.0 * base["impact"]["speed"]
+    assert changed["impact"]["angle"] == pytest.approx(0.5235987755982988)
+    assert "wall" not in changed
+    assert base["impact"]["angle"] < 0.3
+
+
+@pytest.mark.parametrize(
+    ("cell", "kind"),
+    [
+        (("stiffness", 1.0, "friction", 0.2), "right"),
+        (("stiffness", 1e-4, "friction", 0.2), "flexible"),
+        (("time step", 1.2, "friction", 0.2), "refused"),
+        (("stiffness", 1e-4, "penalty", 0.01), "caught"),
+    ],
+)
+def test_each_kind_of_cell(cell: Any, kind: str) -> None:
+    assert verdict(*cell)["kind"] == kind
+
+
+def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
+    soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
+    assert soft_spring["kind"] == "wrong"
+    assert "changes it by" in soft_spring["reason"]
+
+
+def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def breaks(*arguments: Any) -> None:
+        raise ZeroDivisionError("boom")
+
+    monkeypatch.setattr("tailslap.run.run_checks", breaks)
+    broken = verdict("stiffness", 1.0, "friction", 0.2)
+    assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Callable[..., Journal]:
+    return lambda **definition: Journal(tmp_path / "out", definition)
+
+
+def interrupt(journal: Journal, records: dict[str, Any]) -> None:
+    with journal as begun:
+        for key, record in records.items():
+            begun.add(key, record)
+        raise KeyboardInterrupt
+
+
+def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal: Any, tmp_path: Path) -> None:
+    records = {"x": {"value": 1.5}, "y": {"value": float("inf")}}
+    with pytest.raises(Interrupted, match="2 parts are kept"):
+        interrupt(journal(a=1), records)
+    with journal(a=1) as again:
+        assert again.records == records
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_journal_of_another_definition_is_begun_anew(journal: Any) -> None:
+    with pytest.raises(Interrupted):
+        interrupt(journal(a=1), {"x": 1})
+    with journal(a=2) as other:
+        assert other.records == {}
+
+
+def test_torn_last_line_is_left_out(journal: Any) -> None:
+    with pytest.raises(Interrupted):
+        interrupt(journal(a=1), {"x": 1, "y": 2})
+    path = journal(a=1).path
+    path.write_text(path.read_text()[:-5])
+    with journal(a=1) as again:
+        assert again.records == {"x": 1}
+
+
+def test_parts_that_the_journal_has_are_not_run_again(journal: Any) -> None:
+    with journal(a=1) as noted:
+        noted.add("seven", "kept")
+        run_parts(operator.add, {"seven": (3, 4), "five": (2, 3)}, noted, "adding", workers=1)
+        assert noted.records == {"seven": "kept", "five": 5}
+
+
+def survey_of(*found: tuple[str, str]) -> Survey:
+    plan = make_plan(*read_scene("paper-table-3"))
+    axes = stability_axes(plan.scene, 2)[:2]
+    verdicts = {cell: Verdict(*pair) for cell, pair in zip(cells(axes), found, strict=True)}
+    return Survey(plan, 1e-3, axes, verdicts, 1.0)
+
+
+def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
+    found = survey_of(
+        ("right", ""),
+        ("caught", "energy balance, mesh"),
+        ("refused", "k: given 3; allowed less"),
+        ("wrong", "x"),
+    )
+    assert "1 are wrong without" in headline(found)
+    assert dict(failed_checks(found)) == {"energy balance": 1, "mesh": 1}
+    assert refusals(found) == [("k: allowed less", 1)]
+    write_map(found, tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["counts"] == {"right": 1, "flexible": 0, "refused": 1, "caught": 1, "wrong": 1}
+    assert not summary["passed"]
+    assert len(summary["wrong"]) == 1
+    page = (tmp_path / "report.html").read_text()
+    assert page.count("<svg") == 1
+    assert "Wrong and not caught" in page
+    assert "failed</span>" in page
+    assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5
