@@ -2,70 +2,31 @@
 
     .venv/bin/python benchmarks/precision.py
 
-Positions, velocities, forces, masses, element tables and scratch rows are float32; the kernels are generic in
-that. Their constants are not, so that Numba computes in double between a load and a store: what is seen is the
-harm of storing in single precision alone, the least there can be.
+`tailslap/studies/cost/single.py` says what is single in it.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
-from fem.model import PlateModel
 from fem.simulate import Run, Stepper, simulate
-from fem.start import RigidStart
-from fem.time_loop import State
 from postprocess.comparison import relative_difference
 from tailslap.fe_plan import FePlan, make_fe_plan
 from tailslap.plan import make_plan
 from tailslap.rigid import COMPARED, stage_two_numbers
 from tailslap.scene_files import read_scene
+from tailslap.studies.cost.single import SingleStepper
 
 SCENE = "paper-abaqus"
 ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")
 """Their sum stays as it is: the scene has neither friction nor damping."""
 
 
-def single(values: np.ndarray) -> np.ndarray:
-    """The array in single precision."""
-    return values.astype(np.float32)
-
-
-def single_model(model: PlateModel) -> PlateModel:
-    """The model with its arrays in single precision."""
-    table = model.loop.table
-    table = table._replace(gradients=single(table.gradients), weights=single(table.weights))
-    return dataclasses.replace(
-        model,
-        discretisation=dataclasses.replace(
-            model.discretisation, positions=single(model.discretisation.positions), table=table
-        ),
-        loop=model.loop._replace(table=table, mass=single(model.loop.mass)),
-    )
-
-
-class SingleStepper(Stepper):
-    """The loop with scratch rows and state in single precision; sums of works stay double."""
-
-    def __init__(self, model: PlateModel, threads: int = 1) -> None:
-        super().__init__(single_model(model), threads)
-        self._scratch = self._scratch._replace(rows=single(self._scratch.rows))
-        self._double = Stepper(model)
-
-    def start(self, start: RigidStart, kind: str) -> State:
-        """The start, computed in double and rounded."""
-        positions, velocities, sums = self._double.start(start, kind)
-        return State(single(positions), single(velocities), sums)
-
-
 def run(fe_plan: FePlan, stepper: Any) -> Run:
     """The scene's run by this kind of stepper."""
-    with mock.patch("fem.simulate.Stepper", stepper):
-        return simulate(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t)
+    return simulate(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t, make_stepper=stepper)
 
 
 def row(what: str, fe_plan: FePlan, result: Run) -> str:

@@ -123,13 +123,14 @@ def simulate(
     threads: int = 1,
     progress: Callable[[float], None] = lambda share: None,
     spoilt: Callable[[dict[str, float]], bool] = lambda row: False,
+    make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
     duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
     spoilt: told each row of the history by its names; when it says so, the run is given up there.
     """
-    stepper, time_step = Stepper(model, threads), model.loop.time_step
+    stepper, time_step = make_stepper(model, threads), model.loop.time_step
     stride = max(1, round(duration / time_step / rows))
     last = OVERTIME * duration / time_step
     began = time.perf_counter()

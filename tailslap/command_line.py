@@ -47,7 +47,10 @@ def commands() -> None:
 @scene_arguments
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME]")
 @click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
-def run(name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool) -> int:
+@click.option("--tolerance", type=float, help="Pick the cheapest mesh and hold for this relative error.")
+def run(
+    name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool, tolerance: float | None
+) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from tailslap.fe_plan import needed_plate
     from tailslap.result_folder import result_folder
@@ -59,7 +62,13 @@ def run(name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool
         from tailslap.run import run_scene
         from tailslap.write import write_results
 
-        outcome = write_results(run_scene(plan), folder, not no_pictures)
+        if tolerance is None:
+            outcome = run_scene(plan)
+        else:
+            from tailslap.tolerance import run_to_tolerance
+
+            outcome = run_to_tolerance(name, changes, tolerance)
+        outcome = write_results(outcome, folder, not no_pictures)
     from tailslap.tables import print_outcome
 
     print_outcome(outcome, place)

@@ -55,15 +55,24 @@ def needed_plate(scene: Scene) -> Plate:
 
 def make_fe_plan(plan: Plan) -> FePlan:
     """Mesh and assemble. Raises InputError for keys that make no model."""
-    from fem.start import RigidStart, elastic_give
-
     plate, wall = needed_plate(plan.scene), _wall(plan)
-    model = make_model(plan, plate)
-    start = RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
-    other = make_model(plan, comparable_plate(plate))
-    travel = centre_travel(plan)
-    gives = [abs(elastic_give(m, start)) / travel for m in (model, other)]
-    return FePlan(plan, plate, wall, model, start, travel, *gives)
+    model, other = (make_model(plan, a_plate) for a_plate in (plate, comparable_plate(plate)))
+    gives = (share_given(plan, a_model) for a_model in (model, other))
+    return FePlan(plan, plate, wall, model, rigid_start(plan), centre_travel(plan), *gives)
+
+
+def rigid_start(plan: Plan) -> RigidStart:
+    """What the plate starts from."""
+    from fem.start import RigidStart
+
+    return RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
+
+
+def share_given(plan: Plan, model: PlateModel) -> float:
+    """The give of a model of the plate at the start, as a share of the centre's travel to the wall."""
+    from fem.start import elastic_give
+
+    return abs(elastic_give(model, rigid_start(plan))) / centre_travel(plan)
 
 
 def centre_travel(plan: Plan) -> float:

@@ -19,6 +19,7 @@ from tailslap.rigid import COMPARED, stage_two_numbers
 
 if TYPE_CHECKING:
     from fem.simulate import Run
+    from tailslap.tolerance.choose import Choice
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Outcome:
     setup_s: float
     pictures: tuple[Path, ...] = field(default=())
     pictures_s: float = 0.0
+    choice: Choice | None = None  # what --tolerance picked
 
     @property
     def passed(self) -> bool:
@@ -64,10 +66,11 @@ def run_scene(plan: Plan) -> Outcome:
             progress=progress,
             spoilt=lambda row: friction_by_ringing(fe_plan, row) > SPOILT,
         )
-    return _compare(fe_plan, run, setup)
+    return compare(fe_plan, run, setup)
 
 
-def _compare(fe_plan: FePlan, run: Run, setup: float) -> Outcome:
+def compare(fe_plan: FePlan, run: Run, setup: float) -> Outcome:
+    """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
     rigid = stage_two_numbers(fe_plan.plan)
     fe = {name: run.strike.values[name] for name in COMPARED} if run.strike else {}
     difference = relative_difference(fe, rigid) if fe else {}

@@ -17,7 +17,14 @@ REACTIONS = {
 def statements(outcome: Outcome) -> tuple[str, ...]:
     """What a reader must know beside the numbers."""
     plan = outcome.fe_plan.plan
-    made = [_constraint(plan), _pull(outcome), _plate_mass(outcome), _give(outcome), _convention(plan)]
+    made = [
+        _picked(outcome),
+        _constraint(plan),
+        _pull(outcome),
+        _plate_mass(outcome),
+        _give(outcome),
+        _convention(plan),
+    ]
     return tuple(sentence for sentence in made if sentence)
 
 
@@ -32,6 +39,19 @@ def is_paper_case(plan: Plan) -> bool:
         (plan.scene.corner_friction, 0.47 if plan.scene.corner.reaction == "drag" else 0.0, 0.0),
     )
     return all(math.isclose(value, paper, rel_tol=0.0, abs_tol=off) for value, paper, off in pairs)
+
+
+def _picked(outcome: Outcome) -> str:
+    choice = outcome.choice
+    if choice is None:
+        return ""
+    against = {"rigid": "the exact rigid motion", "limit": "the flexible plate's own limit of fine meshes"}
+    return (
+        f"Picked for a tolerance of {choice.tolerance:g}: {', '.join(choice.changes)}. Its error against "
+        f"{against[choice.against]} was expected to be at most {choice.expected_error:.1e}, in a time loop of "
+        f"{choice.expected_seconds:.2g} s. The plate's flexibility moves the answer by at most "
+        f"{choice.flexibility:.1e}: the rigid solution by itself is as good as that."
+    )
 
 
 def _constraint(plan: Plan) -> str:

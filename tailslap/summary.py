@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import tailslap
 from tailslap.left_out import left_out
 from tailslap.rigid import COMPARED, rigid_answer
 from tailslap.run import Outcome
+
+if TYPE_CHECKING:
+    from tailslap.tolerance.choose import Choice
 
 
 def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
@@ -36,6 +39,19 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
             "stable_time_step": outcome.fe_plan.model.stable_time_step,
             "penalty_stiffness": getattr(outcome.fe_plan.model.loop.corner.hold, "stiffness", None),
         },
+        "tolerance": outcome.choice and _picked(outcome.choice),
+    }
+
+
+def _picked(choice: Choice) -> dict[str, Any]:
+    """What --tolerance picked, and what was expected of it."""
+    return {
+        "tolerance": choice.tolerance,
+        "against": choice.against,
+        "changes": choice.changes,
+        "expected_error": choice.expected_error,
+        "expected_time_loop_s": choice.expected_seconds,
+        "flexibility": choice.flexibility,
     }
 
 

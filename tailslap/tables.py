@@ -20,12 +20,24 @@ NARROW = 96
 
 def print_outcome(outcome: Outcome, place: Path) -> None:
     """The comparison, the checks that failed, where the files are, and what it cost."""
-    for line in (_drawn(_comparison(outcome)), *_verdict(outcome), f"Report: {place / 'report.html'}"):
+    for line in (
+        _drawn(_comparison(outcome)),
+        *_picked(outcome),
+        *_verdict(outcome),
+        f"Report: {place / 'report.html'}",
+    ):
         print(line)
     print(
         f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, "
         f"set-up {outcome.setup_s:.2f} s, pictures {outcome.pictures_s:.2f} s"
     )
+
+
+def _picked(outcome: Outcome) -> list[str]:
+    choice = outcome.choice
+    if choice is None:
+        return []
+    return [f"Picked: {', '.join(choice.changes)}; expected error {choice.expected_error:.1e}"]
 
 
 def _verdict(outcome: Outcome) -> list[str]:

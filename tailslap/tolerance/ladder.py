@@ -35,12 +35,17 @@ class Rung:
         held = (f"corner.constraint={self.constraint}",) if self.constraint == "exact" else ()
         return (f"plate.element={self.element}", f"plate.elements=[{along}, {across}]", *held)
 
-    def halved(self) -> Rung | None:
-        """The same with half the elements each way, or None where that is no mesh."""
+    @property
+    def fineness(self) -> tuple[int, int]:
+        """Sorts rungs by their nodes, the most last."""
         along, across = self.elements
-        if min(along, across) < 4:
-            return None
-        return Rung(self.element, (along // 2, across // 2), self.constraint)
+        order = 2 if self.element == "quad9" else 1
+        return order * along * order * across, order
+
+    def scaled(self, factor: float) -> Rung | None:
+        """The same with so many times the elements each way, or None where that is no mesh."""
+        along, across = (int(factor * count) for count in self.elements)
+        return Rung(self.element, (along, across), self.constraint) if min(along, across) >= 2 else None
 
 
 def ladder(scene: Scene, constraint: str) -> Iterator[Rung]:

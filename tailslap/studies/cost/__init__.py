@@ -1,0 +1,34 @@
+"""The study `cost`: error against run time of every method and setting, and the cheapest for each error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tailslap.studies import study_arguments
+
+
+@click.command("cost")
+@study_arguments
+def command(name: str, changes: tuple[str, ...], out: Path | None) -> int:
+    """Error against run time, the cheapest setting for each error, grid convergence; goes on where it was stopped."""
+    from tailslap.fe_plan import needed_plate
+    from tailslap.plan import make_plan
+    from tailslap.result_folder import demand_place, result_folder
+    from tailslap.scene_files import read_scene
+    from tailslap.studies.cost.survey import survey
+
+    plan = make_plan(*read_scene(name, changes))
+    needed_plate(plan.scene)
+    place = out or Path("results") / f"{plan.scene.name}-cost"
+    demand_place(place)
+    found = survey(plan, name, changes, place)
+    with result_folder(place) as folder:
+        from tailslap.studies.cost.write import write_cost
+
+        write_cost(found, folder)
+    from tailslap.studies.cost.terminal import print_cost
+
+    print_cost(found, place)
+    return 0

@@ -1,0 +1,152 @@
+"""Verification: the cost study's errors, fronts and grid convergence; what it notes, and that it goes on from there."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from postprocess.grid_convergence import grid_convergence
+from tailslap.plan import make_plan
+from tailslap.run import run_scene
+from tailslap.scene_files import read_scene
+from tailslap.studies.cost import survey as survey_module
+from tailslap.studies.cost.measure import error_from, measure
+from tailslap.studies.cost.settings import EXACT, FE, ODE, Setting, settings
+from tailslap.studies.cost.survey import CostSurvey, Point, cheapest, front, survey
+from tailslap.studies.cost.write import write_cost
+
+pytestmark = pytest.mark.verification
+
+TRUTH = {"t": 1.0, "v_gx": 2.0, "v_gy": -4.0, "omega": 0.5, "slide": 8.0}
+
+
+def point(label: str, error: float, seconds: float, kind: str = FE, failed: tuple[str, ...] = ()) -> Point:
+    return Point(Setting(kind, "group", label), error, 2.0 * error, 0.0, seconds, seconds, 0.0, 10, failed)
+
+
+POINTS = (
+    point("slow and exact", 1e-8, 10.0),
+    point("beaten", 1e-4, 3.0),
+    point("middle", 1e-5, 2.0),
+    point("quick", 1e-2, 0.1),
+    point("quick but failed", 1e-9, 0.01, failed=("mesh",)),
+    point("none", math.nan, 0.01),
+)
+
+
+def test_front_holds_what_nothing_beats() -> None:
+    assert [p.setting.label for p in front(POINTS, "error")] == ["quick", "middle", "slow and exact"]
+
+
+def test_cheapest_for_each_level() -> None:
+    named = {level: cheapest(POINTS, level, "error") for level in (1.0, 1e-3, 1e-6, 1e-12)}
+    labels = [found.setting.label if found else None for found in named.values()]
+    assert labels == ["quick", "middle", "slow and exact", None]
+    from_limit = cheapest(POINTS, 1e-8, "from_limit")
+    assert from_limit is None
+
+
+def test_error_is_the_largest_of_five() -> None:
+    assert error_from(TRUTH, TRUTH) == 0.0
+    assert error_from(TRUTH | {"v_gy": -4.4, "t": 1.01}, TRUTH) == pytest.approx(0.1)
+    assert math.isnan(error_from(TRUTH | {"t": math.nan}, TRUTH))
+
+
+def test_settings_have_names_of_their_own() -> None:
+    found = settings(read_scene("paper-table-3")[0])
+    assert len({setting.key for setting in found}) == len(found)
+    groups = {setting.group for setting in found}
+    wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "quad9", "tri3", "tri6", "quad4-reduced"}
+    wanted |= {"time step", "penalty", "damping", "sudden start", "row-sum masses", "single precision"}
+    assert wanted <= groups
+
+
+def test_rigid_methods_are_as_good_as_they_say() -> None:
+    plan = make_plan(*read_scene("paper-table-3"))
+    exact = measure("paper-table-3", (), Setting(EXACT, "exact", "closed form"))
+    assert error_from(exact["values"], survey_module.rigid_truth(plan)) == 0.0
+    tight = measure("paper-table-3", (), Setting(ODE, "DOP853", "tight", rtol=1e-11))
+    assert error_from(tight["values"], survey_module.rigid_truth(plan)) < 1e-12
+    assert len(tight["loop"]) > 3
+
+
+def test_finite_elements_are_measured_and_refusals_noted() -> None:
+    changes = ("plate.elements=[6,2]",)
+    found = measure("paper-abaqus", changes, Setting(FE, "mesh", "6 x 2", changes))
+    assert len(found["loop"]) == len(found["setup"]) >= 2
+    assert found["failed"] == []
+    own = run_scene(make_plan(*read_scene("paper-abaqus", changes)))
+    assert found["values"] == own.fe
+    refused = measure(
+        "paper-abaqus", ("corner.constraint=exact",), Setting(FE, "p", "p", ("corner.penalty_scale=3",))
+    )
+    assert "constraint" in refused["refused"]
+
+
+def test_time_step_converges_with_order_two() -> None:
+    """Central differences, on a mesh where the step is long enough to be seen above the rounding."""
+    values = []
+    for factor in (0.225, 0.45, 0.9):
+        changes = ("plate.elements=[6,2]", f"time.safety_factor={factor}")
+        values.append(run_scene(make_plan(*read_scene("paper-abaqus", changes))).fe)
+    for name in ("t", "slide"):
+        found = grid_convergence(tuple(v[name] for v in values), (2.0, 2.0))  # type: ignore[arg-type]
+        assert found.order == pytest.approx(2.0, abs=0.1)
+        assert found.gci_fine < 1e-9
+
+
+@pytest.mark.parametrize(("patch", "converges"), [(("corner.patch_length=1",), True), ((), False)])
+def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ...], converges: bool) -> None:
+    soft = ("plate.youngs_modulus=20 MPa", "corner.constraint=exact", *patch)
+    values = []
+    for n in (80, 40, 20):
+        changes = (*soft, f"plate.elements=[{n},{3 * n // 10}]")
+        values.append(run_scene(make_plan(*read_scene("paper-abaqus", changes))).fe["v_gy"])
+    found = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
+    assert (found.behaviour == "converging") == converges
+    if converges:
+        assert 1.2 < found.order < 2.1
+        assert found.gci_fine < 5e-4
+    else:
+        assert found.order < 0.3
+
+
+def test_interrupted_study_measures_only_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = make_plan(*read_scene("paper-table-3"))
+    done: list[str] = []
+
+    def noted(name: str, changes: tuple[str, ...], setting: Setting) -> dict[str, Any]:
+        if len(done) == 5:
+            done.append("stop")
+            raise KeyboardInterrupt
+        done.append(setting.key)
+        return {"values": TRUTH, "setup": [0.1], "loop": [0.2], "steps": 1, "failed": []}
+
+    monkeypatch.setattr(survey_module, "measure", noted)
+    with pytest.raises(KeyboardInterrupt):
+        survey(plan, "paper-table-3", (), tmp_path / "out")
+    found = survey(plan, "paper-table-3", (), tmp_path / "out")
+    assert len(done) - 1 == len(set(done)) - 1 == len(found.points)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_page_and_summary(tmp_path: Path) -> None:
+    plan = make_plan(*read_scene("paper-table-3"))
+    rows = (point("closed form", 1e-12, 1e-5, EXACT), point("rk", 1e-6, 1e-3, ODE), *POINTS)
+    grid = grid_convergence((0.97050, 0.96854, 0.96178), (2.0, 2.0))
+    found = CostSurvey(plan, rows, {"mesh": dict.fromkeys(TRUTH, grid)}, TRUTH, False, 1.0)
+    write_cost(found, tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["front_fe"] == ["group: quick", "group: middle", "group: slow and exact"]
+    assert summary["cheapest"]["1e-05"] == "group: closed form"
+    page = (tmp_path / "report.html").read_text()
+    assert page.count("<svg") == 2
+    assert "1.79" in page
+    assert "gives by the logarithm of the mesh" in page
+    assert len((tmp_path / "settings.csv").read_text().splitlines()) == len(rows) + 1
