@@ -102,6 +102,35 @@ def check(name: str, changes: tuple[str, ...]) -> int:
 
 
 @commands.command()
+@scene_arguments
+@click.option("--modes", default=4, show_default=True, help="Elastic modes to keep, the lowest.")
+@click.option(
+    "--steps", type=click.IntRange(10, 1_000_000), default=100, show_default=True, help="Time steps."
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=1e-5,
+    show_default=True,
+    help="Relative error allowed.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
+def modal(
+    name: str, changes: tuple[str, ...], modes: int, steps: int, tolerance: float, as_json: bool
+) -> int:
+    """Run a scene with a few elastic modes of the plate instead of all of it."""
+    from tailslap.fe_plan import make_fe_plan
+    from tailslap.modal import modal_run
+    from tailslap.modal_words import modal_answer, modal_lines
+
+    fe_plan = make_fe_plan(_plan(name, changes))
+    found = modal_run(fe_plan, modes, tolerance, steps)
+    answer = modal_answer(fe_plan, found)
+    click.echo(json.dumps(answer, indent=2) if as_json else "\n".join(modal_lines(fe_plan, found)))
+    return DONE if found.passed else CHECK_FAILED
+
+
+@commands.command()
 def scenes() -> int:
     """List the scenes that come with the program."""
     from tailslap.scene_files import shipped_scenes, title
