@@ -64,7 +64,7 @@ def plate_modes(stiffness: Any, masses: np.ndarray, positions: np.ndarray, count
     )
 
 
-def first_frequency(stiffness: Any, masses: np.ndarray, positions: np.ndarray) -> float:
+def lowest_frequency(stiffness: Any, masses: np.ndarray, positions: np.ndarray) -> float:
     """Lowest elastic frequency of the free plate [Hz]; arguments as those of `plate_modes`."""
     return float(plate_modes(stiffness, masses, positions, 1).frequencies[0]) / (2.0 * math.pi)
 

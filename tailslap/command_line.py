@@ -29,7 +29,7 @@ def scene_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
         "changes",
         multiple=True,
         metavar="KEY=VALUE",
-        help="Change a key, like plate.thickness=20mm.",
+        help="Change a key, like plate.thickness=20mm; KEY= takes it out.",
     )(function)
     return click.argument("name", metavar="SCENE")(function)
 

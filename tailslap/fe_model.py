@@ -20,24 +20,31 @@ MOST_STEPS = 2_000_000_000
 """A run above this is refused: it would take days, and its instants could not be told apart."""
 
 
-def make_model(plan: Plan, plate: Plate) -> PlateModel:
-    """Mesh and assemble. Raises InputError for keys that make no model."""
+REFERENCE_MODULUS = 1e9
+"""Young's modulus [Pa] with which a first frequency is looked for; any would do."""
+
+
+def make_model(plan: Plan, plate: Plate) -> tuple[Plate, PlateModel]:
+    """Mesh and assemble; returns the plate with its modulus. Raises InputError for keys that make no model."""
     from fem.model import build_model
 
     scene = plan.scene
     try:
-        model = build_model(_mesh(plan, plate), _plate(plan, plate), _corner(plan), _step(plan))
+        mesh = _mesh(plan, plate)
+        modulus = _modulus(plan, plate, mesh)
+        model = build_model(mesh, _plate(plan, plate, modulus), _corner(plan), _step(plan))
     except ValueError as error:
         key = "corner.patch_length" if "patch" in str(error) else "plate.elements"
         given = scene.corner.patch_length if "patch" in str(error) else list(plate.elements)
         raise InputError(key, given, str(error)) from None
     if not model.loop.time_step * MOST_STEPS > plan.motion.strike.t:
+        key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
         raise InputError(
-            "plate.youngs_modulus",
-            plate.youngs_modulus,
+            f"plate.{key}",
+            getattr(plate, key),
             f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MOST_STEPS:g} steps",
         )
-    return model
+    return plate.model_copy(update={"youngs_modulus": modulus}), model
 
 
 def plate_density(plan: Plan, plate: Plate) -> float:
@@ -55,13 +62,23 @@ def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
     return distorted(mesh, plate.distortion, plate.elements) if plate.distortion else mesh
 
 
-def _plate(plan: Plan, plate: Plate) -> PlateProperties:
+def _modulus(plan: Plan, plate: Plate, mesh: meshio.Mesh) -> float:
+    """Young's modulus [Pa]: the scene's, or the one that the scene's first frequency asks for."""
+    from fem.model import modulus_for
+
+    if plate.youngs_modulus is not None:
+        return plate.youngs_modulus
+    assert plate.first_frequency is not None
+    return modulus_for(mesh, _plate(plan, plate, REFERENCE_MODULUS), plate.first_frequency)
+
+
+def _plate(plan: Plan, plate: Plate, modulus: float) -> PlateProperties:
     from fem.model import PlateProperties
 
     return PlateProperties(
         plate.thickness,
         plate_density(plan, plate),
-        plate.youngs_modulus,
+        modulus,
         plate.poissons_ratio,
         lumping=plate.lumping,
         element=plate.element,
