@@ -103,6 +103,29 @@ def check(name: str, changes: tuple[str, ...]) -> int:
 
 @commands.command()
 @scene_arguments
+@click.option("--count", default=10, show_default=True, help="Elastic modes, the lowest.")
+@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-modes]")
+def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> int:
+    """Natural frequencies and shapes of the free plate, beside beam theory."""
+    from tailslap.fe_plan import make_fe_plan, needed_plate
+    from tailslap.result_folder import result_folder
+
+    plan = _plan(name, changes)
+    needed_plate(plan.scene)
+    place = out or Path("results") / f"{plan.scene.name}-modes"
+    with result_folder(place) as folder:
+        from tailslap.modes.answer import find_modes
+        from tailslap.modes.words import modes_lines
+        from tailslap.modes.write import write_modes
+
+        answer = find_modes(make_fe_plan(plan), count)
+        write_modes(answer, folder)
+    click.echo("\n".join(modes_lines(answer, place)))
+    return DONE
+
+
+@commands.command()
+@scene_arguments
 @click.option("--modes", default=4, show_default=True, help="Elastic modes to keep, the lowest.")
 @click.option(
     "--steps", type=click.IntRange(10, 1_000_000), default=100, show_default=True, help="Time steps."
