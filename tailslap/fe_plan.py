@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Missing
-from tailslap.fe_model import make_model
+from tailslap.fe_model import make_model, resolved_plate
 from tailslap.plan import Plan
 from tailslap.scene import Plate, Scene
 
@@ -69,8 +69,8 @@ def make_fe_plan(plan: Plan) -> FePlan:
     """Mesh and assemble. Raises InputError for keys that make no model."""
     from fem.start import RigidStart, elastic_give
 
-    plate, wall = needed_plate(plan.scene), _wall(plan)
-    plate, model = make_model(plan, plate)
+    plate, wall = resolved_plate(plan, needed_plate(plan.scene)), _wall(plan)
+    model = make_model(plan, plate)
     start = RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
     corner_angle = plan.body.corner_angle
     travel = plan.body.corner_radius * (math.sin(start.angle + corner_angle) - math.sin(corner_angle))
