@@ -23,11 +23,11 @@ def modal_lines(fe_plan: FePlan, run: ModalRun) -> list[str]:
             f"{row.difference:>+18.1e}"
             for row in comparison_rows(run.values, run.rigid, None)
         ]
-    lines += [
-        "",
-        f"Estimate of its error: {estimate.total:.1e}, of that {estimate.modes:.1e} by the modes left out, "
-        f"{estimate.linear:.1e} by linear strain, {estimate.steps:.1e} by the time steps",
-    ]
+        lines += [
+            "",
+            f"Estimate of its error: {estimate.total:.1e}, of that {estimate.modes:.1e} by the modes left out, "
+            f"{estimate.linear:.1e} by linear strain, {estimate.steps:.1e} by the time steps",
+        ]
     lines += [
         f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})"
         for check in run.checks
