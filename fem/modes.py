@@ -83,7 +83,7 @@ def _lowest(
         return np.asarray(vector - rigid @ (rigid.T @ vector))
 
     def inverse(vector: np.ndarray) -> np.ndarray:
-        return elastic(root * solve(root * elastic(vector.ravel())))
+        return root * solve(root * elastic(vector.ravel()))
 
     operator = LinearOperator((root.size, root.size), matvec=inverse, dtype=float)
     first = np.cos(1.7 * np.arange(root.size)) + 0.1  # fixed, so that runs repeat to the bit

@@ -106,7 +106,7 @@ def check(name: str, changes: tuple[str, ...]) -> int:
 @click.option("--count", default=10, show_default=True, help="Elastic modes, the lowest.")
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-modes]")
 def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> int:
-    """Natural frequencies and shapes of the free plate, beside beam theory."""
+    """Natural frequencies of the plate, with pictures."""
     from tailslap.fe_plan import make_fe_plan, needed_plate
     from tailslap.result_folder import result_folder
 
@@ -141,7 +141,7 @@ def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> 
 def modal(
     name: str, changes: tuple[str, ...], modes: int, steps: int, tolerance: float, as_json: bool
 ) -> int:
-    """Run a scene with a few elastic modes of the plate instead of all of it."""
+    """Run a scene with a few modes of the plate."""
     from tailslap.fe_plan import make_fe_plan
     from tailslap.modal import modal_run
     from tailslap.modal_words import modal_answer, modal_lines
