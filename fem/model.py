@@ -13,6 +13,7 @@ from fem.elements import ELEMENT_KINDS, Discretisation, Hourglass, discretise, h
 from fem.internal_force import Viscosity
 from fem.mass import exact_inertia_masses, row_sum_masses
 from fem.materials import MATERIALS, StVenantKirchhoff, st_venant_kirchhoff
+from fem.modes import lowest_frequency
 from fem.patch import corner_weights
 from fem.stiffness import Spectrum, hourglass_matrix, stiffness_matrix
 from fem.time_loop import LoopParameters
@@ -105,13 +106,7 @@ def build_model(
 
     Raises ValueError where the mesh cannot carry the exact inertia, or has too few nodes for the patch.
     """
-    discretisation = discretise(mesh, plate.thickness, plate.element)
-    moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
-    masses = MASSES[plate.lumping](discretisation.scalar, plate.density, plate.thickness)
-    stiffness = stiffness_matrix(discretisation.scalar, plate.thickness, moduli)
-    hourglass = _hourglass(discretisation, plate, moduli)
-    if hourglass is not None:
-        stiffness = stiffness + hourglass_matrix(discretisation.table, hourglass, masses.size)
+    discretisation, moduli, masses, stiffness, hourglass = _assemble(mesh, plate)
     held = _corner(discretisation, masses, plate, corner)
     spectrum = Spectrum(stiffness, masses, held, corner.angles)
     frequency = spectrum.highest_frequency()
@@ -131,6 +126,31 @@ def build_model(
         time_step=min(step.safety_factor * stable, step.longest),
     )
     return PlateModel(discretisation, stiffness, frequency, stable, loop, moduli.c_33)
+
+
+def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
+    """Young's modulus [Pa] that gives the free plate this first elastic frequency in its plane [Hz].
+
+    The stiffness is in proportion to the modulus: the frequency with the modulus of `plate` tells the other.
+    Raises ValueError where the mesh cannot carry the exact inertia.
+    """
+    discretisation, _, masses, stiffness, _ = _assemble(mesh, plate)
+    frequency = lowest_frequency(stiffness, masses, discretisation.positions)
+    return plate.youngs_modulus * (first_frequency / frequency) ** 2
+
+
+def _assemble(
+    mesh: meshio.Mesh, plate: PlateProperties
+) -> tuple[Discretisation, StVenantKirchhoff, np.ndarray, Any, Hourglass | None]:
+    """Discretisation, moduli, masses [kg], stiffness [N/m] and hourglass control of the plate alone."""
+    discretisation = discretise(mesh, plate.thickness, plate.element)
+    moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
+    masses = MASSES[plate.lumping](discretisation.scalar, plate.density, plate.thickness)
+    stiffness: Any = stiffness_matrix(discretisation.scalar, plate.thickness, moduli)
+    hourglass = _hourglass(discretisation, plate, moduli)
+    if hourglass is not None:
+        stiffness = stiffness + hourglass_matrix(discretisation.table, hourglass, masses.size)
+    return discretisation, moduli, masses, stiffness, hourglass
 
 
 def _hourglass(d: Discretisation, plate: PlateProperties, moduli: StVenantKirchhoff) -> Hourglass | None:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem.corner import Drag, Exact, Signed
+from fem.elastic import elastic_solver
 from fem.model import PlateModel
 
 
@@ -25,6 +25,16 @@ class RigidStart:
     angle: float
     omega: float
     corner_speed: float
+
+
+class QuietFields(NamedTuple):
+    """A quiet start beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the body frame,
+    shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
+
+    elastic: np.ndarray
+    rate: np.ndarray
+    gap: float
+    gap_rate: float
 
 
 class _Rigid(NamedTuple):
@@ -54,6 +64,12 @@ def elastic_give(model: PlateModel, start: RigidStart) -> float:
     return float(model.loop.mass @ (sudden - quiet)[1] / model.mass)
 
 
+def quiet_fields(model: PlateModel, start: RigidStart) -> QuietFields:
+    """The quiet start in the body frame."""
+    body = model.discretisation.positions - _at_corner(model, model.discretisation.positions)
+    return QuietFields(*_quiet(model, start, body))
+
+
 def to_global(angle: float) -> np.ndarray:
     """Matrix from the body frame to the wall's frame, with the body turned clockwise by `angle`."""
     cosine, sine = np.cos(angle), np.sin(angle)
@@ -65,7 +81,7 @@ def _sudden(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
 
 
 def _quiet(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
-    solve = _elastic_solver(model, body)
+    solve = elastic_solver(model.stiffness, model.loop.mass, body)
     now = _rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
     span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
 
@@ -100,35 +116,6 @@ def _at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:
     """Value at the corner of a nodal field of shape (2, nodes), shape (2, 1)."""
     corner = model.loop.corner
     return np.asarray(values[:, corner.nodes] @ corner.weights)[:, None]
-
-
-def _elastic_solver(model: PlateModel, body: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Solver of K u = f with u free of mass-weighted rigid motion; f must be in equilibrium.
-
-    Three unknowns are held, a node's two and one of the node farthest from it, which carry no force then; the
-    matrix left is sparse and definite. The rigid motion is taken out afterwards.
-    """
-    from scipy.sparse.linalg import splu
-
-    nodes = body.shape[1]
-    rigid = np.zeros((2 * nodes, 3))
-    rigid[:nodes, 0] = rigid[nodes:, 1] = 1.0
-    rigid[:nodes, 2], rigid[nodes:, 2] = -body[1], body[0]
-    weighted = rigid * np.tile(model.loop.mass, 2)[:, None]
-    from_first = np.abs(body - body[:, :1])
-    far = int((from_first**2).sum(axis=0).argmax())
-    across = int(from_first[:, far].argmin())
-    free = np.delete(np.arange(2 * nodes), [0, nodes, across * nodes + far])
-    held = sp.csc_matrix(model.stiffness)[free][:, free]
-    factor = splu(held, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-
-    def solve(load: np.ndarray) -> np.ndarray:
-        displacement = np.zeros(2 * nodes)
-        displacement[free] = factor.solve(load[free])
-        motion = np.linalg.solve(rigid.T @ weighted, weighted.T @ displacement)
-        return np.asarray(displacement - rigid @ motion)
-
-    return solve
 
 
 def _rigid_accelerations(

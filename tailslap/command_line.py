@@ -29,7 +29,7 @@ def scene_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
         "changes",
         multiple=True,
         metavar="KEY=VALUE",
-        help="Change a key, like plate.thickness=20mm.",
+        help="Change a key, like plate.thickness=20mm; KEY= takes it out.",
     )(function)
     return click.argument("name", metavar="SCENE")(function)
 
@@ -108,6 +108,58 @@ def check(name: str, changes: tuple[str, ...]) -> int:
         lines += fe_part(fe_plan) + flutter_lines(fe_plan)
     click.echo("\n".join(lines))
     return DONE
+
+
+@commands.command()
+@scene_arguments
+@click.option("--count", default=10, show_default=True, help="Elastic modes, the lowest.")
+@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-modes]")
+def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> int:
+    """Natural frequencies of the plate, with pictures."""
+    from tailslap.fe_plan import make_fe_plan, needed_plate
+    from tailslap.result_folder import result_folder
+
+    plan = _plan(name, changes)
+    needed_plate(plan.scene)
+    place = out or Path("results") / f"{plan.scene.name}-modes"
+    with result_folder(place) as folder:
+        from tailslap.modes.answer import find_modes
+        from tailslap.modes.words import modes_lines
+        from tailslap.modes.write import write_modes
+
+        answer = find_modes(make_fe_plan(plan), count)
+        write_modes(answer, folder)
+    click.echo("\n".join(modes_lines(answer, place)))
+    return DONE
+
+
+@commands.command()
+@scene_arguments
+@click.option("--modes", default=4, show_default=True, help="Elastic modes to keep, the lowest.")
+@click.option(
+    "--steps", type=click.IntRange(10, 1_000_000), default=100, show_default=True, help="Time steps."
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=1e-5,
+    show_default=True,
+    help="Relative error allowed.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
+def modal(
+    name: str, changes: tuple[str, ...], modes: int, steps: int, tolerance: float, as_json: bool
+) -> int:
+    """Run a scene with a few modes of the plate."""
+    from tailslap.fe_plan import make_fe_plan
+    from tailslap.modal import modal_run
+    from tailslap.modal_words import modal_answer, modal_lines
+
+    fe_plan = make_fe_plan(_plan(name, changes))
+    found = modal_run(fe_plan, modes, tolerance, steps)
+    answer = modal_answer(fe_plan, found)
+    click.echo(json.dumps(answer, indent=2) if as_json else "\n".join(modal_lines(fe_plan, found)))
+    return DONE if found.passed else CHECK_FAILED
 
 
 @commands.command()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from tailslap.errors import InputError
@@ -20,24 +22,48 @@ MOST_STEPS = 2_000_000_000
 """A run above this is refused: it would take days, and its instants could not be told apart."""
 
 
+REFERENCE_MODULUS = 1e9
+"""Young's modulus [Pa] with which a first frequency is looked for; any would do."""
+
+
 def make_model(plan: Plan, plate: Plate) -> PlateModel:
     """Mesh and assemble. Raises InputError for keys that make no model."""
     from fem.model import build_model
 
-    scene = plan.scene
-    try:
+    plate = resolved_plate(plan, plate)
+    with _refusals(plan.scene, plate):
         model = build_model(_mesh(plan, plate), _plate(plan, plate), _corner(plan), _step(plan))
+    if not model.loop.time_step * MOST_STEPS > plan.motion.strike.t:
+        key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
+        raise InputError(
+            f"plate.{key}",
+            getattr(plate, key),
+            f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MOST_STEPS:g} steps",
+        )
+    return model
+
+
+def resolved_plate(plan: Plan, plate: Plate) -> Plate:
+    """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
+    from fem.model import modulus_for
+
+    if plate.youngs_modulus is not None or plate.first_frequency is None:
+        return plate
+    reference = plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS})
+    with _refusals(plan.scene, plate):
+        modulus = modulus_for(_mesh(plan, plate), _plate(plan, reference), plate.first_frequency)
+    return plate.model_copy(update={"youngs_modulus": modulus})
+
+
+@contextmanager
+def _refusals(scene: Scene, plate: Plate) -> Iterator[None]:
+    """Turn what no model can be made of into a message that names the scene's key."""
+    try:
+        yield
     except ValueError as error:
         key = "corner.patch_length" if "patch" in str(error) else "plate.elements"
         given = scene.corner.patch_length if "patch" in str(error) else list(plate.elements)
         raise InputError(key, given, str(error)) from None
-    if not model.loop.time_step * MOST_STEPS > plan.motion.strike.t:
-        raise InputError(
-            "plate.youngs_modulus",
-            plate.youngs_modulus,
-            f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MOST_STEPS:g} steps",
-        )
-    return model
 
 
 def plate_density(plan: Plan, plate: Plate) -> float:
@@ -57,6 +83,8 @@ def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
 
 def _plate(plan: Plan, plate: Plate) -> PlateProperties:
     from fem.model import PlateProperties
+
+    assert plate.youngs_modulus is not None
 
     return PlateProperties(
         plate.thickness,

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Missing
-from tailslap.fe_model import make_model
+from tailslap.fe_model import make_model, resolved_plate
 from tailslap.plan import Plan
 from tailslap.scene import Plate, Scene
 
@@ -29,7 +30,10 @@ RICHER_UP_TO = 20_000
 
 @dataclass(frozen=True)
 class FePlan:
-    """What the run integrates, and how far it may be from a rigid plate."""
+    """What the run integrates, and how far it may be from a rigid plate.
+
+    plate: the scene's, with the modulus that its first frequency asks for where the scene gives that instead.
+    """
 
     plan: Plan
     plate: Plate
@@ -39,6 +43,16 @@ class FePlan:
     travel: float  # way of the centre of mass towards the wall [m]
     give: float  # share of that travel that the elastic plate gives at the start
     other_give: float  # the same with richer elements on this mesh: what it differs by is the mesh's doing
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""
+        from fem.modes import lowest_frequency
+
+        model = self.model
+        if self.plate.first_frequency is not None:
+            return self.plate.first_frequency
+        return lowest_frequency(model.stiffness, model.loop.mass, model.discretisation.positions)
 
     @property
     def expected_steps(self) -> int:
@@ -55,7 +69,7 @@ def needed_plate(scene: Scene) -> Plate:
 
 def make_fe_plan(plan: Plan) -> FePlan:
     """Mesh and assemble. Raises InputError for keys that make no model."""
-    plate, wall = needed_plate(plan.scene), _wall(plan)
+    plate, wall = resolved_plate(plan, needed_plate(plan.scene)), _wall(plan)
     model, other = (make_model(plan, a_plate) for a_plate in (plate, comparable_plate(plate)))
     gives = (share_given(plan, a_model) for a_model in (model, other))
     return FePlan(plan, plate, wall, model, rigid_start(plan), centre_travel(plan), *gives)

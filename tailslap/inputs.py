@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, get_args
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from postprocess.report import SceneInput
-from tailslap.scene import Scene
+from tailslap.scene import Plate, Scene
 from tailslap.scene_files import Source
 from tailslap.units import Quantity
 
@@ -16,6 +17,16 @@ from tailslap.units import Quantity
 def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
     """A row for every key that has a value; keys that the scene left to their defaults say so."""
     return tuple(_rows(scene, source.given, source.changed, ""))
+
+
+def resolved_inputs(scene: Scene, source: Source, plate: Plate) -> tuple[SceneInput, ...]:
+    """The same, with the modulus that the first frequency has given the plate."""
+    rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
+    origin = "from plate.first_frequency"
+    known = scene.plate is not None and scene.plate.youngs_modulus is not None
+    return tuple(
+        row if known or row.key != "plate.youngs_modulus" else replace(row, origin=origin) for row in rows
+    )
 
 
 def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], prefix: str) -> list[SceneInput]:

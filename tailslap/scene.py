@@ -24,6 +24,7 @@ Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.2
 Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', above=0.0)]
 Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", above=0.0)]
 Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', above=0.0)]
+Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', above=0.0)]
 PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", above=-1.0, below=0.5)]
 Scale = Annotated[float, Quantity("a factor", "", "1.0", above=0.0)]
 Share = Annotated[float, Quantity("a share", "", "0.9", above=0.0, most=1.0)]
@@ -96,11 +97,12 @@ class Strike(Table):
 
 
 class Plate(Table):
-    """The FE model of the vehicle."""
+    """The FE model of the vehicle: its modulus, or the first frequency in its plane that the modulus gives it."""
 
     thickness: Length
     density: Density | None = None
-    youngs_modulus: Modulus
+    youngs_modulus: Modulus | None = None
+    first_frequency: Frequency | None = None
     poissons_ratio: PoissonsRatio
     elements: ElementCounts
     element: Literal["quad4", "quad4-reduced", "quad9", "tri3", "tri6"] = "quad4"

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tailslap.errors import InputError, Missing
+from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene import Scene
 
 
@@ -78,7 +78,7 @@ def _text(name: str) -> str:
 
 
 def _apply(data: dict[str, Any], change: str) -> str:
-    """Put one KEY=VALUE into the tables; returns the key."""
+    """Put one KEY=VALUE into the tables, or take the key out where there is no value; returns the key."""
     key, equals, value = change.partition("=")
     *tables, last = key.strip().split(".")
     if not equals or not all((*tables, last)):
@@ -87,7 +87,10 @@ def _apply(data: dict[str, Any], change: str) -> str:
         data = data.setdefault(table, {})
         if not isinstance(data, dict):
             raise InputError("--set", change, f'"{table}" is a value, not a table')
-    data[last] = _value(value.strip())
+    if value.strip():
+        data[last] = _value(value.strip())
+    elif data.pop(last, None) is None:
+        raise InputError("--set", change, "the scene does not give this key: there is nothing to take out")
     return key.strip()
 
 
@@ -155,6 +158,13 @@ def _check_plate(scene: Scene) -> None:
                 'constraint = "exact" has no spring; leave it out',
             )
     plate = scene.plate
+    if plate and plate.youngs_modulus is None and plate.first_frequency is None:
+        raise InputError("plate.youngs_modulus", Missing, "this key or plate.first_frequency is required")
+    if plate and plate.youngs_modulus is not None and plate.first_frequency is not None:
+        allowed = (
+            "it sets the modulus; leave out this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
+        )
+        raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
     if plate and plate.element != "quad4-reduced" and "hourglass" in plate.model_fields_set:
         raise InputError(
             "plate.hourglass", plate.hourglass, 'only element = "quad4-reduced" needs it; leave it out'

@@ -34,6 +34,8 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
         "stage3": answer["stage3"],
         "plate": {
             "mass": outcome.fe_plan.model.mass,
+            "youngs_modulus": outcome.fe_plan.plate.youngs_modulus,
+            "first_frequency": outcome.fe_plan.first_frequency,
             "give": outcome.fe_plan.give,
             "highest_frequency": outcome.fe_plan.model.highest_frequency,
             "stable_time_step": outcome.fe_plan.model.stable_time_step,

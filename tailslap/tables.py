@@ -115,6 +115,7 @@ def fe_part(fe_plan: FePlan) -> list[str]:
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, "
         f"{fe_plan.plate.element}, {fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",
+        f"stiffness    {_stiffness(fe_plan)}",
         f"corner       {_hold(model.loop.corner)}",
         f"frequency    {model.highest_frequency:.6g} rad/s, the highest, by Lanczos with the corner's spring",
         f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the "
@@ -146,6 +147,14 @@ def flutter_lines(fe_plan: FePlan) -> list[str]:
         f"flutter      {told}: the fastest mode, {found.frequency:.4g} rad/s, grows by "
         f"exp({found.growth:.1f}) during the run, and exp({SUSPECT:g}) spoils it{cure if found.growth > CALM else ''}"
     ]
+
+
+def _stiffness(fe_plan: FePlan) -> str:
+    """The modulus, and the first frequency of the free plate in its plane."""
+    modulus, frequency = fe_plan.plate.youngs_modulus, fe_plan.first_frequency
+    return (
+        f"Young's modulus {modulus:.6g} Pa, first frequency of the free plate in its plane {frequency:.4g} Hz"
+    )
 
 
 def _hold(corner: Any) -> str:

@@ -108,7 +108,8 @@ class Quantity:
             return float(match[1])
         try:
             unit = registry().parse_units(match[2])
-            if unit == registry().dimensionless:
+            # Roots keep radians apart: to Pint a hertz is a radian a second, and a radian is nothing.
+            if registry().get_root_units(unit)[1] != registry().get_root_units(self.unit)[1]:
                 raise ValueError
             return float(registry().Quantity(float(match[1]), unit).to(self.unit).magnitude)
         except Exception:  # Pint and the tokenizer under it raise a dozen kinds for text that is no unit

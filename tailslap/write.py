@@ -13,7 +13,7 @@ from postprocess.curves import draw_histories
 from postprocess.histories import write_history
 from postprocess.report import LeftOut, Picture, ReportContent, Result, write_report
 from postprocess.summary import write_summary
-from tailslap.inputs import scene_inputs
+from tailslap.inputs import resolved_inputs
 from tailslap.left_out import left_out
 from tailslap.progress import announced
 from tailslap.rigid import rigid_answer
@@ -96,7 +96,7 @@ def _content(outcome: Outcome, pictures: bool) -> ReportContent:
         pictures=tuple(Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures),
         cost=tuple(Result(name, value, COST_UNITS.get(name, "")) for name, value in cost(outcome).items()),
         left_out=tuple(LeftOut(part, why) for part, why in left_out(plan.scene, pictures)),
-        inputs=scene_inputs(plan.scene, plan.source),
+        inputs=resolved_inputs(plan.scene, plan.source, outcome.fe_plan.plate),
         scene_text=plan.source.text,
     )
 

@@ -91,7 +91,11 @@ def cell_tables(base: Tables, axes: tuple[Axis, ...], cell: Cell) -> Tables:
 
 
 def _stiffness(tables: Tables, factor: float) -> None:
-    tables["plate"]["youngs_modulus"] *= factor
+    plate = tables["plate"]
+    if "first_frequency" in plate:
+        plate["first_frequency"] *= math.sqrt(factor)
+    else:
+        plate["youngs_modulus"] *= factor
 
 
 def _penalty(tables: Tables, value: float) -> None:

@@ -1,0 +1,177 @@
+"""The modal run: the plate as a floating frame with a few elastic modes, and how far its answer can be trusted."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postprocess.comparison import relative_difference
+from postprocess.report import Check
+from tailslap.errors import InputError
+from tailslap.fe_plan import FePlan
+from tailslap.rigid import COMPARED, stage_two_numbers
+
+if TYPE_CHECKING:
+    from fem.modal_run import ModalMotion
+
+MODES, STEPS, TOLERANCE = 4, 100, 1e-5
+"""Elastic modes, time steps to the tail-slap, and relative error allowed, unless the caller says otherwise."""
+
+MORE_MODES = 4
+"""The answer is held against that of twice as many modes and so many more."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """How far the five quantities may be from the finite-element run's, relatively, and why.
+
+    modes: how far they move, at any time of the run, with twice as many modes and four more. linear: what the
+    geometric non-linearity of the elastic strain leaves out. steps: how far they move with half as many time steps.
+    """
+
+    modes: float
+    linear: float
+    steps: float
+
+    @property
+    def total(self) -> float:
+        """The sum of the three."""
+        return self.modes + self.linear + self.steps
+
+
+@dataclass(frozen=True)
+class ModalRun:
+    """A modal run: the five quantities at the tail-slap (empty if it was not reached), beside the rigid ones.
+
+    frequencies [Hz] of the modes kept. setup_s: modes, flexibility and start; integration_s: of the run itself;
+    estimate_s: of the two runs that the estimate takes.
+    """
+
+    values: dict[str, float]
+    rigid: dict[str, float]
+    difference: dict[str, float]
+    history: dict[str, np.ndarray]
+    frequencies: np.ndarray
+    estimate: Estimate
+    checks: tuple[Check, ...]
+    steps: int
+    iterations: int
+    setup_s: float
+    integration_s: float
+    estimate_s: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check passed."""
+        return all(check.passed for check in self.checks)
+
+
+def modal_run(
+    fe_plan: FePlan, modes: int = MODES, tolerance: float = TOLERANCE, steps: int = STEPS
+) -> ModalRun:
+    """Run the plan's plate with its lowest elastic modes; compare `fem.simulate.simulate`, which runs all of it.
+
+    steps: to the rigid tail-slap. Raises InputError for what the modal model does not have.
+    """
+    from fem.modal_model import modal_plate, with_fewer_modes
+    from fem.modal_run import integrate, modal_start
+    from fem.start import quiet_fields
+
+    _admit(fe_plan, modes)
+    model, start, duration = fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t
+    began = time.perf_counter()
+    finer = modal_plate(model, 2 * modes + MORE_MODES)
+    plate, quiet = with_fewer_modes(finer, modes), quiet_fields(model, start)
+    (state, finer_state) = (modal_start(model, kept, start, quiet) for kept in (plate, finer))
+    setup = time.perf_counter() - began
+    motion = integrate(plate, state, duration, steps)
+    others = (
+        integrate(finer, finer_state, duration, steps),
+        integrate(plate, state, duration, max(1, steps // 2)),
+    )
+    estimate = _estimate(fe_plan, float(finer.frequencies[0]), motion, *others)
+    rigid = stage_two_numbers(fe_plan.plan)
+    values = {name: motion.strike[name] for name in COMPARED} if motion.strike else {}
+    return ModalRun(
+        values=values,
+        rigid=rigid,
+        difference=relative_difference(values, rigid) if values else {},
+        history=motion.history,
+        frequencies=plate.frequencies / (2.0 * math.pi),
+        estimate=estimate,
+        checks=_checks(motion, estimate, tolerance),
+        steps=motion.steps,
+        iterations=motion.iterations,
+        setup_s=setup,
+        integration_s=motion.integration_s,
+        estimate_s=sum(other.integration_s for other in others),
+    )
+
+
+def _admit(fe_plan: FePlan, modes: int) -> None:
+    """InputError for what the modal model does not have."""
+    from fem.modes import most_modes
+
+    scene, plate = fe_plan.plan.scene, fe_plan.plate
+    most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
+    if not 0 <= modes <= most:
+        raise InputError("--modes", modes, f"allowed with this mesh is a whole number from 0 to {most}")
+    if plate.start != "quiet":
+        allowed = 'the modal model starts quietly, its left-out modes cannot ring; allowed is "quiet"'
+        raise InputError("plate.start", plate.start, allowed)
+    if scene.damping:
+        raise InputError("damping", "a table", "the modal model has no damping; leave it out")
+    if scene.corner.damping_ratio:
+        allowed = "the modal model has no dashpot; leave it out"
+        raise InputError("corner.damping_ratio", scene.corner.damping_ratio, allowed)
+
+
+def _estimate(
+    fe_plan: FePlan, lowest: float, motion: ModalMotion, finer: ModalMotion, coarser: ModalMotion
+) -> Estimate:
+    """The estimate; lowest: frequency of the first mode [rad/s].
+
+    The quiet start solves the linear equations of an elastic state that moves the corner by the share `give` of its
+    travel. The non-linear plate is off that by `give` once more, and rings with it from the start: a displacement of
+    give^2, and a velocity larger by frequency times duration.
+    """
+    if not (motion.strike and finer.strike and coarser.strike):
+        return Estimate(math.nan, math.nan, math.nan)
+    size = min(motion.history["t"].size, finer.history["t"].size) - 1
+    moved = max(
+        np.abs(motion.history[name][:size] - finer.history[name][:size]).max() / abs(motion.strike[name])
+        for name in COMPARED
+    )
+    at_strike = _worst(finer, motion)
+    cycles = max(1.0, lowest * fe_plan.plan.motion.strike.t)
+    return Estimate(float(max(moved, at_strike)), fe_plan.give**2 * cycles, _worst(coarser, motion))
+
+
+def _worst(one: ModalMotion, other: ModalMotion) -> float:
+    """Largest relative difference of the five quantities at the tail-slap."""
+    assert one.strike
+    assert other.strike
+    return max(abs(one.strike[name] / other.strike[name] - 1.0) for name in COMPARED)
+
+
+def _checks(motion: ModalMotion, estimate: Estimate, tolerance: float) -> tuple[Check, ...]:
+    angle = 0.0 if motion.strike else float(motion.history["theta"][-1])
+    meanings = {
+        "modes left out": (
+            estimate.modes,
+            "how far the answer moves with more of them; --modes takes a larger number",
+        ),
+        "linear modes": (
+            estimate.linear,
+            "what their linear strain leaves out; the plate is too soft for modes, `tailslap run` is not",
+        ),
+        "time steps": (estimate.steps, "how far the answer moves with half as many; --steps takes more"),
+    }
+    checks = [Check("tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]")]
+    for name, (value, meaning) in meanings.items():
+        checks.append(Check(name, value, tolerance, bool(value <= tolerance), meaning))
+    return tuple(checks)

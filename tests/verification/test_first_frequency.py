@@ -1,0 +1,132 @@
+"""Verification: a plate given by its first frequency has it, and runs as the plate of the modulus that this means."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from tailslap.command_line import DONE, _status
+from tailslap.errors import InputError
+from tailslap.fe_plan import make_fe_plan
+from tailslap.inputs import resolved_inputs
+from tailslap.plan import make_plan
+from tailslap.scene_files import read_scene, validate
+
+pytestmark = pytest.mark.verification
+
+EIGHT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
+
+
+def dense_frequencies(model: Any) -> np.ndarray:
+    """All frequencies of the free plate [Hz], by LAPACK."""
+    masses = np.tile(model.loop.mass, 2)
+    squares = scipy.linalg.eigvalsh(model.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))
+    return np.sqrt(np.abs(squares)) / (2.0 * math.pi)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (),
+        ("plate.element=quad4-reduced", "plate.hourglass=0.2"),
+        ("plate.element=tri3", "plate.elements=[10, 3]"),
+        ("plate.lumping=row-sum", "plate.distortion=0.2"),
+        ("plate.thickness=2 mm", "plate.density=", "plate.poissons_ratio=0.45"),
+    ],
+)
+def test_the_model_has_it(change: tuple[str, ...]) -> None:
+    fe_plan = make_fe_plan(make_plan(*read_scene("paper-table-3", (*EIGHT, *change))))
+    frequencies = dense_frequencies(fe_plan.model)
+    assert frequencies[:3].max() < 1e-4
+    assert frequencies[3] == pytest.approx(8.0, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("given", "hertz"), [("8 Hz", 8.0), ("0.02 kHz", 20.0), ("12.5", 12.5), ("3 1/s", 3.0)]
+)
+def test_units(given: str, hertz: float) -> None:
+    scene = read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))[0]
+    assert scene.plate
+    assert scene.plate.first_frequency == pytest.approx(hertz, rel=1e-15)
+
+
+@pytest.mark.parametrize("given", ["8 rad/s", "480 rpm", "8 deg/s", "0 Hz", "-8 Hz", "8 s", "8 GPa"])
+def test_radians_are_no_cycles(given: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))
+    assert caught.value.key == "plate.first_frequency"
+
+
+@pytest.mark.parametrize("given", ["0.7 Hz", "0.7 1/s", "0.7 m/s"])
+def test_cycles_are_no_radians(given: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_scene("paper-table-3", (f"start.omega={given}",))
+    assert caught.value.key == "start.omega"
+
+
+def test_exactly_one_of_the_two() -> None:
+    with pytest.raises(InputError, match=r"plate\.youngs_modulus") as caught:
+        read_scene("paper-table-3", ("plate.first_frequency=8 Hz",))
+    assert caught.value.key == "plate.first_frequency"
+    with pytest.raises(InputError, match=r"plate\.first_frequency") as caught:
+        read_scene("paper-table-3", ("plate.youngs_modulus=",))
+    assert caught.value.key == "plate.youngs_modulus"
+
+
+def test_nothing_to_take_out() -> None:
+    with pytest.raises(InputError) as caught:
+        read_scene("paper-table-3", ("plate.first_frequency=",))
+    assert caught.value.key == "--set"
+
+
+def test_same_run_as_with_the_modulus(outcome: Callable[..., Any]) -> None:
+    by_frequency = outcome("paper-table-3", *EIGHT)
+    modulus = by_frequency.fe_plan.plate.youngs_modulus
+    assert 0.9e9 < modulus < 1.3e9
+    by_modulus = outcome("paper-table-3", f"plate.youngs_modulus={modulus!r}")
+    for name, column in by_modulus.fe_history.items():
+        scale = np.abs(column).max()
+        assert np.abs(by_frequency.fe_history[name] - column).max() <= 1e-12 * scale, name
+    assert by_modulus.fe_plan.first_frequency == pytest.approx(8.0, rel=1e-10)
+
+
+def test_reports_say_what_was_resolved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    changes = [item for change in EIGHT for item in ("--set", change)]
+    out = tmp_path / "result"
+    assert _status(["run", "paper-table-3", "--out", str(out), "--no-pictures", *changes]) == DONE
+    plate = json.loads((out / "summary.json").read_text())["plate"]
+    assert plate["first_frequency"] == 8.0
+    assert plate["youngs_modulus"] == pytest.approx(1.098424e9, rel=1e-6)  # regression
+    page = (out / "report.html").read_text()
+    assert "from plate.first_frequency" in page
+    assert _status(["check", "paper-table-3", *changes]) == DONE
+    assert "first frequency of the free plate in its plane 8 Hz" in capsys.readouterr().out
+
+
+def test_inputs_of_a_scene_with_its_modulus_are_as_before() -> None:
+    plan = make_plan(*read_scene("paper-table-3"))
+    assert plan.scene.plate
+    rows = {row.key: row for row in resolved_inputs(plan.scene, plan.source, plan.scene.plate)}
+    assert rows["plate.youngs_modulus"].origin == "scene"
+    assert "plate.first_frequency" not in rows
+
+
+def test_too_stiff_names_the_key() -> None:
+    plan = make_plan(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e12")))
+    with pytest.raises(InputError) as caught:
+        make_fe_plan(plan)
+    assert caught.value.key == "plate.first_frequency"
+
+
+def test_rigid_method_needs_no_modulus_to_be_resolved() -> None:
+    scene, source = read_scene("paper-table-3", EIGHT)
+    assert dataclasses.is_dataclass(make_plan(scene, source))
+    assert validate(source.given) == scene

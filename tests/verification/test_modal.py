@@ -1,0 +1,313 @@
+"""Verification: the modal model against the rigid motion, conservation, its order in time, and the whole plate.
+
+Exact answers first; the finite-element run of the same scene, which shares the plate's matrices and the start but
+neither the equations of motion nor the time integration, is the other side of the rest.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.modal_model import ModalPlate, modal_plate, with_fewer_modes
+from fem.modal_motion import MEASURED, accelerate, measure_rows
+from fem.modal_motion import reaction as corner_reaction
+from fem.modal_run import ModalMotion, integrate, modal_start
+from fem.start import RigidStart, quiet_fields, to_global
+from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
+from tailslap.errors import InputError
+from tailslap.fe_plan import FePlan, make_fe_plan
+from tailslap.modal import ModalRun, modal_run
+from tailslap.plan import make_plan
+from tailslap.rigid import COMPARED
+from tailslap.scene_files import read_scene
+
+pytestmark = pytest.mark.verification
+
+START = RigidStart(0.26, 0.707, 25.053)
+DURATION = 0.3839597
+TWENTY_HERTZ = "plate.youngs_modulus=6865876000"
+"""Makes the first frequency of the 20 x 6 plate 20 Hz."""
+
+
+@functools.cache
+def plan(name: str, *changes: str) -> FePlan:
+    return make_fe_plan(make_plan(*read_scene(name, changes)))
+
+
+@functools.cache
+def run(modes: int, name: str, *changes: str) -> ModalRun:
+    return modal_run(plan(name, *changes), modes)
+
+
+def motion(plate: Any, modal: ModalPlate, steps: int) -> ModalMotion:
+    state = modal_start(plate, modal, START, quiet_fields(plate, START))
+    return integrate(modal, state, DURATION, steps)
+
+
+def largest(values: dict[str, float], others: dict[str, float]) -> float:
+    return max(abs(values[name] / others[name] - 1.0) for name in COMPARED)
+
+
+def states(modes: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Places and speeds of a plate that bends and rings, pulled at its corner."""
+    random = np.random.default_rng(1)
+    return [
+        (
+            np.concatenate([[0.0, random.uniform(1e-4, 1e-3), random.uniform(-0.3, 0.0)], 0.1 * shapes[0]]),
+            np.concatenate([[0.1, 0.01, 0.7], shapes[1]]),
+        )
+        for shapes in random.normal(size=(10, 2, modes))
+    ]
+
+
+def moved(
+    place: np.ndarray, speed: np.ndarray, rate: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    return place + time * speed + 0.5 * time**2 * rate, speed + time * rate
+
+
+@pytest.mark.parametrize("reaction", ["drag", "none", "signed"])
+@pytest.mark.parametrize("constraint", ["penalty", "exact"])
+@pytest.mark.parametrize("modes", [0, 4])
+def test_stiff_plate_moves_as_the_rigid_body(reaction: str, constraint: str, modes: int) -> None:
+    change = (f"corner.reaction={reaction}", f"corner.constraint={constraint}", "plate.youngs_modulus=1e18")
+    found = run(modes, "paper-table-3", *change)
+    assert max(map(abs, found.difference.values())) < 1e-11
+    assert found.passed
+
+
+@pytest.mark.parametrize("constraint", ["penalty", "exact"])
+def test_energy_is_kept_without_friction(plate_model: Callable[..., Any], constraint: str) -> None:
+    """At a first frequency of 1 Hz a fifth of a thousandth of the energy goes into the plate and back."""
+    plate = plate_model(plate={"youngs_modulus": 2e7}, corner={"constraint": constraint})
+    energy = motion(plate, modal_plate(plate, 6), 200).history["energy"]
+    assert np.ptp(energy) < 1e-13 * energy[0]
+
+
+def test_momentum_is_the_reactions_impulse(plate_model: Callable[..., Any]) -> None:
+    plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e9})
+    history = motion(plate, modal_plate(plate, 4), 1600).history
+    from scipy.integrate import simpson
+
+    impulse = simpson(history["reaction_normal"][:-1], x=history["t"][:-1])
+    gained = plate.mass * (history["v_gy"][-2] - history["v_gy"][0])
+    assert impulse == pytest.approx(gained, rel=1e-8)
+
+
+def test_spin_of_a_free_plate(plate_model: Callable[..., Any]) -> None:
+    """Without a wall the plate turns with constant angular momentum, stretched by what its own spin does to it."""
+    plate = plate_model(plate={"youngs_modulus": 2e7})
+    modal = modal_plate(plate, 6)
+    free = modal.model._replace(hold=1e300)
+    q = 0.707**2 * free.growth / (free.squares - 0.707**2)
+    place, speed = np.concatenate([np.zeros(3), q]), np.concatenate([[25.0, 0.0, 0.707], 0.0 * q])
+    result = np.empty(9)
+    accelerate(place, speed, free, np.empty((2, 6)), result)
+    assert np.abs(result[2:]).max() < 1e-12
+    lever = free.arm + free.corner @ q
+    assert result[:2] / (0.707**2 * lever) == pytest.approx([-1.0, -1.0], rel=1e-9)
+
+
+@pytest.mark.parametrize("reaction", ["none", "drag", "signed"])
+def test_the_energy_changes_by_frictions_work(plate_model: Callable[..., Any], reaction: str) -> None:
+    """At any state, not only a quiet one: power of R at the corner, modes left out and all."""
+    plate = plate_model(reaction=reaction, plate={"youngs_modulus": 2e7})
+    model, step = modal_plate(plate, 5).model, 1e-5
+    for place, speed in states(5):
+        result = np.empty(8)
+        accelerate(place, speed, model, np.empty((2, 5)), result)
+        rows = [np.concatenate([[0.0], *moved(place, speed, result, s)]) for s in (-step, step)]
+        measured = np.empty((2, len(MEASURED)))
+        measure_rows(np.array(rows), model, measured)
+        change = dict(zip(MEASURED, (measured[1] - measured[0]) / (2.0 * step), strict=True))
+        wall = corner_reaction(place, speed, model)
+        power = wall.slope * wall.normal * change["slide"]
+        exchanged = np.abs(result[3:] * speed[3:]).sum()
+        assert abs(change["energy"] - power) < 1e-6 * (exchanged + abs(power))
+
+
+def test_newtons_law_on_the_nodes(plate_model: Callable[..., Any]) -> None:
+    """Positions of all nodes, differentiated twice: their inertia, against the modes, is reaction less stiffness."""
+    plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e7})
+    own, count, step = modal_plate(plate, 5), 5, 2e-4
+    model = own.model._replace(flexibility=np.zeros((3, 3)))
+    masses = plate.loop.mass
+    body = plate.discretisation.positions
+    body = body - (body @ masses / masses.sum())[:, None]
+    shapes = own.weighted / masses
+
+    def nodes(place: np.ndarray) -> np.ndarray:
+        shape = body + np.tensordot(place[3:], shapes, 1)
+        turn = to_global(-place[2])
+        corner = turn @ (model.arm + model.corner @ place[3:])
+        return turn @ shape + (place[:2] - corner)[:, None]
+
+    for place, speed in states(count):
+        result = np.empty(3 + count)
+        accelerate(place, speed, model, np.empty((2, count)), result)
+        before, now, after = (nodes(moved(place, speed, result, s)[0]) for s in (-step, 0.0, step))
+        inertia = masses * (before - 2.0 * now + after) / step**2
+        wall, turn = corner_reaction(place, speed, model), to_global(-place[2])
+        force = np.array([wall.slope * wall.normal, wall.normal])
+        in_modes = np.tensordot(shapes, turn.T @ inertia, ((1, 2), (0, 1)))
+        assert in_modes == pytest.approx(
+            model.corner.T @ turn.T @ force - model.squares * place[3:], rel=1e-4, abs=0.01
+        )
+        assert inertia.sum(axis=1) == pytest.approx(force, rel=1e-4, abs=0.01)
+        arm = nodes(place) - place[:2, None]
+        assert abs((arm[0] * inertia[1] - arm[1] * inertia[0]).sum()) < 1e-4 * np.abs(arm * inertia).sum()
+
+
+def test_order_in_the_time_step(plate_model: Callable[..., Any]) -> None:
+    plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e7})
+    modal = modal_plate(plate, 1)
+    exact = motion(plate, modal, 1600).strike
+    assert exact
+    errors = []
+    for steps in (25, 50, 100):
+        strike = motion(plate, modal, steps).strike
+        assert strike
+        errors.append(largest(strike, exact))
+    slopes = np.diff(np.log2(errors))
+    assert np.all(np.abs(slopes + 4.0) < 0.2), slopes
+    assert errors[-1] < 1e-9
+
+
+def test_modes_taken_out_leave_their_flexibility(plate_model: Callable[..., Any]) -> None:
+    plate = plate_model()
+    fewer, own = with_fewer_modes(modal_plate(plate, 9), 4).model, modal_plate(plate, 4).model
+    scale = np.sqrt(np.outer(*(2 * [own.flexibility.diagonal()])))
+    assert np.abs((fewer.flexibility - own.flexibility) / scale).max() < 1e-9
+    assert fewer.squares == pytest.approx(own.squares, rel=1e-12)
+
+
+def test_all_modes_leave_nothing(plate_model: Callable[..., Any]) -> None:
+    """Of 27 elastic modes 26 are kept: what is left of the flexibility is one mode's, a matrix of rank one."""
+    plate = plate_model(elements=(4, 2))
+    left, whole = modal_plate(plate, 26).model.flexibility, modal_plate(plate, 0).model.flexibility
+    scale = 1.0 / np.sqrt(whole.diagonal())
+    sizes = np.linalg.eigvalsh(left * np.outer(scale, scale))
+    assert sizes[-1] < 0.05
+    assert np.abs(sizes[:2]).max() < 1e-12
+
+
+@pytest.mark.parametrize("modes", [0, 1, 4])
+@pytest.mark.parametrize("scene", ["paper-table-3", "paper-abaqus"])
+def test_against_the_whole_plate_of_steel(outcome: Callable[..., Any], scene: str, modes: int) -> None:
+    found, whole = run(modes, scene), outcome(scene)
+    assert largest(found.values, whole.fe) < 1e-8
+    assert max(map(abs, found.difference.values())) > 2e-6  # the rigid motion is not as near
+
+
+@pytest.mark.parametrize("scene", ["paper-table-3", "paper-abaqus"])
+@pytest.mark.parametrize(
+    "change", [(), ("corner.constraint=exact",), ("corner.patch_length=1",), ("plate.lumping=row-sum",)]
+)
+def test_against_the_whole_plate_of_20_hertz(
+    outcome: Callable[..., Any], scene: str, change: tuple[str, ...]
+) -> None:
+    found, whole = run(4, scene, TWENTY_HERTZ, *change), outcome(scene, TWENTY_HERTZ, *change)
+    assert found.frequencies[0] == pytest.approx(20.0, rel=2e-2)
+    assert largest(found.values, whole.fe) < 5e-7
+
+
+def test_signed_friction(outcome: Callable[..., Any]) -> None:
+    change = ("corner.reaction=signed", TWENTY_HERTZ)
+    found, whole = run(4, "paper-table-3", *change), outcome("paper-table-3", *change)
+    assert largest(found.values, whole.fe) < 5e-7
+
+
+@pytest.mark.parametrize("scene", ["paper-table-3", "paper-abaqus"])
+@pytest.mark.parametrize("modulus", ["200 GPa", "2 GPa", "200 MPa", "20 MPa"])
+@pytest.mark.parametrize("modes", [0, 1, 4])
+def test_the_estimate_bounds_the_difference(
+    outcome: Callable[..., Any], scene: str, modulus: str, modes: int
+) -> None:
+    """From 1e-9 to 1e-3: never below the difference from the whole plate, and at most six times above it."""
+    change = f"plate.youngs_modulus={modulus}"
+    found, whole = run(modes, scene, change), outcome(scene, change)
+    difference = largest(found.values, whole.fe)
+    assert difference < found.estimate.total < 6.0 * difference
+
+
+@pytest.mark.parametrize("modulus", ["2 GPa", "200 MPa", "20 MPa"])
+@pytest.mark.parametrize("modes", [0, 1, 2, 4])
+def test_the_estimate_of_modes_left_out(modulus: str, modes: int) -> None:
+    """Against forty modes, at the tail-slap: where the phase is kind the error is less than the estimate."""
+    change = f"plate.youngs_modulus={modulus}"
+    found, many = run(modes, "paper-abaqus", change), run(40, "paper-abaqus", change)
+    assert largest(found.values, many.values) < 2.0 * found.estimate.modes
+
+
+def test_it_says_when_more_modes_are_needed() -> None:
+    softer = plan("paper-table-3", "plate.youngs_modulus=2 GPa")
+    few, enough = modal_run(softer, 0, tolerance=5e-6), modal_run(softer, 4, tolerance=5e-6)
+    assert [check.name for check in few.checks if not check.passed] == ["modes left out"]
+    assert enough.passed
+    softest = modal_run(plan("paper-table-3", "plate.youngs_modulus=20 MPa"), 4, tolerance=1e-3)
+    assert [check.name for check in softest.checks if not check.passed] == ["linear modes"]
+    coarse = modal_run(plan("paper-table-3"), 4, steps=10, tolerance=1e-7)
+    assert [check.name for check in coarse.checks if not check.passed] == ["time steps"]
+
+
+def test_work_does_not_grow_with_stiffness_or_mesh() -> None:
+    for change in ((), ("plate.youngs_modulus=20 TPa",), ("plate.elements=[40, 12]",)):
+        found = run(4, "paper-table-3", *change)
+        assert 100 <= found.steps <= 101
+        assert found.iterations < 5 * found.steps
+
+
+def test_a_run_that_does_not_strike(plate_model: Callable[..., Any]) -> None:
+    plate = plate_model(reaction="drag")
+    modal = modal_plate(plate, 2)
+    state = modal_start(plate, modal, START, quiet_fields(plate, START))
+    late = integrate(modal, state, 0.1, 20)
+    assert late.strike is None
+    assert "in time" in late.end
+    state[1][0] = 0.05
+    stopped = integrate(modal, state, DURATION, 100)
+    assert stopped.strike is None
+    assert "stopped" in stopped.end
+    state[0][3] = math.nan
+    assert "converge" in integrate(modal, state, DURATION, 100).end
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ("plate.start=sudden", "plate.start"),
+        ("damping.ratio=0.1", "damping"),
+        ("corner.damping_ratio=0.1", "corner.damping_ratio"),
+    ],
+)
+def test_what_it_does_not_have_is_refused(change: str, key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        run(4, "paper-table-3", change)
+    assert caught.value.key == key
+
+
+def test_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["modal", "paper-table-3"]) == DONE
+    text = capsys.readouterr().out
+    assert "0.3839597" in text
+    assert "Estimate of its error" in text
+    assert _status(["modal", "paper-table-3", "--modes", "0", "--tolerance", "1e-9"]) == CHECK_FAILED
+    assert "FAILED  modes left out" in capsys.readouterr().out
+    assert _status(["modal", "paper-table-3", "--modes", "-1"]) == WRONG_INPUT
+    assert _status(["modal", "paper-table-3", "--modes", "9999"]) == WRONG_INPUT
+
+
+def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+    import json
+
+    assert _status(["modal", "paper-abaqus", "--json", "--modes", "2"]) == DONE
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer["modal"]) == set(COMPARED)
+    assert answer["cost"]["modes"] == 2
+    assert answer["estimate"]["total"] < 1e-8
