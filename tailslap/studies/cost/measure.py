@@ -13,7 +13,7 @@ from tailslap.errors import InputError
 from tailslap.plan import Plan, make_plan
 from tailslap.rigid import COMPARED, stage_two_numbers
 from tailslap.scene_files import read_scene
-from tailslap.studies.cost.settings import EXACT, ODE, Setting
+from tailslap.studies.cost.settings import EXACT, MODAL, ODE, Setting
 
 MOST_REPEATS, LEAST_REPEATS, PATIENCE = 7, 2, 1.5
 """Repeats of a setting, and the seconds after which only the least number is done."""
@@ -32,6 +32,8 @@ def measure(name: str, changes: tuple[str, ...], setting: Setting) -> Record:
     if setting.kind == ODE:
         return _rigid(plan, lambda: _integrated(plan, setting))
     try:
+        if setting.kind == MODAL:
+            return _modal(plan, setting)
         return _finite_elements(make_plan(*read_scene(name, (*changes, *setting.changes))), setting)
     except InputError as error:
         return {"refused": str(error)}
@@ -69,6 +71,25 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
         loops.append(time.perf_counter() - began)
     values = {name: float(getattr(strike, name)) for name in COMPARED}
     return {"values": values, "setup": [0.0], "loop": loops, "steps": 0, "failed": []}
+
+
+def _modal(plan: Plan, setting: Setting) -> Record:
+    """Integration and set-up, of which meshing and assembling are a part; not the runs of its own estimate."""
+    from tailslap.fe_plan import make_fe_plan
+    from tailslap.modal import modal_run
+
+    setups: list[float] = []
+    loops: list[float] = []
+    for _ in range(MOST_REPEATS):
+        began = time.perf_counter()
+        fe_plan = make_fe_plan(plan)
+        planned = time.perf_counter() - began
+        found = modal_run(fe_plan, setting.modes, tolerance=1.0)
+        setups.append(planned + found.setup_s)
+        loops.append(found.integration_s)
+    failed = [check.name for check in found.checks if not check.passed]
+    values = found.values or dict.fromkeys(COMPARED, math.nan)
+    return {"values": values, "setup": setups, "loop": loops, "steps": found.steps, "failed": failed}
 
 
 def _finite_elements(plan: Plan, setting: Setting) -> Record:

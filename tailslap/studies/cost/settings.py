@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from tailslap.scene import Scene
 
-EXACT, ODE, FE = "exact", "ode", "fe"
-"""Kinds of method: the exact rigid solution, SciPy's integrators of the rigid equations, finite elements."""
+EXACT, ODE, MODAL, FE = "exact", "ode", "modal", "fe"
+"""Kinds of method: the exact rigid solution, SciPy's integrators of the rigid equations, the plate by a few modes,
+finite elements."""
 
 INTEGRATORS = ("RK45", "DOP853", "Radau", "LSODA")
 RTOLS = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
@@ -20,7 +21,8 @@ MESH, STEP, HOLD = "mesh", "time step", "exact constraint"
 class Setting:
     """A method with its setting: the group it is drawn in, a label, and what it changes in the scene.
 
-    rtol: of an integrator; single: the time loop stores single precision; refinement: elements over the scene's.
+    rtol: of an integrator; modes: of the modal model; single: the time loop stores single precision; refinement:
+    elements over the scene's.
     """
 
     kind: str
@@ -28,6 +30,7 @@ class Setting:
     label: str
     changes: tuple[str, ...] = ()
     rtol: float = 0.0
+    modes: int = 0
     single: bool = False
     refinement: float = 1.0
 
@@ -41,6 +44,7 @@ def settings(scene: Scene) -> list[Setting]:
     """All settings for this scene, cheap methods first; some the scene may refuse."""
     rigid = [Setting(EXACT, "exact", "closed form")]
     rigid += [Setting(ODE, name, f"rtol {rtol:g}", rtol=rtol) for name in INTEGRATORS for rtol in RTOLS]
+    rigid += [Setting(MODAL, "modal model", f"{n} modes", modes=n) for n in (0, 1, 2, 4, 8)]
     return rigid + _meshes(scene) + _elements(scene) + _choices(scene)
 
 

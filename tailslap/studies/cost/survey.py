@@ -14,7 +14,17 @@ from tailslap.plan import Plan
 from tailslap.progress import progress_bar
 from tailslap.rigid import COMPARED
 from tailslap.studies.cost.measure import error_from, measure, rigid_truth
-from tailslap.studies.cost.settings import EXACT, FE, HOLD, MESH, SAFETY_FACTORS, STEP, Setting, settings
+from tailslap.studies.cost.settings import (
+    EXACT,
+    FE,
+    HOLD,
+    MESH,
+    MODAL,
+    SAFETY_FACTORS,
+    STEP,
+    Setting,
+    settings,
+)
 from tailslap.studies.journal import Journal
 
 ROUNDING = 2.2e-12
@@ -116,7 +126,7 @@ def _point(setting: Setting, record: dict[str, Any], plan: Plan, limit: dict[str
     error = error_from(record["values"], rigid_truth(plan))
     if setting.kind == EXACT:
         error = max(error, ROUNDING)
-    from_limit = error_from(record["values"], limit) if setting.kind == FE else math.nan
+    from_limit = error_from(record["values"], limit) if setting.kind in (FE, MODAL) else math.nan
     return Point(
         setting,
         error,

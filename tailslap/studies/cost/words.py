@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from postprocess.study_page import StudyTable
-from tailslap.studies.cost.settings import FE, HOLD, MESH, ODE, STEP
+from tailslap.studies.cost.settings import FE, HOLD, MESH, MODAL, ODE, STEP
 from tailslap.studies.cost.survey import CostSurvey, Point, cheapest, front
 
 LEVELS = tuple(10.0**-exponent for exponent in range(2, 12))
@@ -37,7 +37,7 @@ def milliseconds(seconds: float) -> str:
 
 def level_table(found: CostSurvey, by: str) -> StudyTable:
     """The cheapest setting for each error level: of the integrators and of finite elements."""
-    kinds = (ODE, FE) if by == "error" else (FE,)
+    kinds = (ODE, FE) if by == "error" else (MODAL, FE)
     rows = []
     for level in LEVELS:
         best = [
@@ -45,7 +45,7 @@ def level_table(found: CostSurvey, by: str) -> StudyTable:
         ]
         if any(best):
             rows.append((f"{level:.0e}", *(cell for point in best for cell in _named(point, by))))
-    names = {ODE: "SciPy", FE: "FE"}
+    names = {ODE: "SciPy", MODAL: "modes", FE: "FE"}
     columns = [f"{names[kind]}: {what}" for kind in kinds for what in ("setting", "error", "time")]
     note = (
         f"The exact solution takes {milliseconds(found.points[0].seconds)}, at any level."

@@ -10,7 +10,7 @@ from typing import Any
 
 import tailslap
 from postprocess.curves import Curve
-from postprocess.precision_plots import draw_precision
+from postprocess.precision_plots import Diagram, draw_precision
 from postprocess.study_page import StudyContent, StudySection, write_study_page
 from postprocess.summary import write_summary
 from tailslap.studies.cost.settings import FE
@@ -110,13 +110,20 @@ def _content(found: CostSurvey) -> StudyContent:
 
 
 def _diagram(found: CostSurvey, by: str) -> Curve:
+    """Rigid methods and all: whole time to the answer. Finite elements and modes among themselves: without set-up."""
+    whole = by == "error"
     groups: dict[str, list[tuple[float, float, float]]] = {}
     for point in found.points:
-        error = getattr(point, by)
+        error, setup = getattr(point, by), point.setup_s if whole else 0.0
         if point.valid and math.isfinite(error) and error > 0.0:
-            median = point.setup_s + point.median_s
-            groups.setdefault(point.setting.group, []).append((point.seconds, median, error))
-    chosen = found.points if by == "error" else tuple(p for p in found.points if p.setting.kind == FE)
-    best = [(point.seconds, getattr(point, by)) for point in front(chosen, by)]
-    label = "error from the exact rigid motion" if by == "error" else "error from the FE's own limit"
-    return draw_precision(f"precision-{by}", groups, best, label, label.capitalize())
+            times = (setup + point.loop_s, setup + point.median_s)
+            groups.setdefault(point.setting.group, []).append((*times, error))
+    diagram = Diagram(
+        name=f"precision-{by}",
+        groups=groups,
+        front=[(point.seconds, point.error) for point in front(found.points, by)] if whole else (),
+        order=list(dict.fromkeys(point.setting.group for point in found.points)),
+        time_label="Time to the answer, set-up included" if whole else "Time of integration",
+        error_label="Error from the exact rigid motion" if whole else "Error from the FE's own limit",
+    )
+    return draw_precision(diagram)
