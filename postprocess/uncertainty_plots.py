@@ -45,7 +45,7 @@ class Sensitivity:
 def draw_histogram(histogram: Histogram) -> Curve:
     """The distribution of the peak force, in kN, with its percentiles and the scene's own value."""
     caption = "Peak force of the combinations: share of them in each bar"
-    with _style("histogram"):
+    with plot_style("histogram"):
         figure, axes = _axes(0.13, 0.16, 0.84, 0.74)
         share = 100.0 * histogram.counts / histogram.counts.sum()
         axes.stairs(share, histogram.edges / 1e3, fill=True, color=LIGHT)
@@ -61,13 +61,13 @@ def draw_histogram(histogram: Histogram) -> Curve:
         figure.text(0.13, 0.935, "━ the scene's own values", color=RIGID, fontweight="bold")
         axes.set_xlabel("peak force [kN]")
         axes.set_ylabel("share [%]")
-        return Curve("histogram", "Distribution", caption, _svg(figure, "histogram", caption))
+        return Curve("histogram", "Distribution", caption, svg_of(figure, "histogram", caption))
 
 
 def draw_sensitivity(sensitivity: Sensitivity) -> Curve:
     """Bars of the first-order and total indices, the first input on top, with their intervals."""
     caption = "Share of the variance of the peak force that comes from each input, and its 95 % interval"
-    with _style("sensitivity"):
+    with plot_style("sensitivity"):
         figure, axes = _axes(0.27, 0.16, 0.69, 0.74)
         places = np.arange(len(sensitivity.names))[::-1]
         bars = (
@@ -83,11 +83,11 @@ def draw_sensitivity(sensitivity: Sensitivity) -> Curve:
         axes.set_xlabel("Sobol index")
         figure.text(0.27, 0.935, "━ alone", color=DARK, fontweight="bold")
         figure.text(0.43, 0.935, "━ with interactions", color="#6f95bb", fontweight="bold")
-        return Curve("sensitivity", "Sensitivity", caption, _svg(figure, "sensitivity", caption))
+        return Curve("sensitivity", "Sensitivity", caption, svg_of(figure, "sensitivity", caption))
 
 
 @contextmanager
-def _style(name: str) -> Iterator[None]:
+def plot_style(name: str) -> Iterator[None]:
     """The style of all curves; ids in the SVG follow from the name, so the same numbers give the same text."""
     from matplotlib import rc_context, rcdefaults, rcParams
 
@@ -107,7 +107,7 @@ def _axes(left: float, low: float, width: float, height: float) -> tuple["Figure
     return figure, axes
 
 
-def _svg(figure: "Figure", name: str, caption: str) -> str:
+def svg_of(figure: "Figure", name: str, caption: str) -> str:
     """SVG element without prologue; its ids carry the name, so that several fit on one page."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
