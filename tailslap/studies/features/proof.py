@@ -31,10 +31,10 @@ class Proof:
 
     @property
     def verdict(self) -> str:
-        """COSTS only where the whole interval is above the limit, FREE where it is wholly below."""
+        """COSTS only where the whole interval is above the limit, FREE where it is wholly below what is measurable."""
         if not self.program.low <= self.limit:
             return COSTS
-        return FREE if self.program.high <= self.limit else UNSETTLED
+        return FREE if self.program.high <= MEASURABLE else UNSETTLED
 
     @property
     def same(self) -> bool:
