@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled
+from fem.compiled import compiled, inlined
 from fem.corner import Corner, add_corner_reaction
 from fem.elements import ElementTable
-from fem.internal_force import subtract_internal_forces
+from fem.internal_force import subtract_forces_of
+from fem.lanes import lane_count
 
 
 class LoopParameters(NamedTuple):
@@ -50,16 +51,17 @@ def copy_state(state: State) -> State:
 def advance(state, steps, loop, viscosity, hourglass, force, scratch):
     """Advance the state in place by this many steps. `force` and `scratch` are room to work in."""
     positions, velocities, _ = state
+    lanes = lane_count(loop.table.connectivity, scratch.lattice)
     for _ in range(steps):
         force[:] = 0.0
-        power = subtract_internal_forces(
-            positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+        power = subtract_forces_of(
+            0, lanes, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
         )
         react(state, loop, power, force)
         drift(positions, velocities, force, loop.mass, loop.time_step, 0, loop.mass.size)
 
 
-@compiled
+@inlined
 def react(state, loop, viscous_power, force):
     """Add the wall's reaction, and what it and the damping do to the sums."""
     positions, velocities, sums = state

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from postprocess.comparison import PAPER_SOURCE, ComparisonRow
 from postprocess.curves import Curve
+from postprocess.metrics import Metrics
 from postprocess.pages import write_page
 
 TEMPLATE = "report.html.j2"
@@ -22,6 +23,11 @@ class Check:
     limit: float
     passed: bool
     meaning: str = ""
+
+    @classmethod
+    def at_most(cls, name: str, value: float, limit: float, meaning: str) -> "Check":
+        """A check that passes where the value is a finite number and not above the limit."""
+        return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning)
 
 
 @dataclass(frozen=True)
@@ -65,7 +71,8 @@ class Picture:
 class ReportContent:
     """All that the report says. A part that is empty is not shown, except `left_out`: then nothing was.
 
-    comparison: rows at the tail-slap, empty if the run did not reach it; statements: sentences on what was
+    comparison: rows at the tail-slap, empty if the run did not reach it; metrics: of the FE histories against the
+    rigid ones, by the history's name; statements: sentences on what was
     run and what it means; stage1, stage3, cost: tables; curves: as `draw_histories` gives them; scene_text:
     the scene's own text, printed as it stands.
     """
@@ -76,6 +83,7 @@ class ReportContent:
     comparison: tuple[ComparisonRow, ...] = ()
     statements: tuple[str, ...] = ()
     checks: tuple[Check, ...] = ()
+    metrics: Mapping[str, Metrics] = field(default_factory=dict)
     stage1: tuple[Result, ...] = ()
     stage3: tuple[Result, ...] = ()
     curves: tuple[Curve, ...] = ()

@@ -1,4 +1,7 @@
-"""The checks that a run must pass before its numbers are believed. A value that is not finite fails."""
+"""The checks that a run must pass before its numbers are believed. A value that is not finite fails.
+
+Here are those of the mechanics, with limits of this program's own; customary practice is in `tailslap.practice`.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 
 from postprocess.report import Check
 from tailslap.fe_plan import FePlan
+from tailslap.practice import STORED_ENERGIES, practice_checks
 
 if TYPE_CHECKING:
     from fem.simulate import Run
@@ -48,22 +52,15 @@ def run_checks(
         checks.append(_contact_spring(fe_plan, rigid))
     if fe_plan.plate.start == "quiet":
         checks.append(_reaction(fe_plan, history, rigid))
-    if fe_plan.model.loop.hourglass is not None:
-        checks.append(_hourglass(history))
     checks.append(_agreement(fe_plan, differences))
-    return tuple(checks)
+    return (*checks, *practice_checks(fe_plan, history, rigid))
 
 
 def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
     """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
-    stored = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
-    held = np.sum([history[name] for name in stored], axis=0)
+    held = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
     balance = held - history["friction_work"] - history["damping_work"]
     return np.asarray(balance - balance[0])
-
-
-def _check(name: str, value: float, limit: float, meaning: str) -> Check:
-    return Check(name, value, limit, bool(math.isfinite(value) and value <= limit), meaning)
 
 
 def _reached(run: Run) -> Check:
@@ -74,19 +71,19 @@ def _reached(run: Run) -> Check:
 
 def _finite(history: Mapping[str, np.ndarray]) -> Check:
     bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in history.values())
-    return _check("finite numbers", bad, 0, "entries of the history that are not finite numbers")
+    return Check.at_most("finite numbers", bad, 0, "entries of the history that are not finite numbers")
 
 
 def _time_step(fe_plan: FePlan, run: Run) -> Check:
     model = fe_plan.model
     share = model.loop.time_step / model.stable_time_step * run.highest_frequency / model.highest_frequency
     meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
-    return _check("time step", float(share), 1.0, meaning)
+    return Check.at_most("time step", float(share), 1.0, meaning)
 
 
 def _energy(history: Mapping[str, np.ndarray]) -> Check:
     worst = float(np.abs(energy_error(history)).max() / history["kinetic_energy"][0])
-    return _check(
+    return Check.at_most(
         "energy balance", worst, 1e-6, "largest gap in the energy ledger over the energy at the start"
     )
 
@@ -95,13 +92,15 @@ def _momentum(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
     gained = fe_plan.model.mass * (history["v_gy"] - history["v_gy"][0])
     scale = fe_plan.model.mass * np.abs(history["v_gy"]).max()
     worst = float(np.abs(gained - history["normal_impulse"]).max() / scale)
-    return _check("momentum balance", worst, 1e-9, "lateral momentum against the impulse of the reaction")
+    return Check.at_most(
+        "momentum balance", worst, 1e-9, "lateral momentum against the impulse of the reaction"
+    )
 
 
 def _ringing(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
     last = {name: float(column[-1]) for name, column in history.items()}
     meaning = "friction added by a ringing reaction, as its share of v_GX or omega; [damping] ratio = 0.1 quietens it"
-    return _check("friction by ringing", friction_by_ringing(fe_plan, last), RINGING, meaning)
+    return Check.at_most("friction by ringing", friction_by_ringing(fe_plan, last), RINGING, meaning)
 
 
 def friction_by_ringing(fe_plan: FePlan, row: Mapping[str, float]) -> float:
@@ -119,7 +118,7 @@ def friction_by_ringing(fe_plan: FePlan, row: Mapping[str, float]) -> float:
 def _penetration(fe_plan: FePlan, history: Mapping[str, np.ndarray]) -> Check:
     gap = float(np.abs(history["gap"]).max() / fe_plan.plan.body.width)
     meaning = "largest distance of the corner from the wall's line over the plate's width"
-    return _check("penetration", gap, 0.01, meaning)
+    return Check.at_most("penetration", gap, 0.01, meaning)
 
 
 def _mesh(fe_plan: FePlan) -> Check:
@@ -129,7 +128,7 @@ def _mesh(fe_plan: FePlan) -> Check:
         "change of the plate's give with richer elements (or, on large meshes, half as many): "
         f"{AGREEMENT:g} and {100 * NUMERICAL_SHARE:g} % of the give are allowed; refine plate.elements"
     )
-    return _check("mesh", abs(give - other), AGREEMENT + NUMERICAL_SHARE * max(give, other), meaning)
+    return Check.at_most("mesh", abs(give - other), AGREEMENT + NUMERICAL_SHARE * max(give, other), meaning)
 
 
 def _contact_spring(fe_plan: FePlan, rigid: Mapping[str, np.ndarray]) -> Check:
@@ -139,13 +138,7 @@ def _contact_spring(fe_plan: FePlan, rigid: Mapping[str, np.ndarray]) -> Check:
         f"part of the give that is the corner's spring and not the plate: {AGREEMENT:g} and "
         f'{100 * NUMERICAL_SHARE:g} % of the give are allowed; corner.constraint = "exact" has none'
     )
-    return _check("contact spring", share, AGREEMENT + NUMERICAL_SHARE * fe_plan.give, meaning)
-
-
-def _hourglass(history: Mapping[str, np.ndarray]) -> Check:
-    share = history["hourglass_energy"].max() / (history["strain_energy"] + history["hourglass_energy"]).max()
-    meaning = "largest hourglass energy over the largest strain energy; above 10 % the mesh is too coarse"
-    return _check("hourglass share", float(share), 0.1, meaning)
+    return Check.at_most("contact spring", share, AGREEMENT + NUMERICAL_SHARE * fe_plan.give, meaning)
 
 
 def _reaction(fe_plan: FePlan, history: Mapping[str, np.ndarray], rigid: Mapping[str, np.ndarray]) -> Check:
@@ -154,7 +147,7 @@ def _reaction(fe_plan: FePlan, history: Mapping[str, np.ndarray], rigid: Mapping
     ripple = history["reaction_normal"][known] - expected[known]
     value = float(np.sqrt(np.mean(ripple**2) / np.mean(expected[known] ** 2)))
     limit = 0.1 + GIVES * fe_plan.give
-    return _check(
+    return Check.at_most(
         "reaction against rigid", value, limit, "root mean square of the difference over the rigid reaction"
     )
 
@@ -166,4 +159,4 @@ def _agreement(fe_plan: FePlan, differences: Mapping[str, float]) -> Check:
         f"largest difference from the rigid motion; {AGREEMENT:g} and {GIVES:g} times the {fe_plan.give:.1e} "
         "by which this plate gives at the start are allowed"
     )
-    return _check("agreement with rigid", worst, AGREEMENT + GIVES * fe_plan.give, meaning)
+    return Check.at_most("agreement with rigid", worst, AGREEMENT + GIVES * fe_plan.give, meaning)

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postprocess.comparison import relative_difference
+from postprocess.metrics import Metrics
 from postprocess.report import Check
 from tailslap.checks import SPOILT, energy_error, friction_by_ringing, run_checks
 from tailslap.fe_plan import FePlan, make_fe_plan
 from tailslap.plan import Plan
+from tailslap.practice import history_metrics
 from tailslap.progress import announced, progress_bar
 from tailslap.rigid import COMPARED, stage_two_numbers
 
@@ -38,6 +40,7 @@ class Outcome:
     pictures: tuple[Path, ...] = field(default=())
     pictures_s: float = 0.0
     choice: Choice | None = None  # what --tolerance picked
+    metrics: dict[str, Metrics] = field(default_factory=dict)  # of FE histories against the rigid ones
 
     @property
     def passed(self) -> bool:
@@ -78,7 +81,10 @@ def compare(fe_plan: FePlan, run: Run, setup: float) -> Outcome:
     with np.errstate(all="ignore"):  # a run that diverged is judged, not warned about
         fe_history = run.history | {"energy_error": energy_error(run.history)}
         checks = run_checks(fe_plan, run, rigid_history, difference)
-    return Outcome(fe_plan, run, fe_history, rigid_history, rigid, fe, difference, checks, setup)
+        metrics = history_metrics(run.history, rigid_history)
+    return Outcome(
+        fe_plan, run, fe_history, rigid_history, rigid, fe, difference, checks, setup, metrics=metrics
+    )
 
 
 def rigid_columns(fe_plan: FePlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

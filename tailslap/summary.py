@@ -27,6 +27,7 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
         "fe": outcome.fe or nothing,
         "difference": outcome.difference or nothing,
         "checks": [asdict(check) for check in outcome.checks],
+        "metrics": {name: asdict(metrics) for name, metrics in outcome.metrics.items()},
         "cost": cost(outcome),
         "left_out": [{"part": part, "why": why} for part, why in left_out(plan.scene, pictures)],
         "stage1": answer["stage1"],

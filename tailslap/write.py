@@ -90,6 +90,7 @@ def _content(outcome: Outcome, pictures: bool) -> ReportContent:
         comparison=table_rows(outcome),
         statements=statements(outcome),
         checks=outcome.checks,
+        metrics=outcome.metrics,
         stage1=_results(answer["stage1"] or {}),
         stage3=_results(answer["stage3"]),
         curves=draw_histories(outcome.fe_history, outcome.rigid_history),

@@ -13,6 +13,11 @@ from tailslap.checks import run_checks
 
 pytestmark = pytest.mark.verification
 
+METRICS = {
+    *("Sprague-Geers magnitude", "Sprague-Geers phase", "Sprague-Geers combined"),
+    *("mean residual", "deviation of residuals"),
+}
+
 
 def failed(result: Any, differences: Any = None, **columns: Any) -> set[str]:
     """Names of the checks that fail with these columns of the history changed."""
@@ -53,17 +58,18 @@ def test_a_reaction_that_rings(outcome: Callable[..., Any]) -> None:
     result = outcome("paper-table-3")
     ring = failed(result, reaction_normal=lambda n: n * (1.0 + 0.2 * (-1.0) ** np.arange(n.size)))
     assert ring == {"reaction against rigid"}
-    assert failed(result, normal_impulse_magnitude=lambda j: 3.0 * j) == {"friction by ringing"}
+    assert failed(result, normal_impulse_magnitude=lambda j: 3.0 * j) >= {"friction by ringing"}
 
 
 def test_a_corner_that_leaves_the_wall(outcome: Callable[..., Any]) -> None:
-    assert failed(outcome("paper-table-3"), gap=at(5, -0.03)) == {"penetration"}
+    assert failed(outcome("paper-table-3"), gap=at(5, -0.03)) == {"penetration", "contact work"}
 
 
 def test_numbers_that_are_not_finite(outcome: Callable[..., Any]) -> None:
     result = outcome("paper-table-3")
-    assert failed(result, theta=at(7, np.nan)) == {"finite numbers"}
-    assert failed(result, kinetic_energy=at(7, np.inf)) == {"finite numbers", "energy balance"}
+    assert failed(result, theta=at(7, np.nan)) == {"finite numbers", *METRICS}
+    broken = {"finite numbers", "energy balance", "energy ratio"}
+    assert failed(result, kinetic_energy=at(7, np.inf)) == broken
 
 
 def test_a_difference_that_flexibility_does_not_explain(outcome: Callable[..., Any]) -> None:
@@ -80,3 +86,179 @@ def test_a_run_that_never_strikes(outcome: Callable[..., Any]) -> None:
         "tail-slap reached",
         "agreement with rigid",
     }
+
+
+def test_every_report_has_the_checks_of_customary_practice(outcome: Callable[..., Any]) -> None:
+    names = [check.name for check in outcome("paper-table-3").checks]
+    assert len(names) == len(set(names))
+    wanted = {
+        "energy ratio",
+        "hourglass share",
+        "added mass",
+        "penetration",
+        "contact work",
+        "contact energy",
+    }
+    assert wanted | METRICS | {"friction work", "friction takes energy", "friction work against rigid"} <= {
+        *names
+    }
+
+
+def test_energy_ratio_as_ls_dyna_has_it(outcome: Callable[..., Any]) -> None:
+    """2 % more energy than came in; half of that only fails this program's own, tighter, ledger."""
+    result = outcome("paper-table-3")
+    energy = result.run.history["kinetic_energy"]
+    for share, failing in ((0.01, {"energy balance"}), (0.03, {"energy balance", "energy ratio"})):
+        assert failed(result, kinetic_energy=at(200, energy[200] + share * energy[0])) == failing
+    lost = 0.05 * energy[0] * np.linspace(0.0, 1.0, energy.size)
+    assert failed(result, kinetic_energy=lambda e: e - lost, damping_work=lambda w: w - lost) == set()
+
+
+@pytest.mark.parametrize("change", [("reaction_normal", 1.01), ("contact_energy", 1.01), ("gap", 0.99)])
+def test_a_spring_that_does_not_give_back_what_it_took(
+    outcome: Callable[..., Any], change: tuple[str, float]
+) -> None:
+    name, factor = change
+    columns = {name: lambda column: factor * column}
+    assert failed(outcome("paper-table-3"), **columns) == {"contact work"}
+
+
+def test_a_spring_with_a_dashpot_and_a_hold_without_spring(outcome: Callable[..., Any]) -> None:
+    """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere."""
+    for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
+        result = outcome("paper-table-3", change, "plate.start=sudden", "damping.ratio=0.1")
+        assert failed(result) == set()
+        assert failed(result, contact_energy=lambda e: e + 1e-4 * np.arange(e.size)) == {"contact work"}
+
+
+def test_contact_that_holds_too_much_energy(outcome: Callable[..., Any]) -> None:
+    result = outcome("paper-table-3")
+    energy = result.run.history["kinetic_energy"]
+    found = failed(
+        result,
+        contact_energy=lambda e: np.full_like(e, 0.2 * energy[0]),
+        kinetic_energy=lambda e: e - 0.2 * energy[0],
+    )
+    assert found == {"contact energy"}
+
+
+@pytest.mark.parametrize("reaction", ["drag", "signed"])
+def test_work_that_friction_did_not_do(outcome: Callable[..., Any], reaction: str) -> None:
+    """The ledger's work, and the kinetic energy that would have paid for it."""
+    result = outcome("paper-table-3", f"corner.reaction={reaction}")
+    work = result.run.history["friction_work"]
+    assert failed(result) == set()
+    for factor, failing in (
+        (1.02, {"friction work"}),
+        (1.1, {"friction work", "friction work against rigid"}),
+    ):
+        columns = {
+            "friction_work": lambda w, f=factor: f * w,
+            "kinetic_energy": lambda e, f=factor: e + (f - 1.0) * work,
+        }
+        assert failed(result, **columns) == failing
+
+
+def test_friction_work_that_is_another_body_s(outcome: Callable[..., Any]) -> None:
+    """Work, impulse and energy agree with each other, and with a friction 10 % higher than the scene's."""
+    result = outcome("paper-table-3")
+    work, law = result.run.history["friction_work"], result.fe_plan.plan.scene.corner
+    corner = law.model_copy(update={"friction": 1.1 * result.fe_plan.plan.scene.corner_friction})
+    scene = result.fe_plan.plan.scene.model_copy(update={"corner": corner})
+    fe_plan = replace(result.fe_plan, plan=replace(result.fe_plan.plan, scene=scene))
+    columns = {"friction_work": lambda w: 1.1 * w, "kinetic_energy": lambda e: e + 0.1 * work}
+    assert failed(replace(result, fe_plan=fe_plan), **columns) == {"friction work against rigid"}
+
+
+def test_friction_that_gives_energy_back(outcome: Callable[..., Any]) -> None:
+    result = outcome("paper-table-3")
+    work, energy = result.run.history["friction_work"], result.run.history["kinetic_energy"]
+    gained = 0.001 * abs(work[-1])
+    found = failed(
+        result,
+        friction_work=at(200, work[199] + gained),
+        kinetic_energy=at(200, energy[200] + work[199] + gained - work[200]),
+    )
+    assert found == {"friction takes energy"}
+
+
+def test_friction_where_there_is_none(outcome: Callable[..., Any]) -> None:
+    result = outcome("paper-table-3", "corner.reaction=none")
+    found = failed(result, friction_work=lambda w: w - 1e-4, kinetic_energy=lambda e: e - 1e-4)
+    assert found == {"friction work against rigid"}
+    assert failed(result, friction_work=lambda w: w - 1e-4 * np.arange(w.size)) == {
+        "friction work",
+        "friction work against rigid",
+    }
+
+
+def test_hourglass_energy_above_the_customary_limits(outcome: Callable[..., Any]) -> None:
+    """Of the strain energy, which is small here; and of all energy."""
+    result = outcome("paper-table-3", "plate.element=quad4-reduced", "damping.ratio=0.01")
+    strain, energy = result.run.history["strain_energy"], result.run.history["kinetic_energy"]
+    assert failed(result) == set()
+    assert failed(result, hourglass_energy=lambda h: h + 0.2 * strain.max()) == {"hourglass share"}
+    found = failed(
+        result,
+        hourglass_energy=lambda h: h + 0.06 * energy[0],
+        kinetic_energy=lambda e: e - 0.06 * energy[0],
+    )
+    assert found == {"hourglass share", "hourglass over total energy"}
+
+
+def test_mass_that_the_geometry_has_not(outcome: Callable[..., Any]) -> None:
+    result = outcome("paper-table-3")
+    model = result.fe_plan.model
+    heavier = replace(model, loop=model.loop._replace(mass=model.loop.mass * (1.0 + 2e-9)))
+    changed = replace(result, fe_plan=replace(result.fe_plan, model=heavier))
+    assert failed(changed) == {"added mass"}
+
+
+def test_histories_that_are_not_the_rigid_ones(outcome: Callable[..., Any]) -> None:
+    """Each metric beyond its limit in one history, and the check's words name it."""
+    result = outcome("paper-table-3")
+    wave = np.cos(np.linspace(0.0, 40.0 * np.pi, result.run.history["t"].size))
+    changes: dict[str, Any] = {
+        "larger": lambda w: 1.5 * w,
+        "opposite": lambda w: -w,
+        "offset": lambda w: w + 0.06 * w[0],
+        "wavy": lambda w: w + 0.6 * w[0] * wave,
+    }
+    found = {how: failed(result, omega=change) for how, change in changes.items()}
+    sizes = {"Sprague-Geers magnitude", "Sprague-Geers combined"}
+    assert found["larger"] == {*sizes, "mean residual"}
+    assert found["opposite"] == METRICS - {"Sprague-Geers magnitude", "deviation of residuals"}
+    assert found["offset"] == {"mean residual"}
+    assert found["wavy"] == {"deviation of residuals"}
+    history = result.run.history | {"omega": 1.5 * result.run.history["omega"]}
+    checks = run_checks(
+        result.fe_plan, replace(result.run, history=history), result.rigid_history, result.difference
+    )
+    meanings = [check.meaning for check in checks if not check.passed]
+    assert len(meanings) == 3
+    assert all("largest for omega" in meaning for meaning in meanings)
+
+
+def test_a_soft_plate_may_differ_by_its_give(outcome: Callable[..., Any]) -> None:
+    """7 % of mean residual on a plate that gives by 4 %; and a sudden start's reaction is shown, not judged."""
+    result = outcome("paper-table-3", "plate.youngs_modulus=20 MPa", "start.corner_speed=3")
+    (residual,) = [check for check in result.checks if check.name == "mean residual"]
+    assert result.passed
+    assert residual.value > 0.05
+    assert residual.limit == 2.0 * result.fe_plan.give
+    assert "soft plate" in residual.meaning
+    sudden = outcome("paper-table-3", "plate.start=sudden", "damping.ratio=0.1")
+    assert sudden.passed
+    assert sudden.metrics["reaction_normal"].deviation > 0.35
+
+
+def test_a_run_that_diverges_at_once(outcome: Callable[..., Any]) -> None:
+    """A single row, or no number throughout: everything is judged, nothing raises or warns."""
+    result = outcome("paper-table-3")
+    for rows, value in ((1, None), (2, np.inf), (3, np.nan), (401, -np.inf)):
+        columns = {name: column[:rows] for name, column in result.run.history.items()}
+        history = columns if value is None else {name: np.full(rows, value) for name in columns}
+        rigid = {name: column[:rows] for name, column in result.rigid_history.items()}
+        with np.errstate(all="ignore"):
+            checks = run_checks(result.fe_plan, replace(result.run, history=history, strike=None), rigid, {})
+        assert {check.name for check in checks if not check.passed} >= METRICS

@@ -115,6 +115,10 @@ def _has_the_contract_s_numbers(summary: dict[str, Any]) -> None:
     assert all({"name", "value", "limit", "passed"} <= set(check) for check in summary["checks"])
     assert (summary["cost"]["elements"], summary["cost"]["nodes"]) == (120, 147)
     assert {"steps", "time_step", "setup_s", "time_loop_s", "pictures_s"} <= set(summary["cost"])
+    assert set(summary["metrics"]) == {"v_gx", "v_gy", "omega", "theta", "reaction_normal"}
+    for metrics in summary["metrics"].values():
+        assert list(metrics) == ["magnitude", "phase", "combined", "mean_residual", "deviation"]
+        assert max(map(abs, metrics.values())) < 1e-5
     assert {entry["part"] for entry in summary["left_out"]} == {"damping"}
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from postprocess.comparison import comparison_rows
 from postprocess.curves import Curve
+from postprocess.metrics import Metrics
 from postprocess.numbers import number, padded, signed
 from postprocess.report import (
     Check,
@@ -75,6 +76,7 @@ def full_content(folder: Path) -> ReportContent:
         comparison=comparison_rows(FE, RIGID),
         statements=("Reaction model drag: N < 0 pulls.", "Newton's convention would give 1.106 rad/s."),
         checks=(Check("energy balance", 3.25e-9, 0.01, True, "nothing is unaccounted for"),),
+        metrics={"v_gy": Metrics(-2.28e-6, 1.15e-8, 3.34e-6, -5.26e-6, 1.97e-7)},
         stage1=(Result("Angular velocity", 0.7071234, "rad/s", "replaced by [start]"),),
         stage3=(Result("Peak force", 653734.5, "N"),),
         curves=(
@@ -102,7 +104,9 @@ def test_every_number_and_word_is_there(page: Page) -> None:
     numbers += [signed(FE[key] / RIGID[key] - 1.0) for key in FE]
     numbers += ["0.383", "23.27", "-3.274", "0.65", "9.42", "0.37", "23.305", "-3.289", "0.66", "8.915"]
     numbers += ["3.25e-09", "0.01", "0.7071234", "653734.5", "7421", "0.0681", "2.438", "0.47"]
+    numbers += ["-2.28e-06", "1.15e-08", "3.34e-06", "-5.26e-06", "1.97e-07"]
     words = [
+        "Sprague and Geers",
         "mash<tl4>",
         "passed",
         "N < 0 pulls",
@@ -170,7 +174,7 @@ def test_a_run_without_a_strike_and_without_parts(tmp_path: Path) -> None:
         write_report(tmp_path / "report.html", ReportContent("s", "0.1.0", False)).read_text(encoding="utf-8")
     )
     assert "did not reach the tail-slap" in page.text
-    for heading in ("Checks", "Stage 1", "Inputs", "Cost", "Motion"):
+    for heading in ("Checks", "FE histories", "Stage 1", "Inputs", "Cost", "Motion"):
         assert heading not in page.text
     assert "Left out Nothing." in page.text
 

@@ -1,0 +1,107 @@
+"""A loop with internal forces, a penalty spring and drift, and no code for anything else; compiled.
+
+It is what the program's loop of a scene without further parts must cost: no friction, damping, dashpot, hourglass
+control, patch, works or impulses are in its source. Element tables and lanes are the program's own.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.compiled import compiled, inlined
+from fem.corner import Penalty
+from fem.elements import ElementTable
+from fem.internal_force import at_lane, point_of
+from fem.lanes import LANES, balance, clear_idle, gather, lane_count, scatter, subtract_first
+from fem.materials import stress
+from fem.time_loop import LoopParameters, drift
+
+
+class BareParameters(NamedTuple):
+    """Elements, material, nodal masses [kg]; the node that the spring holds, its stiffness [N/m]; step [s]."""
+
+    table: ElementTable
+    material: Any
+    mass: np.ndarray
+    node: int
+    stiffness: float
+    time_step: float
+
+
+def bare_parameters(loop: LoopParameters) -> BareParameters:
+    """The same model without the parts that a bare loop has no code for; ValueError if it has one of them."""
+    parts = (loop.friction, loop.viscosity, loop.hourglass)
+    if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
+        raise ValueError("the bare loop has no code for a part of this model")
+    if not isinstance(loop.corner.hold, Penalty):
+        raise ValueError("the bare loop has a penalty spring and no other hold")
+    node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.hold.stiffness)
+    return BareParameters(loop.table, loop.material, loop.mass, node, stiffness, loop.time_step)
+
+
+@compiled
+def advance_bare(positions: Any, velocities: Any, steps: Any, model: Any, force: Any, scratch: Any) -> Any:
+    """Advance positions and velocities half a step back, shape (2, nodes), in place by this many steps."""
+    for _ in range(steps):
+        force[:] = 0.0
+        _subtract_forces(positions, force, model.table, model.material, scratch)
+        force[1, model.node] -= model.stiffness * positions[1, model.node]
+        drift(positions, velocities, force, model.mass, model.time_step, 0, model.mass.size)
+
+
+@compiled
+def _subtract_forces(positions: Any, force: Any, table: Any, material: Any, scratch: Any) -> Any:
+    others, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
+    connectivity, lattice = table.connectivity, scratch.lattice
+    lanes = lane_count(connectivity, lattice)
+    for first in range(0, lanes, LANES):
+        count = min(LANES, lanes - first)
+        gather(positions, connectivity, lattice, first, count, rows)
+        subtract_first(others, rows)
+        rows[2 * nodes * LANES : 4 * nodes * LANES] = 0.0
+        for point in range(table.weights.shape[0]):
+            gradients = point_of(scratch.gradients, first // LANES, point, 2 * len(others))
+            weights = point_of(scratch.weights, first // LANES, point, 1)
+            _add_point(others, material, rows, gradients, weights)
+        forces = rows[2 * nodes * LANES : 4 * nodes * LANES]
+        balance(others, forces)
+        clear_idle(lattice, first // LANES, 2 * nodes, forces)
+        scatter(force, connectivity, lattice, first, count, forces)
+
+
+@compiled
+def _add_point(others: Any, material: Any, rows: Any, gradients: Any, weights: Any) -> Any:
+    nodes = len(others) + 1
+    for lane in range(LANES):
+        weight = at_lane(weights, 0, lane)
+        f_11, f_12, f_21, f_22 = _gradient(others, rows, gradients, lane)
+        e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
+        e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
+        s_11, s_22, s_12 = stress(material, e_11, e_22, f_11 * f_12 + f_21 * f_22)
+        s_11 *= weight
+        s_22 *= weight
+        s_12 *= weight
+        p_11 = f_11 * s_11 + f_12 * s_12
+        p_12 = f_11 * s_12 + f_12 * s_22
+        p_21 = f_21 * s_11 + f_22 * s_12
+        p_22 = f_21 * s_12 + f_22 * s_22
+        for a in range(len(others)):
+            g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
+            rows[(2 * nodes + 2 * a + 2) * LANES + lane] += p_11 * g_1 + p_12 * g_2
+            rows[(2 * nodes + 2 * a + 3) * LANES + lane] += p_21 * g_1 + p_22 * g_2
+
+
+@inlined
+def _gradient(others: Any, rows: Any, gradients: Any, lane: Any) -> Any:
+    f_11 = f_12 = f_21 = f_22 = 0.0
+    for a in range(len(others)):
+        g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
+        x = rows[(2 * a + 2) * LANES + lane]
+        y = rows[(2 * a + 3) * LANES + lane]
+        f_11 += x * g_1
+        f_12 += x * g_2
+        f_21 += y * g_1
+        f_22 += y * g_2
+    return f_11, f_12, f_21, f_22
