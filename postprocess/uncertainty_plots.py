@@ -1,15 +1,14 @@
 """Plots of an uncertainty study, as SVG text that goes into a page as it is: histogram, sensitivity."""
 
-import io
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.curves import FE, RIGID, STYLE, Curve
+from postprocess.curves import FE, RIGID, Curve
+from postprocess.figures import style, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +44,7 @@ class Sensitivity:
 def draw_histogram(histogram: Histogram) -> Curve:
     """The distribution of the peak force, in kN, with its percentiles and the scene's own value."""
     caption = "Peak force of the combinations: share of them in each bar"
-    with _style("histogram"):
+    with style("histogram"):
         figure, axes = _axes(0.13, 0.16, 0.84, 0.74)
         share = 100.0 * histogram.counts / histogram.counts.sum()
         axes.stairs(share, histogram.edges / 1e3, fill=True, color=LIGHT)
@@ -61,13 +60,13 @@ def draw_histogram(histogram: Histogram) -> Curve:
         figure.text(0.13, 0.935, "━ the scene's own values", color=RIGID, fontweight="bold")
         axes.set_xlabel("peak force [kN]")
         axes.set_ylabel("share [%]")
-        return Curve("histogram", "Distribution", caption, _svg(figure, "histogram", caption))
+        return Curve("histogram", "Distribution", caption, svg_text(figure, "histogram", caption))
 
 
 def draw_sensitivity(sensitivity: Sensitivity) -> Curve:
     """Bars of the first-order and total indices, the first input on top, with their intervals."""
     caption = "Share of the variance of the peak force that comes from each input, and its 95 % interval"
-    with _style("sensitivity"):
+    with style("sensitivity"):
         figure, axes = _axes(0.27, 0.16, 0.69, 0.74)
         places = np.arange(len(sensitivity.names))[::-1]
         bars = (
@@ -83,19 +82,7 @@ def draw_sensitivity(sensitivity: Sensitivity) -> Curve:
         axes.set_xlabel("Sobol index")
         figure.text(0.27, 0.935, "━ alone", color=DARK, fontweight="bold")
         figure.text(0.43, 0.935, "━ with interactions", color="#6f95bb", fontweight="bold")
-        return Curve("sensitivity", "Sensitivity", caption, _svg(figure, "sensitivity", caption))
-
-
-@contextmanager
-def _style(name: str) -> Iterator[None]:
-    """The style of all curves; ids in the SVG follow from the name, so the same numbers give the same text."""
-    from matplotlib import rc_context, rcdefaults, rcParams
-
-    with rc_context():
-        rcdefaults()
-        rcParams.update(STYLE)
-        rcParams["svg.hashsalt"] = name
-        yield
+        return Curve("sensitivity", "Sensitivity", caption, svg_text(figure, "sensitivity", caption))
 
 
 def _axes(left: float, low: float, width: float, height: float) -> tuple["Figure", "Axes"]:
@@ -105,16 +92,3 @@ def _axes(left: float, low: float, width: float, height: float) -> tuple["Figure
     axes = figure.add_axes((left, low, width, height))
     axes.tick_params(length=2.5)
     return figure, axes
-
-
-def _svg(figure: "Figure", name: str, caption: str) -> str:
-    """SVG element without prologue; its ids carry the name, so that several fit on one page."""
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-
-    buffer = io.StringIO()
-    FigureCanvasSVG(figure).print_svg(buffer, metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
-    text = buffer.getvalue()
-    text = text[text.index("<svg") :].rstrip()
-    for mark in (' id="', 'href="#', "url(#"):
-        text = text.replace(mark, mark + name + "-")
-    return text.replace("<svg ", f'<svg role="img" aria-label="{caption}" ', 1)
