@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import logging
 import os
@@ -37,6 +38,7 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
     Raises InputError for a scheduler that does not answer, or for workers with another version.
     """
     import dask
+    import distributed  # noqa: F401  its own settings must be there before ours, which are taken back at the end
 
     with _quiet(), dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
         client = stack.enter_context(_remote(cluster) if cluster else _local(workers or _cores()))
@@ -86,14 +88,23 @@ def _workers_deaf_to_interrupts() -> Iterator[None]:
 def _remote(address: str) -> Iterator[Client]:
     from distributed import Client
 
-    try:
-        client = Client(address, timeout=ANSWER_S)
+    try:  # not by making a client: one that cannot connect leaves threads behind
+        kind = asyncio.run(asyncio.wait_for(_kind(address), ANSWER_S))
     except Exception as error:  # Dask raises half a dozen kinds for addresses that are none
-        why = str(error).splitlines()[0] if str(error) else type(error).__name__
-        allowed = f"no Dask scheduler answers there ({why}); allowed is an address like tcp://127.0.0.1:8786"
-        raise InputError("--cluster", address, allowed) from None
-    with client:
+        kind = str(error).splitlines()[0] if str(error) else f"nothing within {ANSWER_S:g} s"
+    if kind != "Scheduler":
+        allowed = f"no Dask scheduler answers there ({kind}); allowed is an address like tcp://127.0.0.1:8786"
+        raise InputError("--cluster", address, allowed)
+    with Client(address) as client:
         yield client
+
+
+async def _kind(address: str) -> str:
+    """What of Dask listens at the address, like Scheduler or Worker."""
+    from distributed.core import rpc
+
+    async with rpc(address, timeout=ANSWER_S) as there:
+        return str((await there.identity())["type"])
 
 
 def _check_versions(client: Client, cluster: str | None) -> None:

@@ -36,7 +36,11 @@ class Journal:
 
     def add(self, rows: Iterable[Finished]) -> None:
         """Put the rows of runs that have none yet on disk, before anything else happens."""
-        new = list({row.run: row for row in rows if row.run not in self.begins}.values())
+        first: dict[int, Finished] = {}
+        for row in rows:
+            if row.run not in self.begins:
+                first.setdefault(row.run, row)
+        new = list(first.values())
         begin = self._file.seek(0, os.SEEK_END)
         left = memoryview(b"".join(row.line for row in new))
         while left:

@@ -58,7 +58,7 @@ class StoppedError(Exception):
     """A sweep that ended before it was complete; `status` is the command's exit status."""
 
     def __init__(self, why: str, kept: int, runs: int, status: int) -> None:
-        rows = f"{kept} of {runs} rows are kept; the same command resumes" if kept else "nothing was written"
+        rows = f"{kept} of {runs} rows are kept; the same command resumes" if kept else "no run was finished"
         super().__init__(f"{why}; {rows}")
         self.status = status
 
