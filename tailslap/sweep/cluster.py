@@ -23,7 +23,10 @@ ANSWER_S = 5.0
 
 SETTINGS = {
     "distributed.scheduler.allowed-failures": 1,  # deaths of a worker under a batch before its runs are tried singly
-    "distributed.worker.profile.enabled": False,
+    "distributed.worker.profile.enabled": False,  # this and the next three keep Dask's own share of the cores small
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.scheduler.active-memory-manager.start": False,
     "distributed.nanny.pre-spawn-environ": dict.fromkeys(
         ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
     ),
