@@ -7,6 +7,8 @@ of its runs is made alone, with nothing else under way, so that a run that kills
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import math
 import queue
 import time
@@ -27,6 +29,8 @@ MOST_IN_BATCH = 1000
 BATCHES_A_WORKER = 2
 LOOK_S = 1.0
 """Seconds between looks at the cluster where nothing comes."""
+RESULT_S = 5.0
+"""Seconds within which the rows of a finished batch must come; its worker may have died with them: then again."""
 
 KILLS = "its worker died each time that it was computed, alone at last"
 
@@ -37,10 +41,15 @@ class SchedulerLostError(Exception):
     """The connection to the scheduler is gone, and what the scheduler knew with it."""
 
 
+class WorkersLostError(Exception):
+    """No worker has been there for longer than it takes Dask to start one again."""
+
+
 class Dispatcher:
     """The runs that are still to do, those under way, and how long a run takes.
 
-    text: the scene's; compute: what a worker does with a batch; take: what is done with rows.
+    text: the scene's; compute: what a worker does with a batch; take: what is done with rows; patience: seconds
+    without any worker after which it gives up.
     """
 
     def __init__(
@@ -50,14 +59,17 @@ class Dispatcher:
         tasks: Sequence[Task],
         take: Callable[[list[Finished]], None],
         compute: Compute = run_batch,
+        patience: float = math.inf,
     ) -> None:
         self._client, self._text, self._take, self._compute = client, text, take, compute
         self._waiting: deque[Task] = deque(tasks)
         self._suspects: deque[Task] = deque()
         self._under_way: dict[Any, list[Task]] = {}
+        self._alone: Future | None = None  # under way with nothing beside it from its start to its end
         self._done: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._seconds = BATCH_S  # of a run: until one is known, a batch is one run
         self._threads, self._looked = 0, -math.inf
+        self._patience, self._worked = patience, time.monotonic()
 
     def run(self, look: Callable[[int], None]) -> None:
         """Until all is done; look(threads of all workers) is called at least every second."""
@@ -77,24 +89,32 @@ class Dispatcher:
         if self._client.status != "running":
             raise SchedulerLostError
         if time.monotonic() - self._looked > LOOK_S:
-            self._threads = sum(self._client.nthreads().values())
+            try:
+                self._threads = sum(self._client.nthreads().values())
+            except (OSError, TimeoutError):
+                raise SchedulerLostError from None
             self._looked = time.monotonic()
+        if self._threads:
+            self._worked = time.monotonic()
+        elif time.monotonic() - self._worked > self._patience:
+            raise WorkersLostError
 
     def _fill(self) -> None:
         while self._waiting and len(self._under_way) < BATCHES_A_WORKER * max(1, self._threads):
             self._submit([self._waiting.popleft() for _ in range(self._batch_size())])
         if self._suspects and not self._under_way:
-            self._submit([self._suspects.popleft()])
+            self._alone = self._submit([self._suspects.popleft()])
 
     def _batch_size(self) -> int:
         """Runs of half a second, but at the end few enough that all workers end together."""
         fair = len(self._waiting) / (BATCHES_A_WORKER * max(1, self._threads))
         return max(1, min(int(BATCH_S / self._seconds), MOST_IN_BATCH, math.ceil(fair / 2.0)))
 
-    def _submit(self, tasks: list[Task]) -> None:
+    def _submit(self, tasks: list[Task]) -> Future:
         future = self._client.submit(self._compute, tailslap.__version__, self._text, tasks, pure=False)
         self._under_way[future] = tasks
         future.add_done_callback(self._done.put)
+        return future
 
     def _collect(self, timeout: float) -> None:
         """Wait for a batch, and take it with all others that are there: they go to disk in one piece."""
@@ -111,26 +131,28 @@ class Dispatcher:
 
     def _rows_of(self, future: Future) -> list[Finished]:
         tasks = self._under_way.pop(future)
-        if future.status == "finished":
-            rows: list[Finished] = future.result()
-            measured = sum(row.seconds for row in rows) / len(rows)
-            self._seconds = max(1e-6, 0.5 * (self._seconds + measured))
-            return rows
-        if future.status == "error":
-            return self._failed(tasks, future.exception())
-        if self._client.status != "running":
-            raise SchedulerLostError
-        self._waiting.extendleft(reversed(tasks))  # forgotten by the scheduler
-        return []
+        try:
+            rows: list[Finished] = future.result(timeout=RESULT_S)
+        except (TimeoutError, asyncio.CancelledError, concurrent.futures.CancelledError):
+            if self._client.status != "running":
+                raise SchedulerLostError from None
+            future.cancel()
+            self._waiting.extendleft(reversed(tasks))
+            return []
+        except Exception as error:
+            return self._failed(tasks, error, future is self._alone)
+        measured = sum(row.seconds for row in rows) / len(rows)
+        self._seconds = max(1e-6, 0.5 * (self._seconds + measured))
+        return rows
 
-    def _failed(self, tasks: list[Task], error: BaseException | None) -> list[Finished]:
+    def _failed(self, tasks: list[Task], error: Exception, alone: bool) -> list[Finished]:
         from distributed import KilledWorker
 
         if isinstance(error, OtherVersionError):
             raise other_version(self._client.scheduler.address, "a worker has", str(error))
         if not isinstance(error, KilledWorker):
             raise other_version(self._client.scheduler.address, "a worker has", error)
-        if len(tasks) == 1 and not self._under_way:
+        if alone:
             return [finished(broken_row(tasks[0].run, KILLS))]
         self._suspects.extend(tasks)
         return []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from tailslap.sweep.cluster import connected
 from tailslap.sweep.definition import Definition
-from tailslap.sweep.dispatch import Compute, Dispatcher, SchedulerLostError
+from tailslap.sweep.dispatch import Compute, Dispatcher, SchedulerLostError, WorkersLostError
 from tailslap.sweep.folder import sweep_folder
 from tailslap.sweep.journal import Journal, open_journal
 from tailslap.sweep.progress import sweep_progress
@@ -18,6 +19,9 @@ from tailslap.sweep.table import write_table
 from tailslap.sweep.worker import Finished, Task, run_batch
 
 LOST, INTERRUPTED = 3, 130
+
+PATIENCE_S = 60.0
+"""Seconds without any worker of this machine after which a sweep ends: Dask restarts one in two or three."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,8 @@ def perform(
         except SchedulerLostError:
             why = f"the scheduler at {cluster} is gone" if cluster else "the scheduler is gone"
             raise _stopped(why, folder, definition, LOST) from None
+        except WorkersLostError:
+            raise _stopped("no worker is left", folder, definition, LOST) from None
 
 
 def _stopped(why: str, folder: Path, definition: Definition, status: int) -> StoppedError:
@@ -121,7 +127,9 @@ def _make_missing(
         show(len(journal.begins), failed, threads)
 
     with connected(cluster, workers) as client:
-        dispatcher, began = Dispatcher(client, definition.text, tasks, take, compute), time.perf_counter()
+        patience = math.inf if cluster else PATIENCE_S  # a cluster's workers may come when others leave
+        dispatcher = Dispatcher(client, definition.text, tasks, take, compute, patience)
+        began = time.perf_counter()
         with sweep_progress(definition.runs, len(journal.begins)) as show:
             try:
                 dispatcher.run(look)

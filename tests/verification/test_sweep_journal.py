@@ -67,6 +67,7 @@ def test_a_damaged_line_in_the_middle_is_computed_again(tmp_path: Path) -> None:
     (tmp_path / NAME).write_bytes(b"".join(lines))
     with open_journal(tmp_path, 3) as journal:
         assert journal.missing(3) == [1]
+        assert sorted(journal.begins) == [0, 2]
 
 
 def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
