@@ -6,10 +6,12 @@ looks at the file of the function that it loads, and would go on using a loop wh
 
 from __future__ import annotations
 
+import fcntl
 import functools
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +40,28 @@ def compiled(function: Callable[..., Any]) -> Any:
         return numba.njit(cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy")(function)
     finally:
         numba.config.CACHE_DIR = before
+
+
+def has_code(function: Any, *arguments: Any) -> bool:
+    """Whether this process has machine code of a compiled function for arguments of these types."""
+    return tuple(map(numba.typeof, arguments)) in function.overloads
+
+
+@contextmanager
+def one_process_compiles() -> Iterator[None]:
+    """Make other processes wait that are here as well: they then load what this one has compiled.
+
+    Where the folder of the compiled code cannot be written, each compiles for itself.
+    """
+    try:
+        cache_folder().mkdir(parents=True, exist_ok=True)
+        lock = open(cache_folder() / "lock", "a")  # noqa: SIM115
+    except OSError:
+        yield
+        return
+    with lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def implements(generic: Callable[..., Any], *kinds: type, inline: str = "never") -> Callable[..., Any]:

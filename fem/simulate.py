@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 
+from fem.compiled import has_code, one_process_compiles
 from fem.corner import add_corner_reaction
 from fem.deformed import deformed_frequency
 from fem.internal_force import scratch_for, subtract_internal_forces
@@ -61,6 +63,12 @@ class Stepper:
 
             self._team = Team(self.loop, self._scratch, threads)
 
+    @property
+    def has_code(self) -> bool:
+        """Whether this process has the machine code of the step."""
+        state = State(self._reference, self._reference, np.zeros(4))
+        return has_code(advance, state, 1, self.loop, *self._parts, self._force, self._scratch)
+
     def start(self, start: RigidStart, kind: str) -> State:
         """State at t = 0, its velocities set back by half a step."""
         positions, velocities = start_fields(self.model, start, kind)
@@ -108,10 +116,11 @@ class Stepper:
 
 
 def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None:
-    """Compile, or load from disk, all that a run of this model needs."""
+    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
     stepper = Stepper(model, threads)
-    state = stepper.start(start, "sudden")
-    stepper.measure(stepper.advance(state, 0))
+    with nullcontext() if stepper.has_code else one_process_compiles():
+        state = stepper.start(start, "sudden")
+        stepper.measure(stepper.advance(state, 0))
 
 
 def simulate(

@@ -15,6 +15,7 @@ import click
 import tailslap
 from tailslap.errors import InputError, Interrupted
 from tailslap.studies import study
+from tailslap.sweep import sweep
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
@@ -91,6 +92,7 @@ def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int
 
 
 commands.add_command(study)
+commands.add_command(sweep)
 
 
 @commands.command()

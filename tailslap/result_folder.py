@@ -14,6 +14,9 @@ from tailslap.errors import InputError
 MARK = "summary.json"
 """The file by which an earlier result is known; only such a folder, or an empty one, is replaced."""
 
+SWEEP = "sweep.json"
+"""The file by which the folder of a sweep is known, which is not replaced: it may hold days of runs."""
+
 
 @contextmanager
 def result_folder(place: Path) -> Iterator[Path]:
@@ -47,7 +50,8 @@ def demand_place(place: Path) -> None:
 def _refuse_foreign(place: Path) -> None:
     if place.exists() and not place.is_dir():
         raise InputError("--out", str(place), "this is a file; allowed is a folder")
-    if place.is_dir() and any(place.iterdir()) and not (place / MARK).is_file():
+    foreign = not (place / MARK).is_file() or (place / SWEEP).is_file()
+    if place.is_dir() and any(place.iterdir()) and foreign:
         raise InputError(
             "--out", str(place), "it holds other files; allowed is a new folder or an earlier result"
         )

@@ -40,27 +40,44 @@ def title(text: str) -> str:
 
 def read_scene(name: str, changes: tuple[str, ...] = ()) -> tuple[Scene, Source]:
     """The validated scene and where it came from, changes noted at the text's end. Raises InputError."""
-    text = _text(name)
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(name, "a file that is not TOML", f"the parser says: {error}") from None
-    changed = frozenset(_apply(data, change) for change in changes)
+    return scene_of_text(scene_text(name), changes, name)
+
+
+def scene_of_text(text: str, changes: tuple[str, ...] = (), name: str = "SCENE") -> tuple[Scene, Source]:
+    """The same for a scene's text, where the file itself may be on another machine; name: what errors call it."""
+    data, changed = changed_tables(text, changes, name)
     noted = "".join(f"# changed by --set {change}\n" for change in changes)
     return validate(data), Source(text.rstrip("\n") + "\n" + noted, data, changed)
 
 
+def changed_tables(
+    text: str, changes: tuple[str, ...], name: str = "SCENE"
+) -> tuple[dict[str, Any], frozenset[str]]:
+    """The tables of a scene's text with the changes put in, and the keys that these change. Raises InputError."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(name, "a file that is not TOML", f"the parser says: {error}") from None
+    return data, frozenset(_apply(data, change) for change in changes)
+
+
 def validate(data: dict[str, Any]) -> Scene:
     """The scene that these tables describe. Raises InputError for the first thing that is wrong."""
-    try:
-        scene = Scene.model_validate(data)
-    except ValidationError as error:
-        raise _input_error(error) from None
+    scene = key_by_key(data)
     _check_together(scene)
     return scene
 
 
-def _text(name: str) -> str:
+def key_by_key(data: dict[str, Any]) -> Scene:
+    """The scene, each key valid by itself, whatever keys that need or exclude each other. Raises InputError."""
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(error) from None
+
+
+def scene_text(name: str) -> str:
+    """Text of a scene's file, or of a scene that comes with the program. Raises InputError."""
     shipped = shipped_scenes()
     path = Path(name)
     if name in shipped and not path.is_file():

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.verification
 
 HEAVY = (
     *("gmsh", "skfem", "numba", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
-    *("scipy.integrate", "scipy.optimize", "scipy.sparse"),
+    *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
 )
 FILES = {"summary.json", "history.csv", "rigid.csv", "report.html"}
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3")

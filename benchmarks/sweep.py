@@ -1,0 +1,148 @@
+"""Prints what a sweep reaches: rate on two cores against one, overhead per run, and what is left after kill -9.
+
+    .venv/bin/python benchmarks/sweep.py
+
+Two minutes on free cores. Rates are those while runs are made, workers being up; whole processes are given beside them.
+The best of two turns counts: a core that other programs use as well makes any of them slower. Processor time, which
+they change little, says what two free cores would give.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from main_job import row
+
+from tailslap.sweep.journal import NAME as JOURNAL
+from tailslap.sweep.row import TIMES
+from tailslap.sweep.table import NAME as TABLE
+
+THOUSAND = (
+    *("paper-table-3", "--set", "plate.elements=[10, 3]"),
+    *("--vary", "plate.youngs_modulus=log:1e10:1e12:50", "--vary", "corner.friction=0.1:0.5:20"),
+)
+KILLED = (
+    *("paper-table-3", "--set", "plate.elements=[6, 2]", "--workers", "2"),
+    *("--vary", "plate.youngs_modulus=log:1e9:1e11:20", "--vary", "corner.friction=0.1:0.5:15"),
+)
+TURNS = 2
+
+
+def sweep(place: Path, *arguments: str) -> subprocess.Popen[bytes]:
+    """The command, started as a process of its own."""
+    command = [sys.executable, "-m", "tailslap.command_line", "sweep", *arguments, "--out", str(place)]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL)
+
+
+def rates(folder: Path) -> None:
+    """A thousand runs on one worker and on two, in turn."""
+    efforts: dict[int, list[tuple[float, float, dict[str, Any]]]] = {1: [], 2: []}
+    few = (*THOUSAND[:3], "--vary", "corner.friction=0.1,0.2", "--workers")
+    sweep(folder / "compile", *few, "1").wait()
+    start = {n: finished(sweep(folder / f"start-{n}", *few, str(n))) for n in efforts}
+    for turn in range(TURNS):
+        for workers, found in efforts.items():
+            place, began = folder / f"rate-{turn}-{workers}", time.perf_counter()
+            processor = finished(sweep(place, *THOUSAND, "--workers", str(workers)))
+            whole = time.perf_counter() - began
+            found.append((whole, processor, json.loads((place / "summary.json").read_text())["effort"]))
+    best = {n: max(effort["runs_a_second"] for *_, effort in found) for n, found in efforts.items()}
+    least = {n: min(whole for whole, *_ in found) for n, found in efforts.items()}
+    alone = {n: [f"{effort['runs_a_second']:.1f}" for *_, effort in found] for n, found in efforts.items()}
+    spent = {n: (min(item[1] for item in found) - start[n]) / 998.0 for n, found in efforts.items()}
+    row("1000 runs, two workers against one: rate", "1.8 times", f"{best[2] / best[1]:.2f} times")
+    row("  runs a second: one worker; two workers", "", f"{', '.join(alone[1])}; {', '.join(alone[2])}")
+    row("  whole process, start and report included", "", f"{least[1]:.1f} s; {least[2]:.1f} s")
+    row(
+        "  processor time per run, all processes; rate that it allows",
+        "",
+        f"{1e3 * spent[1]:.1f} ms; {1e3 * spent[2]:.1f} ms; {2.0 * spent[1] / spent[2]:.2f} times",
+    )
+    for workers, found in efforts.items():
+        over = min(effort["overhead_a_run_s"] for *_, effort in found)
+        row(f"overhead per run, {workers} worker(s)", "5 ms", f"{1e3 * over:.1f} ms")
+    row("all four tables the same, but for times", "yes", "yes" if _same(folder, "rate-*") else "NO")
+
+
+def finished(process: subprocess.Popen[bytes]) -> float:
+    """Wait for a sweep; its processor time [s], that of its workers included."""
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode in (0, 1), f"exit status {process.returncode}"
+    return used.ru_utime + used.ru_stime
+
+
+def kills(folder: Path) -> None:
+    """kill -9 in mid-sweep, then the same command again; each table against that of a sweep left alone."""
+    sweep(folder / "kill-nothing", *KILLED).wait()
+    whom: dict[str, Callable[[int, list[int]], list[int]]] = {
+        "a worker": lambda client, below: below[-1:],
+        "the client with the scheduler": lambda client, below: [client],
+        "everything": lambda client, below: [client, *below],
+    }
+    for number, (name, victims) in enumerate(whom.items()):
+        place = folder / f"kill-{number}"
+        process = sweep(place, *KILLED)
+        while process.poll() is None and _lines(place) < 20:
+            time.sleep(0.01)
+        for victim in victims(process.pid, workers_of(process.pid)):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(victim, signal.SIGKILL)
+        kept = _lines(place)
+        status = process.wait()
+        if status < 0:
+            sweep(place, *KILLED).wait()
+        found = _table(place)
+        once = [line["run"] for line in found] == list(range(300))
+        right = found == _table(folder / "kill-nothing")
+        verdict = "every row once, none lost, none wrong" if once and right else "ROWS LOST OR WRONG"
+        row(f"kill -9 of {name}, after {kept} of 300 rows", "all rows, once", verdict)
+
+
+def workers_of(pid: int) -> list[int]:
+    """Worker processes that this process has started."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            parent = int(path.read_text().rpartition(")")[2].split()[1])
+            if parent == pid and b"spawn_main" in (path.parent / "cmdline").read_bytes():
+                found.append(int(path.parent.name))
+    return sorted(found)
+
+
+def _lines(place: Path) -> int:
+    journal = place / JOURNAL
+    return journal.read_bytes().count(b"\n") if journal.exists() else 0
+
+
+def _table(place: Path) -> list[dict[str, Any]]:
+    import pyarrow.parquet as pq
+
+    rows = pq.read_table(place / TABLE).to_pylist()
+    return [{name: value for name, value in line.items() if name not in TIMES} for line in rows]
+
+
+def _same(folder: Path, pattern: str) -> bool:
+    first, *others = (_table(place) for place in sorted(folder.glob(pattern)))
+    return all(other == first for other in others)
+
+
+def main() -> None:
+    """Print both parts."""
+    with tempfile.TemporaryDirectory() as folder:
+        kills(Path(folder))
+        rates(Path(folder))
+
+
+if __name__ == "__main__":
+    main()

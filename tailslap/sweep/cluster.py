@@ -1,0 +1,140 @@
+"""The workers of a sweep: processes of this machine, or those of a Dask scheduler. Both are a Dask client."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+import signal
+import warnings
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import tailslap
+from tailslap.errors import InputError, Verbatim
+from tailslap.sweep.worker import make_ready
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+ANSWER_S = 5.0
+"""Seconds within which a scheduler must answer."""
+
+SETTINGS = {
+    "distributed.scheduler.allowed-failures": 1,  # deaths of a worker under a batch before its runs are tried singly
+    "distributed.worker.profile.enabled": False,  # this and the next three keep Dask's own share of the cores small
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.nanny.pre-spawn-environ": dict.fromkeys(
+        ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+    ),
+}
+
+
+@contextlib.contextmanager
+def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
+    """A client of the scheduler at the address `cluster`, or else of `workers` processes made here and ended after.
+
+    None: as many as this process may use cores. All workers have been asked for their version of this program.
+    Raises InputError for a scheduler that does not answer, or for workers with another version.
+    """
+    import dask
+    import distributed  # noqa: F401  its own settings must be there before ours, which are taken back at the end
+
+    with _quiet(), dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
+        client = stack.enter_context(_remote(cluster) if cluster else _local(workers or _cores()))
+        _check_versions(client, cluster)
+        yield client
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0))
+
+
+@contextlib.contextmanager
+def _local(workers: int) -> Iterator[Client]:
+    from distributed import Client, LocalCluster
+
+    with _workers_deaf_to_interrupts():
+        cluster = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        )
+    with cluster, Client(cluster) as client:
+        yield client
+
+
+@contextlib.contextmanager
+def _workers_deaf_to_interrupts() -> Iterator[None]:
+    """What is started here, or restarted from its threads, never gets a Ctrl-C: it is for us, and we end the workers.
+
+    The mask of signals is inherited by threads and processes. An interrupt that comes meanwhile is delivered after.
+    """
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # when it starts, it would unblock the signal
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _remote(address: str) -> Iterator[Client]:
+    from distributed import Client
+
+    try:  # not by making a client: one that cannot connect leaves threads behind
+        kind = asyncio.run(asyncio.wait_for(_kind(address), ANSWER_S))
+    except Exception as error:  # Dask raises half a dozen kinds for addresses that are none
+        kind = str(error).splitlines()[0] if str(error) else f"nothing within {ANSWER_S:g} s"
+    if kind != "Scheduler":
+        allowed = f"no Dask scheduler answers there ({kind}); allowed is an address like tcp://127.0.0.1:8786"
+        raise InputError("--cluster", address, allowed)
+    with Client(address) as client:
+        yield client
+
+
+async def _kind(address: str) -> str:
+    """What of Dask listens at the address, like Scheduler or Worker."""
+    from distributed.core import rpc
+
+    async with rpc(address, timeout=ANSWER_S) as there:
+        return str((await there.identity())["type"])
+
+
+def _check_versions(client: Client, cluster: str | None) -> None:
+    """Ask each worker that is there; those that come later are asked with each batch."""
+    for worker, answer in client.run(make_ready, on_error="return").items():
+        if answer != tailslap.__version__:
+            raise other_version(cluster, f"the worker at {worker} has", answer)
+
+
+def other_version(cluster: str | None, who: str, answer: Any) -> InputError:
+    """The error for a worker that has another version of this program, or cannot load it."""
+    has = f"tailslap {answer}" if isinstance(answer, str) else f"no tailslap that loads ({answer})"
+    allowed = f"{who} {has}; allowed is {tailslap.__version__}, as here, on all workers"
+    return InputError("--cluster", Verbatim(cluster or "this machine"), allowed)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what Dask says about connections and workers off the terminal: what matters we say ourselves."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "asyncio", "tornado")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", module="distributed")
+            yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)

@@ -1,0 +1,77 @@
+"""The table of a sweep, `sweep.parquet`: a row a run, in the order of the runs."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from postprocess.comparison import KEYS
+from tailslap.sweep.definition import Definition
+from tailslap.sweep.journal import Journal
+from tailslap.sweep.row import TIMES, versions
+from tailslap.sweep.variation import Variation
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+NAME = "sweep.parquet"
+CHUNK = 20_000
+"""Rows that are in memory at a time."""
+
+
+def write_table(folder: Path, definition: Definition, journal: Journal) -> Path:
+    """Write the table of all rows that the journal has, whole or not at all."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    schema = _schema(definition, _checks(journal))
+    path, partial = folder / NAME, folder / f".{NAME}.part"
+    with open(partial, "wb") as file:
+        with pq.ParquetWriter(file, schema, compression="zstd") as writer:
+            rows = (row | definition.inputs_of(row["run"]) for row in journal.rows())
+            while chunk := list(itertools.islice(rows, CHUNK)):
+                writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(partial, path)
+    return path
+
+
+def read_columns(path: Path, names: Iterable[str]) -> dict[str, np.ndarray]:
+    """Columns of the table; numbers that a row lacks are NaN."""
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(path, columns=list(names))
+    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+
+
+def _checks(journal: Journal) -> list[str]:
+    """Columns of checks: which there are depends on the runs."""
+    return sorted({name for row in journal.rows() for name in row if name.startswith("check.")})
+
+
+def _schema(definition: Definition, checks: list[str]) -> pa.Schema:
+    import pyarrow as pa
+
+    real, whole, text = pa.float64(), pa.int64(), pa.string()
+    columns: dict[str, Any] = {"run": whole, "status": text, "reason": text}
+    columns |= {item.key: _kind(item) for item in definition.variations}
+    columns |= {f"{group}.{key}": real for group in ("rigid", "fe", "difference") for key in KEYS}
+    columns |= {"rigid.peak_force": real, "give": real} | dict.fromkeys(checks, real)
+    columns |= {"cost.elements": whole, "cost.nodes": whole, "cost.steps": whole, "cost.time_step": real}
+    columns |= dict.fromkeys(TIMES, real) | dict.fromkeys(versions(), text)
+    return pa.schema(list(columns.items()))
+
+
+def _kind(item: Variation) -> Any:
+    """The type of a column of inputs."""
+    import pyarrow as pa
+
+    if not item.numeric:
+        return pa.string()
+    return pa.int64() if all(isinstance(value, int) for value in item.values) else pa.float64()

@@ -1,0 +1,129 @@
+"""Verification: what a sweep keeps on disk survives being torn, and belongs to one sweep and one process alone."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tailslap.errors import InputError
+from tailslap.result_folder import result_folder
+from tailslap.sweep.definition import Definition, make_definition
+from tailslap.sweep.folder import sweep_folder
+from tailslap.sweep.journal import NAME, open_journal
+from tailslap.sweep.table import read_columns, write_table
+from tailslap.sweep.worker import Finished, finished
+
+pytestmark = pytest.mark.verification
+
+RUNS = 6
+
+
+def row(run: int, **more: Any) -> Finished:
+    return finished({"run": run, "status": "passed", "reason": "", **more})
+
+
+def sweep(friction: str = "0:0.5:6") -> Definition:
+    return make_definition("paper-table-3", (), (f"corner.friction={friction}",), None, 307)
+
+
+def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
+    with open_journal(tmp_path, RUNS) as journal:
+        journal.add([row(4, give=0.1), row(1)])
+        journal.add([row(0)])
+    with open_journal(tmp_path, RUNS) as journal:
+        assert [found["run"] for found in journal.rows()] == [0, 1, 4]
+        assert journal.missing(RUNS) == [2, 3, 5]
+        assert journal.statuses["passed"] == 3
+
+
+def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
+    with open_journal(tmp_path, RUNS) as journal:
+        journal.add([row(1, give=0.1), row(1, give=0.2)])
+        journal.add([row(1, give=0.3)])
+        assert [found["give"] for found in journal.rows()] == [0.1]
+    assert (tmp_path / NAME).read_bytes().count(b"\n") == 1
+
+
+def test_a_journal_cut_anywhere_keeps_its_whole_lines(tmp_path: Path) -> None:
+    """Cut after each byte in turn: the runs of whole lines are there, the torn one is missing and can be added."""
+    lines = [row(run, give=run / 3).line for run in range(3)]
+    whole = b"".join(lines)
+    for length in range(len(whole) + 1):
+        (tmp_path / NAME).write_bytes(whole[:length])
+        complete = [run for run in range(3) if length >= sum(map(len, lines[: run + 1])) - 1]
+        with open_journal(tmp_path, 3) as journal:
+            assert sorted(journal.begins) == complete
+            journal.add([row(run, give=run / 3) for run in journal.missing(3)])
+        with open_journal(tmp_path, 3) as journal:
+            assert [found["give"] for found in journal.rows()] == [0.0, 1 / 3, 2 / 3]
+
+
+def test_a_damaged_line_in_the_middle_is_computed_again(tmp_path: Path) -> None:
+    lines = [row(0).line, b"\0\0\0\n", b'{"run":99,"status":"passed"}\n', b"[1]\n", row(2).line]
+    (tmp_path / NAME).write_bytes(b"".join(lines))
+    with open_journal(tmp_path, 3) as journal:
+        assert journal.missing(3) == [1]
+        assert sorted(journal.begins) == [0, 2]
+
+
+def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
+    numbers = {"fe.t": 0.1 + 0.2, "check.energy_balance": math.inf, "check.time_step": math.nan}
+    with open_journal(tmp_path, RUNS) as journal:
+        journal.add([row(5, **numbers), finished({"run": 2, "status": "refused", "reason": "no"})])
+        path = write_table(tmp_path, sweep(), journal)
+    found = read_columns(path, ["run", "status", "reason", "corner.friction", *numbers])
+    assert found["run"].tolist() == [2, 5]
+    assert found["status"].tolist() == ["refused", "passed"]
+    assert found["corner.friction"].tolist() == [0.2, 0.5]
+    assert found["fe.t"][1] == 0.1 + 0.2
+    assert math.isnan(found["fe.t"][0])
+    assert found["check.energy_balance"][1] == math.inf
+
+
+def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
+    place = tmp_path / "sweep"
+    with sweep_folder(place, sweep()) as folder, open_journal(folder, RUNS) as journal:
+        journal.add([row(0)])
+    with (
+        pytest.raises(InputError, match=r"it holds another sweep: vary differ"),
+        sweep_folder(place, sweep("0:1:6")),
+    ):
+        pass
+    with pytest.raises(InputError, match="other files"), result_folder(place):
+        pass  # a run does not replace it, whatever it holds
+    (place / "summary.json").write_text("{}")
+    with pytest.raises(InputError, match="other files"), result_folder(place):
+        pass
+    (place / "sweep.json").write_text("{")
+    with pytest.raises(InputError, match="damaged"), sweep_folder(place, sweep()):
+        pass
+
+
+def test_other_values_by_the_same_words_are_another_sweep(tmp_path: Path) -> None:
+    """A new SciPy may draw other samples from the same seed: rows must not mix."""
+    place = tmp_path / "sweep"
+    with sweep_folder(place, sweep()) as folder, open_journal(folder, RUNS) as journal:
+        journal.add([row(0)])
+    definition = json.loads((place / "sweep.json").read_text())
+    (place / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
+    with pytest.raises(InputError, match="another sweep: values differ"), sweep_folder(place, sweep()):
+        pass
+
+
+def test_two_sweeps_in_a_folder_at_once(tmp_path: Path) -> None:
+    with (
+        sweep_folder(tmp_path / "sweep", sweep()) as folder,
+        pytest.raises(InputError, match="another sweep is at work"),
+        sweep_folder(folder, sweep()),
+    ):
+        pass
+
+
+def test_nothing_is_left_of_a_sweep_without_rows(tmp_path: Path) -> None:
+    with sweep_folder(tmp_path / "a" / "b", sweep()), open_journal(tmp_path / "a" / "b", RUNS):
+        assert (tmp_path / "a" / "b" / "sweep.json").is_file()
+    assert not list(tmp_path.iterdir())

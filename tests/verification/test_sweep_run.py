@@ -1,0 +1,365 @@
+"""Verification: sweeps on local processes and on a cluster of `dask scheduler` and `dask worker` on loopback.
+
+Whatever is killed, after resuming each run has one row, and the rows are those of a sweep that was left alone, bit for
+bit but for times. Single rows are held against `tailslap run`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+import tailslap
+from tailslap.command_line import _status
+from tailslap.errors import InputError
+from tailslap.plan import make_plan
+from tailslap.run import run_scene
+from tailslap.scene_files import read_scene
+from tailslap.sweep import cluster as cluster_module
+from tailslap.sweep.definition import Definition, make_definition
+from tailslap.sweep.journal import NAME as JOURNAL
+from tailslap.sweep.perform import StoppedError, perform
+from tailslap.sweep.row import TIMES
+from tailslap.sweep.worker import OtherVersionError, Task, finished, run_batch
+
+pytestmark = pytest.mark.verification
+
+HANG = 120.0
+"""Seconds after which a test that waits gives up: a guard, not a measurement."""
+
+SCENE = """name = "small"
+vehicle = {length = 10, width = 2.438, mass = 9979}
+start = {angle = 0.26, omega = 0.707, corner_speed = 25.053}
+impact = {speed = 25, angle = 0.26, friction = 0.4, restitution = 0.2}
+plate = {thickness = 0.053, youngs_modulus = 1e9, poissons_ratio = 0.3, elements = [6, 2]}
+time = {rows = 40}
+"""
+VARIED = (
+    "plate.youngs_modulus=log:1e8:1e9:40",
+    "corner.reaction=drag,none",
+    "corner.friction=0.1,0.9",
+)
+RUNS = 160
+
+
+@pytest.fixture(autouse=True)
+def hang_guard() -> Iterator[None]:
+    """End a test that hangs."""
+
+    def give_up(*signalled: object) -> None:
+        raise TimeoutError("the test hangs")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(int(HANG))
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+class Loopback(NamedTuple):
+    """A scheduler's address; its process, and that which keeps the workers."""
+
+    address: str
+    processes: list[subprocess.Popen[bytes]]
+
+
+def wait_until(condition: Callable[[], Any]) -> Any:
+    """What the condition gives as soon as it is true."""
+    end = time.monotonic() + HANG
+    while not (found := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.01)
+    return found
+
+
+@contextlib.contextmanager
+def loopback(folder: Path, workers: int) -> Iterator[Loopback]:
+    """`dask scheduler` on a free port of 127.0.0.1, and `dask worker` with so many processes."""
+    file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
+    host = ["--host", "127.0.0.1", "--no-dashboard"]
+    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
+    scheduler = [*dask, "scheduler", *host, "--port", "0", "--scheduler-file", str(file)]
+    processes = [subprocess.Popen(scheduler, env=environment, **quiet)]
+    try:
+        wait_until(lambda: file.exists() and file.read_text())
+        address = json.loads(file.read_text())["address"]
+        count = ["--nworkers", str(workers), "--nthreads", "1", "--memory-limit", "0"]
+        worker = [*dask, "worker", address, *host, *count, "--local-directory", str(folder)]
+        processes.append(subprocess.Popen(worker, env=environment, **quiet))
+        yield Loopback(address, processes)
+    finally:
+        below = [child for process in processes for child in children(process.pid)]
+        for process in processes:
+            process.kill()
+            process.wait()
+        wait_until(lambda: not any(map(alive, below)))
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with loopback(tmp_path_factory.mktemp("dask"), 2) as found:
+        yield found.address
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("scene") / "small.toml"
+    path.write_text(SCENE)
+    return str(path)
+
+
+def definition_of(scene: str, varied: tuple[str, ...] = VARIED) -> Definition:
+    return make_definition(scene, (), varied, None, 307)
+
+
+def table(place: Path) -> list[dict[str, Any]]:
+    """Rows of the table, without times."""
+    import pyarrow.parquet as pq
+
+    rows = pq.read_table(place / "sweep.parquet").to_pylist()
+    return [{name: value for name, value in row.items() if name not in TIMES} for row in rows]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+    place = tmp_path_factory.mktemp("sweeps") / "undisturbed"
+    done = perform(definition_of(scene), place, cluster)
+    assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
+    assert {path.name for path in place.iterdir()} == {
+        *("sweep.json", "journal.jsonl", "sweep.parquet", "summary.json", "report.html", ".lock")
+    }
+    assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
+    return table(place)
+
+
+def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str) -> None:
+    """Inputs, both solutions, differences, checks and cost of a few rows against runs made here."""
+    assert [row["run"] for row in undisturbed] == list(range(RUNS))
+    definition = definition_of(scene)
+    for number in (0, 1, 157):
+        row, outcome = (
+            undisturbed[number],
+            run_scene(make_plan(*read_scene(scene, definition.changes_of(number)))),
+        )
+        assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
+        assert row["corner.friction"] == outcome.fe_plan.plan.scene.corner_friction
+        for group in ("fe", "rigid", "difference"):
+            found = {name: row[f"{group}.{name}"] for name in outcome.fe}
+            assert found == pytest.approx(getattr(outcome, group), rel=1e-9, abs=1e-12)
+        values = {check.name.replace(" ", "_").replace("-", "_"): check.value for check in outcome.checks}
+        found = {name[6:]: value for name, value in row.items() if name.startswith("check.")}
+        assert found == pytest.approx(values, rel=1e-6, abs=1e-9)
+        assert (row["status"], row["reason"], row["cost.steps"]) == ("passed", "", outcome.run.steps)
+        assert row["version.tailslap"] == tailslap.__version__
+
+
+def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed: list[dict[str, Any]]) -> None:
+    refused = [row for row in undisturbed if row["status"] == "refused"]
+    assert {row["corner.reaction"] for row in refused} == {"none"}
+    assert all('no meaning with corner.reaction = "none"' in row["reason"] for row in refused)
+    assert all(row["fe.t"] is None for row in refused)
+
+
+def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
+    """`tailslap sweep` as a process of its own, returned when its first rows are on disk, or it is done."""
+    varied = [part for text in VARIED for part in ("--vary", text)]
+    command = [
+        sys.executable,
+        "-m",
+        "tailslap.command_line",
+        "sweep",
+        scene,
+        *varied,
+        "--out",
+        str(place),
+        *more,
+    ]
+    process = subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+    )
+    journal = place / JOURNAL
+    wait_until(lambda: process.poll() is not None or (journal.exists() and journal.stat().st_size))
+    return process
+
+
+def children(pid: int) -> list[int]:
+    """Processes that this one has started, and those that they have."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
+                found.append(int(path.parent.name))
+    return [*found, *(below for child in found for below in children(child))]
+
+
+def alive(pid: int) -> bool:
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    return False
+
+
+@pytest.mark.parametrize("where", ["local", "cluster"])
+def test_killed_in_mid_sweep_and_resumed(
+    where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
+) -> None:
+    """kill -9 of the client; with local workers it has scheduler and workers in it, and these end too."""
+    place = tmp_path / "sweep"
+    process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
+    below = children(process.pid)
+    assert (len(below) >= 2) == (where == "local")
+    process.kill()
+    process.communicate()
+    wait_until(lambda: not any(map(alive, below)))
+    assert not (place / "summary.json").exists(), "it was done before it could be killed"
+    kept = (place / JOURNAL).read_bytes()
+    done = perform(definition_of(scene), place, cluster)
+    assert (place / JOURNAL).read_bytes().startswith(kept[: kept.rfind(b"\n") + 1])
+    assert done.effort.runs == RUNS - kept.count(b"\n")
+    assert table(place) == undisturbed
+
+
+def test_interrupted_and_resumed(
+    scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
+) -> None:
+    place = tmp_path / "sweep"
+    process = started(place, scene, "--cluster", cluster)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=HANG)[1].decode()
+    assert process.returncode == 130
+    kept = table(place)
+    assert (
+        said.strip()
+        == f"tailslap: interrupted; {len(kept)} of {RUNS} rows are kept; the same command resumes"
+    )
+    assert kept == [undisturbed[row["run"]] for row in kept]
+    done = perform(definition_of(scene), place, cluster)
+    assert done.effort.runs == RUNS - len(kept) > 0
+    assert table(place) == undisturbed
+    assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
+
+
+def test_a_worker_that_dies_is_survived(
+    scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
+) -> None:
+    """The first worker to compute a certain run is killed under it, with kill -9."""
+    mark, place = tmp_path / "mark", tmp_path / "sweep"
+
+    def compute(version: str, text: str, tasks: Sequence[Task]) -> list[Any]:
+        with contextlib.suppress(FileExistsError):
+            if any(task.run == 20 for task in tasks):
+                mark.touch(exist_ok=False)
+                os.kill(os.getpid(), signal.SIGKILL)
+        return run_batch(version, text, tasks)
+
+    done = perform(definition_of(scene), place, cluster, compute=compute)
+    assert mark.exists()
+    assert done.failures == 0
+    assert table(place) == undisturbed
+
+
+def test_a_run_that_kills_its_worker_again_and_again_is_a_row(
+    scene: str, cluster: str, tmp_path: Path
+) -> None:
+    """The runs that shared its batch are not blamed."""
+
+    def compute(version: str, text: str, tasks: Sequence[Task]) -> list[Any]:
+        if any(task.run == 7 for task in tasks):
+            time.sleep(0.5)  # Dask gives up a worker that dies while it is being started
+            os.kill(os.getpid(), signal.SIGKILL)
+        return [finished({"run": task.run, "status": "passed", "reason": ""}) for task in tasks]
+
+    definition = definition_of(scene, ("corner.friction=0.1:0.5:40",))
+    done = perform(definition, tmp_path / "sweep", cluster, compute=compute)
+    rows = table(tmp_path / "sweep")
+    assert [row["run"] for row in rows] == list(range(40))
+    assert [row["run"] for row in rows if row["status"] != "passed"] == [7]
+    assert "its worker died each time" in rows[7]["reason"]
+    assert done.failures == 1
+
+
+def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*arguments: object) -> None:
+        raise ZeroDivisionError("by nought")
+
+    monkeypatch.setattr("tailslap.run.run_scene", broken)
+    tasks = [Task(3, ("corner.friction=0.1",)), Task(4, ("corner.friction=0.2",))]
+    rows = [json.loads(item.line) for item in run_batch(tailslap.__version__, SCENE, tasks)]
+    assert [(row["run"], row["status"], row["reason"]) for row in rows] == [
+        (3, "error", "ZeroDivisionError: by nought"),
+        (4, "error", "ZeroDivisionError: by nought"),
+    ]
+
+
+def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) -> None:
+    """kill -9 of scheduler and workers under a sweep; it resumes on another cluster, here on one local process."""
+    place = tmp_path / "sweep"
+
+    def compute(version: str, text: str, tasks: Sequence[Task]) -> list[Any]:
+        if tasks[0].run >= 10:
+            time.sleep(HANG)
+        return [finished({"run": task.run, "status": "passed", "reason": ""}) for task in tasks]
+
+    definition = definition_of(scene, ("corner.friction=0.1:0.5:14",))
+    with loopback(tmp_path, 1) as found:
+
+        def kill_all(show: Any) -> None:
+            for process in found.processes:
+                process.kill()
+
+        with pytest.MonkeyPatch.context() as patched:
+            from tailslap.sweep.journal import Journal
+
+            add = Journal.add
+
+            def add_and_kill(journal: Journal, rows: Any) -> None:
+                add(journal, rows)
+                kill_all(None)
+
+            patched.setattr(Journal, "add", add_and_kill)
+            with pytest.raises(
+                StoppedError, match=r"the scheduler at tcp.* is gone; \d+ of 14 rows are kept"
+            ) as stop:
+                perform(definition, place, found.address, compute=compute)
+    assert stop.value.status == 3
+    assert 0 < len(table(place)) < 14
+
+
+def test_a_scheduler_that_does_not_answer(
+    scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cluster_module, "ANSWER_S", 0.3)
+    for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
+        arguments = [
+            "--vary",
+            "corner.friction=0.1,0.2",
+            "--cluster",
+            address,
+            "--out",
+            str(tmp_path / "sweep"),
+        ]
+        assert _status(["sweep", scene, *arguments]) == 2
+        said = capsys.readouterr().err
+        assert said.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler answers there')
+        assert not (tmp_path / "sweep").exists()
+
+
+def test_other_versions_are_refused(
+    scene: str, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(OtherVersionError):
+        run_batch("0.0.0", SCENE, [])
+    monkeypatch.setattr(tailslap, "__version__", "9.9.9")
+    with pytest.raises(InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
+        perform(definition_of(scene), tmp_path / "sweep", cluster)
+    assert not (tmp_path / "sweep").exists()

@@ -1,0 +1,184 @@
+"""Verification: what a sweep varies, against values known by hand, and the refusal of what makes no sense."""
+
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tailslap.command_line import _status
+from tailslap.errors import InputError
+from tailslap.sweep.definition import Definition, latin_hypercube, make_definition
+from tailslap.sweep.values import Choices, Span, parse_values, split_outside
+
+pytestmark = pytest.mark.verification
+
+SCENE = "paper-table-3"
+MPH = 1609.344 / 3600.0
+
+
+def grid(*varied: str, changes: tuple[str, ...] = ()) -> Definition:
+    return make_definition(SCENE, changes, varied, None, 307)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("0:0.6:13", Span("0", "0.6", 13, False)),
+        ("log:1e8:1e13:40", Span("1e8", "1e13", 40, True)),
+        ("50 mph : 60 mph : 5", Span("50 mph", "60 mph", 5, False)),
+        ("10deg,15deg", Choices(("10deg", "15deg"))),
+        ("quad4, tri3", Choices(("quad4", "tri3"))),
+        ("[6, 2],[12,4]", Choices(("[6, 2]", "[12,4]"))),
+        ('"a,b",c', Choices(('"a,b"', "c"))),
+        ("0.3", Choices(("0.3",))),
+    ],
+)
+def test_values_as_typed(text: str, found: Span | Choices) -> None:
+    assert parse_values("key", text, False) == found
+
+
+def test_sampled_ranges_have_no_count() -> None:
+    assert parse_values("key", "log:1:10", True) == Span("1", "10", None, True)
+    assert split_outside("a:[b:c]:'d:e'", ":") == ["a", "[b:c]", "'d:e'"]
+
+
+def test_even_values_are_exact() -> None:
+    """Of 0 to 0.6 in 13 values each is a twentieth times its number, to a rounding or two; the ends are exact."""
+    (item,) = grid("corner.friction=0:0.6:13").variations
+    exact = [float(Fraction(i, 20)) for i in range(13)]
+    assert item.values == pytest.approx(exact, rel=4e-16)
+    assert (item.values[0], item.values[-1]) == (0.0, 0.6)
+    assert [float(text) for text in item.texts] == list(item.values)
+
+
+def test_equal_ratios_are_exact() -> None:
+    (item,) = grid("plate.youngs_modulus=log:1e8:1e13:6").variations
+    assert item.values == pytest.approx([1e8, 1e9, 1e10, 1e11, 1e12, 1e13], rel=1e-14)
+    assert (item.values[0], item.values[-1]) == (1e8, 1e13)
+
+
+def test_units_become_si() -> None:
+    speed, angle = grid("impact.speed=50 mph:60 mph:3", "impact.angle=10deg,15deg").variations
+    assert speed.values == pytest.approx([50 * MPH, 55 * MPH, 60 * MPH], rel=1e-14)
+    assert angle.values == pytest.approx([math.radians(10), math.radians(15)], rel=1e-14)
+    assert (speed.unit, angle.unit, angle.texts) == ("m/s", "rad", ("10deg", "15deg"))
+
+
+def test_words_lists_and_whole_numbers() -> None:
+    element, counts, rows = grid(
+        "plate.element=quad4,tri3", "plate.elements=[6,2],[12,4]", "time.rows=100:300:3"
+    ).variations
+    assert (element.values, element.numeric) == (("quad4", "tri3"), False)
+    assert counts.values == ("6 x 2", "12 x 4")
+    assert (rows.values, rows.texts) == ((100, 200, 300), ("100", "200", "300"))
+
+
+def test_a_grid_has_every_combination_once() -> None:
+    definition = grid("corner.friction=0.1,0.2,0.3", "plate.element=quad4,tri3")
+    combinations = [tuple(definition.inputs_of(run).values()) for run in range(definition.runs)]
+    assert combinations == [(f, e) for f in (0.1, 0.2, 0.3) for e in ("quad4", "tri3")]
+    assert definition.changes_of(3) == ("corner.friction=0.2", "plate.element=tri3")
+    assert grid("corner.friction=0.1,0.2", changes=("strike.duration=0.2",)).changes_of(1) == (
+        "strike.duration=0.2",
+        "corner.friction=0.2",
+    )
+
+
+@pytest.mark.parametrize("runs", [2, 7, 64])
+def test_each_stratum_has_one_sample(runs: int) -> None:
+    shares = latin_hypercube(3, runs, 307)
+    assert [sorted(column) for column in np.floor(shares * runs).astype(int).T] == [list(range(runs))] * 3
+    assert not np.array_equal(shares, latin_hypercube(3, runs, 308))
+    assert np.array_equal(shares, latin_hypercube(3, runs, 307))
+
+
+def test_samples_fill_their_ranges_evenly() -> None:
+    """One in each of 20 equal parts, of ratios where the range is in ratios; each word of two ten times."""
+    varied = ("corner.friction=0.1:0.5", "plate.youngs_modulus=log:1e9:1e11", "plate.element=quad4,tri3")
+    definition = make_definition(SCENE, (), varied, 20, 307)
+    friction, modulus, element = definition.variations
+    shares = (np.array(friction.values) - 0.1) / 0.4, np.log10(np.array(modulus.values) / 1e9) / 2.0
+    assert [sorted((share * 20).astype(int)) for share in shares] == [list(range(20))] * 2
+    assert sorted(element.values) == ["quad4"] * 10 + ["tri3"] * 10
+    assert definition.runs == 20
+    assert definition.inputs_of(4) == {item.key: item.values[4] for item in definition.variations}
+
+
+def test_the_definition_on_disk_tells_sweeps_apart() -> None:
+    one = grid("corner.friction=0:0.6:3").as_written()
+    assert one == grid("corner.friction=0:0.6:3").as_written() == json.loads(json.dumps(one))
+    assert one != grid("corner.friction=0:0.6:4").as_written()
+    sampled = [
+        make_definition(SCENE, (), ("corner.friction=0:0.6",), 5, seed).as_written() for seed in (1, 2)
+    ]
+    assert sampled[0]["digest"] != sampled[1]["digest"]
+
+
+WRONG = [
+    (["--vary", "corner.friction=0:0.6"], "corner.friction", "how many values"),
+    (["--vary", "corner.friction=0:0.6:1"], "corner.friction", "from 2"),
+    (["--vary", "corner.friction=0:0.6:2.5"], "corner.friction", "whole number"),
+    (["--vary", "corner.friction=0.3:0.3:4"], "corner.friction", "must differ"),
+    (["--vary", "corner.friction=log:0:0.6:4"], "corner.friction", "above 0"),
+    (["--vary", "corner.friction=-0.1:0.6:4"], "corner.friction", "at least 0"),
+    (["--vary", "corner.friction=0.1,,0.2"], "corner.friction", "KEY=VALUES"),
+    (["--vary", "corner.friction="], "--vary", "KEY=VALUES"),
+    (["--vary", "corner.friction"], "--vary", "KEY=VALUES"),
+    (["--vary", "corner..friction=1,2"], "--vary", "KEY=VALUES"),
+    (["--vary", "a:b:c:d=1"], "a:b:c:d", "no such key"),
+    (["--vary", "corner.friction=1:2:3:4"], "corner.friction", "KEY=VALUES"),
+    (["--vary", "corner.colour=1,2"], "corner.colour", "no such key; allowed are reaction"),
+    (["--vary", "corner.reaction=drag,push"], "corner.reaction", "allowed is 'drag', 'none' or 'signed'"),
+    (["--vary", "corner.reaction=drag:none:2"], "corner.reaction", "a range is of numbers"),
+    (["--vary", "impact.speed=50 kg:60 kg:3"], "impact.speed", "the unit does not fit"),
+    (["--vary", "time.rows=100:200:4"], "time.rows", "not all of its values are whole"),
+    (["--vary", "corner.friction=0:1:3", "--vary", "corner.friction=1,2"], "--vary", "varied twice"),
+    (["--vary", "corner.friction=0:1:3", "--set", "corner.friction=1"], "--vary", "--set fixes it"),
+    (
+        ["--vary", "corner.friction=0:1:2000", "--vary", "plate.poissons_ratio=0:0.4:501"],
+        "--vary",
+        "at most 1000000",
+    ),
+    (["--vary", "corner.friction=0:0.6:3", "--sample", "10"], "corner.friction", "--sample says how many"),
+    (["--vary", "time.rows=100:200", "--sample", "10"], "time.rows", "sampled from a list"),
+    (
+        ["--vary", "corner.friction=0:1:3", "--cluster", "tcp://x:1", "--workers", "2"],
+        "--workers",
+        "leave out",
+    ),
+    (["--vary", "corner.friction=0:1:3", "--out", "file"], "--out", "this is a file"),
+    (["--vary", "corner.friction=0:1:3", "--out", "full"], "--out", "it holds other files"),
+    (["--vary", "corner.friction=0:1:3", "--out", "file/below"], "--out", "the folder cannot be made"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "key", "message"), WRONG)
+def test_wrong_input_is_told_and_nothing_is_written(
+    arguments: list[str],
+    key: str,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("kept")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "summary.json").write_text("{}")
+    assert _status(["sweep", SCENE, *arguments]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"tailslap: {key}: given")
+    assert message in said
+    assert {path.name for path in tmp_path.rglob("*")} == {"file", "full", "summary.json"}
+
+
+def test_a_scene_without_plate_is_refused(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text('name = "x"\n[vehicle]\nlength = 10\nwidth = 2.4\nmass = 9979\n')
+    with pytest.raises(InputError, match=r"plate: given nothing; a run needs"):
+        make_definition(str(scene), (), ("vehicle.mass=1:2:3",), None, 307)
