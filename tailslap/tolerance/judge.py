@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 from postprocess.report import Check
@@ -10,8 +11,12 @@ from tailslap.errors import InputError
 from tailslap.plan import Plan, make_plan
 from tailslap.run import Outcome, run_scene
 from tailslap.scene_files import read_scene
+from tailslap.tolerance.candidates import answered, candidate
 from tailslap.tolerance.choose import RIGID, Choice
 from tailslap.tolerance.ladder import Rung
+
+TINY = 1e-15
+"""In place of a distance of zero."""
 
 COARSER_SHARE, FINER_SHARE = 1.0 / 3.0, 1.0
 """Least error over the change between two meshes, where the other mesh is half, and twice, as fine: order two."""
@@ -38,12 +43,38 @@ def _from_limit(outcome: Outcome, choice: Choice, name: str, changes: tuple[str,
         if other is None or not other.fe:
             continue
         moved = max(abs(other.fe[key] / value - 1.0) for key, value in outcome.fe.items())
-        spread = abs(outcome.fe_plan.give - other.fe_plan.give)
-        observed = abs(outcome.fe_plan.give - choice.limit) / spread if spread else math.inf
         along, across = other.fe_plan.plate.elements
         how = f"distance from the limit of fine meshes, estimated from a second run with {along} x {across} elements"
-        return max(share, observed) * moved, how
+        return max(share, _left_over_moved(outcome, other, choice, name, changes)) * moved, how
     return math.nan, "no second mesh made a model to judge by"
+
+
+def _left_over_moved(
+    outcome: Outcome, other: Outcome, choice: Choice, name: str, changes: tuple[str, ...]
+) -> float:
+    """Distance from the limit over the distance between the two meshes: of the modal answers, else of the gives."""
+    mine, its = (
+        made and answered(made)
+        for made in (
+            candidate(_undamped(name, changes), rung) for rung in (choice.rung, _rung(other, choice))
+        )
+    )
+    if mine and its and choice.limit and mine.answer and its.answer:
+        return _apart(mine.answer, choice.limit) / max(_apart(mine.answer, its.answer), TINY)
+    gives = outcome.fe_plan.give, other.fe_plan.give
+    return abs(gives[0] - choice.limit_give) / max(abs(gives[0] - gives[1]), TINY)
+
+
+def _undamped(name: str, changes: tuple[str, ...]) -> Plan:
+    return make_plan(*read_scene(name, changes))
+
+
+def _rung(other: Outcome, choice: Choice) -> Rung:
+    return replace(choice.rung, elements=other.fe_plan.plate.elements)
+
+
+def _apart(values: Mapping[str, float], others: Mapping[str, float]) -> float:
+    return max(abs(values[name] / others[name] - 1.0) for name in values)
 
 
 def _plan(rung: Rung | None, choice: Choice, name: str, changes: tuple[str, ...]) -> Plan | None:

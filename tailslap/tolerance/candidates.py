@@ -1,0 +1,89 @@
+"""Settings with their models, and what can be said of them without a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from tailslap.errors import InputError, Verbatim
+from tailslap.fe_model import make_model, resolved_plate
+from tailslap.fe_plan import FePlan, centre_travel, needed_plate, rigid_start, share_given
+from tailslap.plan import Plan
+from tailslap.scene import Scene
+from tailslap.tolerance.ladder import Rung, ladder, seconds
+
+if TYPE_CHECKING:
+    from fem.model import PlateModel
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A rung with its model, the model's give, and the expected time of its loop [s].
+
+    answer: the five quantities by the modal model of this mesh, where that was asked for and can be had.
+    """
+
+    rung: Rung
+    plan: Plan
+    model: PlateModel
+    give: float
+    seconds: float
+    answer: Mapping[str, float] = field(default_factory=dict)
+
+    def distance(self, other: Candidate, sensitivity: float) -> float:
+        """How far apart the answers of the two are expected to be, relatively: by modes, else by the gives."""
+        if self.answer and other.answer:
+            return max(abs(value / other.answer[name] - 1.0) for name, value in self.answer.items())
+        return BESIDE_THE_GIVE * sensitivity * abs(self.give - other.give)
+
+
+BESIDE_THE_GIVE = 3.0
+"""What is left near the limit is not in proportion to the give alone: there is vibration, and what hardly moves."""
+
+
+def constraints(scene: Scene) -> tuple[str, ...]:
+    """Holds to try: the scene's own if it says anything of it."""
+    given = scene.corner.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
+    return (scene.corner.constraint,) if given else ("penalty", "exact")
+
+
+def candidate(plan: Plan, rung: Rung) -> Candidate | None:
+    """The rung's candidate, or None where the mesh cannot carry the inertia or the patch."""
+    update: dict[str, Any] = {"element": rung.element, "elements": rung.elements, "hourglass": 0.1}
+    plate = needed_plate(plan.scene).model_copy(update=update)
+    corner = plan.scene.corner.model_copy(update={"constraint": rung.constraint})
+    plan = replace(plan, scene=plan.scene.model_copy(update={"plate": plate, "corner": corner}))
+    try:
+        model = make_model(plan, plate)
+    except InputError:
+        return None
+    steps = math.ceil(plan.motion.strike.t / model.loop.time_step)
+    return Candidate(rung, plan, model, share_given(plan, model), seconds(rung, steps, plan.scene.time.rows))
+
+
+def coarsest(plan: Plan, constraint: str) -> list[Candidate]:
+    """The coarsest mesh that makes a model, with linear elements and with quadratic ones, which do not lock."""
+    rungs = ladder(plan.scene, constraint)
+    for linear, quadratic in zip(rungs, rungs, strict=True):
+        found = [made for rung in (linear, quadratic) if (made := candidate(plan, rung))]
+        if len(found) == 2:
+            return found
+    raise InputError(
+        "plate.elements", Verbatim("none"), "no mesh of the ladder makes a model of this vehicle"
+    )
+
+
+def answered(made: Candidate) -> Candidate:
+    """The candidate with its modal answer; without one where the modal model does not have what the scene asks for."""
+    from tailslap.modal import modal_run
+
+    plan, plate = made.plan, resolved_plate(made.plan, needed_plate(made.plan.scene))
+    fe_plan = FePlan(
+        plan, plate, None, made.model, rigid_start(plan), centre_travel(plan), made.give, math.nan
+    )
+    try:
+        return replace(made, answer=modal_run(fe_plan, tolerance=1.0).values)
+    except InputError:
+        return made
