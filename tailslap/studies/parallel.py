@@ -19,7 +19,7 @@ def run_parts(
 ) -> None:
     """Call function(*arguments) for every part that the journal lacks; the results are records of the journal."""
     from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
     left = {key: arguments for key, arguments in parts.items() if key not in journal.records}
     if not left:
@@ -36,6 +36,8 @@ def run_parts(
                 progress(1.0 - (len(parts) - len(journal.records)) / len(parts))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for process in active_children():  # a part may take minutes more, and its result would be lost
+                process.terminate()
             raise
 
 

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import json
 import operator
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -150,3 +154,28 @@ def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
     assert "Wrong and not caught" in page
     assert "failed</span>" in page
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5
+
+
+def test_interrupt_does_not_wait_for_parts_that_take_long(tmp_path: Path) -> None:
+    """A part sleeps for ten minutes; the study ends at once, and keeps what was done."""
+    code = (
+        "import time\n"
+        "from pathlib import Path\n"
+        "from tailslap.studies.journal import Journal\n"
+        "from tailslap.studies.parallel import run_parts\n"
+        "if __name__ == '__main__':\n"
+        f"    with Journal(Path({str(tmp_path / 'out')!r}), {{}}) as journal:\n"
+        "        run_parts(time.sleep, {'short': (0.0,), 'long': (600.0,)}, journal, 'x', workers=2)\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    journal = tmp_path / ".out.journal"
+    study = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.PIPE, text=True)
+    for _ in range(1200):
+        if journal.is_file() and '"short"' in journal.read_text():
+            break
+        time.sleep(0.05)
+    study.send_signal(signal.SIGINT)
+    _, error = study.communicate(timeout=120)
+    assert "1 parts are kept" in error
+    assert '"short"' in journal.read_text()
