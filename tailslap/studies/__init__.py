@@ -1,7 +1,7 @@
 """Prepared studies: `tailslap study NAME SCENE`.
 
-A study is a module or package in this folder, whose name is the study's, with a click command called `command`:
-it is found by being there. Its arguments are those of `study_arguments`, and its own.
+A study is a package in this folder, whose name is the study's, with a click command called `command`: it is found by
+being there. The modules beside them are what studies share. Its arguments are those of `study_arguments`, and its own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tailslap.errors import InputError
 
 def study_names() -> list[str]:
     """Names of the studies, sorted; nothing is imported."""
-    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+    return sorted(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg)
 
 
 def study_arguments(function: Callable[..., Any]) -> Callable[..., Any]:

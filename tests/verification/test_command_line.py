@@ -18,8 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
-from tailslap.command_line import _status
+from tailslap.command_line import _status, commands
+from tailslap.studies import study_names
 
 pytestmark = pytest.mark.verification
 
@@ -269,3 +271,12 @@ def test_packages_keep_to_themselves() -> None:
                 if words[:1] in (["import"], ["from"]) and len(words) > 1:
                     top = words[1].split(".")[0]
                     assert top not in names - {package}, f"{source.name}: {line}"
+
+
+@pytest.mark.parametrize(
+    "command", [*sorted(commands.commands), *(f"study {name}" for name in study_names())]
+)
+def test_every_command_has_help(command: str) -> None:
+    shown = CliRunner().invoke(commands, [*command.split(), "--help"])
+    assert shown.exit_code == 0, shown.output
+    assert "Usage:" in shown.output
