@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 AGREEMENT = 5e-4
 """Difference from the rigid motion that is allowed of a plate that does not give."""
 GIVES = 2.0
-"""Multiples of the plate's own give that are allowed on top: for soft plates the difference is 0.5 to 0.7 of it."""
+"""Multiples of the plate's own give that are allowed on top: for soft plates the difference is 0.3 to 2.0 of it."""
 
 NUMERICAL_SHARE = 0.25
 """Share of the plate's give that may be the mesh's doing, and that may be the corner's spring; more, and the
