@@ -33,7 +33,7 @@ class Sample:
 @dataclass(frozen=True)
 class Level:
     """What is known of a level. frequency [Hz]: where it is crossed; the softest good point if it is not reached; the
-    stiffest point if all are above; the stiffest point that is not known. between: the points beside a crossing."""
+    stiffest point if all are above; the stiffest point that is not known, NaN without any that passed."""
 
     level: float
     kind: str
@@ -53,29 +53,46 @@ class PowerLaw:
 def lowest_frequency(samples: Sequence[Sample], level: float) -> Level:
     """Down to which first frequency the difference is at most the level; samples from stiff to soft.
 
-    Between two points that passed, next to each other, differences follow a power of the frequency.
+    Between two points that passed, next to each other, differences and errors follow powers of the frequency.
     """
     last: int | None = None
     for number, sample in enumerate(samples):
         if not sample.passed:
             continue
-        gap = last is not None and number != last + 1 and sample.difference > level
-        if gap or not sample.error < SHARE * level:
+        if not math.isfinite(sample.error):
             return Level(level, UNKNOWN, sample.frequency)
         if sample.difference > level:
-            if last is None:
-                return Level(level, ABOVE_ALL, sample.frequency)
-            return Level(level, CROSSED, _between(samples[last], sample, level))
+            return _crossing(samples, last, number, level)
+        if not sample.error < SHARE * level:
+            return Level(level, UNKNOWN, sample.frequency)
         last = number
     if last is None:
         return Level(level, UNKNOWN, math.nan)
     return Level(level, NOT_REACHED, samples[last].frequency)
 
 
-def _between(stiff: Sample, soft: Sample, level: float) -> float:
-    low = max(stiff.difference, np.finfo(float).tiny)
-    share = math.log(level / low) / math.log(soft.difference / low)
-    return stiff.frequency * (soft.frequency / stiff.frequency) ** share
+def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: float) -> Level:
+    """The level between the last point below it, if any, and this one above it."""
+    soft = samples[number]
+    if last is None:
+        known = soft.error < SHARE * soft.difference
+        return Level(level, ABOVE_ALL if known else UNKNOWN, soft.frequency)
+    stiff = samples[last]
+    share = _share(stiff.difference, soft.difference, level)
+    frequency = stiff.frequency * (soft.frequency / stiff.frequency) ** share
+    error = _floor(stiff.error) ** (1.0 - share) * _floor(soft.error) ** share
+    known = number == last + 1 and error < SHARE * level
+    return Level(level, CROSSED if known else UNKNOWN, frequency if known else soft.frequency)
+
+
+def _share(low: float, high: float, level: float) -> float:
+    """How far between low and high the level lies, on a logarithmic scale."""
+    return math.log(level / _floor(low)) / math.log(high / _floor(low))
+
+
+def _floor(value: float) -> float:
+    """The value, or rounding where it is less: the logarithm of nothing is none."""
+    return max(value, float(np.finfo(float).eps))
 
 
 def power_law(samples: Sequence[Sample]) -> PowerLaw | None:

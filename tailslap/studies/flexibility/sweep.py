@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -109,8 +110,11 @@ def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
 
 
 def _hertz(option: str, given: str) -> float:
+    value: float | str = given
+    with suppress(ValueError):
+        value = float(given)
     try:
-        return HERTZ.parse(float(given) if given.replace(".", "", 1).isdigit() else given)
+        return HERTZ.parse(value)
     except ValueError as error:
         raise InputError(option, given, str(error)) from None
 

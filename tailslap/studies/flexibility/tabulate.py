@@ -25,8 +25,9 @@ def level_table(found: Survey) -> StudyTable:
         "which holds from",
     )
     note = (
-        "Interpolated between plates whose runs passed their checks; below: the softest of them is still good. Not known: the discretisation error is not below "
-        "a third of the level. The peak force of Stage 3 is in proportion to v_GY."
+        "Interpolated between plates whose runs passed their checks; <: the softest of them is still good. Not "
+        "known: the discretisation error is not below a third of the level. The peak force of Stage 3 is in proportion "
+        "to v_GY."
     )
     marked = frozenset(i for i, name in enumerate(found.levels) if name == "v_gy")
     return StudyTable(columns, tuple(rows), marked=marked, title="Good down to", note=note)

@@ -27,7 +27,7 @@ def print_flexibility(found: Survey, place: Path) -> None:
         table.add_row(*map(Text, row))
     print(textwrap.fill(headline(found), NARROW))
     console = Console(highlight=False, soft_wrap=True, markup=False)
-    console.width = max(console.width if console.is_terminal else 0, 120)
+    console.width = max(console.width if console.is_terminal else 0, 130)
     console.print(table)
     for sentence in filter(None, (soft_sentence(found), stiff_sentence(found))):
         print(textwrap.fill(sentence, NARROW))

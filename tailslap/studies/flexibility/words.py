@@ -77,7 +77,9 @@ def own_sentence(found: Survey) -> str:
 
 
 def _unknown(level: Level) -> str:
-    return f"at {hertz(level.frequency)} the discretisation error is not below a third of it, or runs failed"
+    return (
+        f"near {hertz(level.frequency)} the discretisation error is not below a third of it, or runs failed"
+    )
 
 
 def level_words(level: Level) -> str:
@@ -85,8 +87,8 @@ def level_words(level: Level) -> str:
     if level.kind == CROSSED:
         return hertz(level.frequency)
     if level.kind == NOT_REACHED:
-        return f"below {hertz(level.frequency)}"
-    return f"above {hertz(level.frequency)}" if level.kind == ABOVE_ALL else "not known"
+        return f"< {hertz(level.frequency)}"
+    return f"> {hertz(level.frequency)}" if level.kind == ABOVE_ALL else "not known"
 
 
 def law_words(law: PowerLaw | None) -> tuple[str, str]:
@@ -116,7 +118,7 @@ def law_sentence(found: Survey) -> str:
     return (
         f"The difference in v_GY is {law.factor:.3g} (f1 / 1 Hz)^({law.exponent:.3f}) from {hertz(law.highest)} down "
         f"to {hertz(law.lowest)} ({end}), to {per_cent(STRAIGHT)}. Compliance goes with 1/E and E with the square of "
-        "f1: the exponent must be -2."
+        "f1: a plate that follows its load without vibration has the exponent -2."
     )
 
 
