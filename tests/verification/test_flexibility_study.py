@@ -139,9 +139,8 @@ def test_levels_of_a_power_law_are_exact(level: float, hertz: float) -> None:
 
 def test_levels_that_are_not_crossed() -> None:
     points = [power(f) for f in SWEEP]
-    assert lowest_frequency(points[:4], 0.01) == replace(
-        lowest_frequency(points[:4], 0.01), kind=NOT_REACHED, frequency=SWEEP[3]
-    )
+    all_below = lowest_frequency(points[:4], 0.01)
+    assert (all_below.kind, all_below.frequency) == (NOT_REACHED, SWEEP[3])
     above = lowest_frequency(points, 1e-12)
     assert (above.kind, above.frequency) == (ABOVE_ALL, SWEEP[0])
     none = lowest_frequency([replace(point, passed=False) for point in points], 0.01)

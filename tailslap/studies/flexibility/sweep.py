@@ -164,7 +164,12 @@ def foretell(sweep: Sweep) -> dict[str, Any]:
     highest, mesh = sweep.frequencies[0], judged_mesh(sweep.plan)
     found: Flutter | None = None
     if sweep.plan.scene.damping is None:
-        fe_plan = make_fe_plan(make_plan(validate(run_tables(sweep, highest, mesh))))
+        tables = run_tables(sweep, highest, mesh)
+        if sweep.held.patch * mesh[0] < sweep.plan.body.length * (1.0 - 1e-9):
+            tables["corner"].pop(
+                "patch_length"
+            )  # shorter than an element of the coarser mesh: held at one node
+        fe_plan = make_fe_plan(make_plan(validate(tables)))
         found = foresee_flutter(fe_plan.model, fe_plan.start, sweep.plan.motion.strike.t)
     growth, cure = (found.growth, found.cure) if found else (0.0, None)
     return {"growth": growth, "cure": cure, "frequency": highest, "along": mesh[0]}
