@@ -153,6 +153,15 @@ def test_a_level_is_known_up_to_a_third_of_it_in_error(share: float, kind: str) 
     assert lowest_frequency([power(f, share) for f in SWEEP], 0.01).kind == kind
 
 
+def test_points_below_a_level_must_be_known_to_lie_below_it() -> None:
+    points = [power(f) for f in SWEEP]
+    points[2] = replace(points[2], error=0.0034)
+    unknown = lowest_frequency(points, 0.01)
+    assert (unknown.kind, unknown.frequency) == (UNKNOWN, SWEEP[2])
+    points[2] = replace(points[2], error=0.0033)
+    assert lowest_frequency(points, 0.01).kind == CROSSED
+
+
 def test_failed_points_say_nothing_of_a_level() -> None:
     points = [power(f) for f in SWEEP]
     points[0] = replace(points[0], passed=False, difference=9.0)
