@@ -278,6 +278,17 @@ def test_points_carry_difference_and_error(synthetic: Callable[..., Survey]) -> 
         assert point.passed
 
 
+def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Survey]) -> None:
+    rigid = stage_two_numbers(synthetic().sweep.plan)
+    record = point_record(SWEEP[4], rigid)
+    longer = record["meshes"][-1]["values"]
+    half = {name: rigid[name] + 1.1 * (longer[name] - rigid[name]) for name in rigid}
+    found = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half)}})
+    assert "at 10\N{NO-BREAK SPACE}Hz changes by +10 %" in " ".join(statements(found))
+    failed = mesh_record(0.0, rigid, values=half, failed=["mesh"])
+    assert "changes by" not in " ".join(statements(synthetic({4: record | {"half_patch": failed}})))
+
+
 def test_headline(synthetic: Callable[..., Survey]) -> None:
     words = headline(synthetic()).replace("\N{NO-BREAK SPACE}", " ")
     assert words.startswith(
@@ -370,6 +381,10 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert [point["passed"] for point in points] == [True, True, True, False]
     assert [point["thickness_apart"] is not None for point in points].count(True) == 2
     assert max(point["thickness_apart"] or 0.0 for point in points) < 1e-11
+    assert [point["half_patch_v_gy"] is not None for point in points] == [False, False, True, False]
+    assert (
+        1.0 < points[2]["half_patch_v_gy"] / points[2]["difference_v_gy"] < 1.3
+    )  # what holds on less gives more
     assert _status([*given, "--lowest", "50 Hz"]) == WRONG_INPUT
     assert _status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == WRONG_INPUT
 

@@ -21,12 +21,17 @@ from tailslap.studies.stability.axes import Tables
 Record = dict[str, Any]
 
 
-def measure(meshes: list[Tables | None], modal: Tables, own: Section | None) -> Record:
+def measure(
+    meshes: list[Tables | None], modal: Tables, own: Section | None, half_patch: Tables | None
+) -> Record:
     """The record of a point; meshes: tables of the three runs, coarse to fine, None for one that is left out.
 
-    modal: of the modal model; own: the scene's section where the middle mesh is run once more by its thickness.
+    modal: of the modal model; own: the scene's section where the middle mesh is run once more by its thickness;
+    half_patch: the finest mesh held over half the length, where that is to be run.
     """
     record: Record = {"meshes": [one_run(tables) for tables in meshes], "modal": modal_opinion(modal)}
+    if half_patch is not None:
+        record["half_patch"] = one_run(half_patch)
     middle = record["meshes"][1]
     if own is not None and meshes[1] is not None and "refused" not in middle:
         record["thickness"] = one_run(thickness_tables(meshes[1], middle["youngs_modulus"], own))

@@ -22,6 +22,7 @@ from tailslap.studies.flexibility.sweep import (
     define,
     expected_seconds,
     foretell,
+    half_patch_tables,
     run_tables,
     thickness_places,
 )
@@ -51,7 +52,8 @@ class Point:
 
     difference: of the five quantities from the rigid ones; reaction, stored: see `measure`. errors: discretisation
     error of each of the seven, in their units, NaN where it is not known. modal: the modal model's differences.
-    why: the checks that failed, or why there was no run.
+    why: the checks that failed, or why there was no run. half_patch: the difference of v_GY with half the patch, NaN
+    where that was not run.
     """
 
     frequency: float
@@ -69,6 +71,7 @@ class Point:
     modal_apart: float
     modal_why: str
     thickness: Thickness | None
+    half_patch: float
     steps: int
 
     def size(self, name: str) -> float:
@@ -109,7 +112,7 @@ def survey(plan: Plan, frequencies: tuple[float, ...], place: Path, workers: int
 def _parts(sweep: Sweep, fe_plan: FePlan, calming: Calming) -> dict[str, tuple[Any, ...]]:
     """Arguments of `measure` by key; a run that would take too long is left out."""
     own_damping, thin = sweep.plan.scene.damping, thickness_places(len(sweep.frequencies))
-    parts = {}
+    parts, middle = {}, len(sweep.frequencies) // 2
     for number, frequency in enumerate(sweep.frequencies):
         tables = []
         for mesh in sweep.meshes:
@@ -118,7 +121,9 @@ def _parts(sweep: Sweep, fe_plan: FePlan, calming: Calming) -> dict[str, tuple[A
             tables.append(run_tables(sweep, frequency, mesh, ratio) if short else None)
         modal = run_tables(sweep, frequency, sweep.meshes[-1])
         modal.pop("damping", None)
-        parts[f"{frequency!r} Hz"] = (tables, modal, sweep.own if number in thin else None)
+        finest = tables[-1]
+        half = half_patch_tables(finest) if finest is not None and number == middle else None
+        parts[f"{frequency!r} Hz"] = (tables, modal, sweep.own if number in thin else None, half)
     return parts
 
 
@@ -144,6 +149,7 @@ def make_point(frequency: float, record: Record, rigid: dict[str, float]) -> Poi
         modal_apart=farthest(modal_values, values),
         modal_why=modal.get("refused", ", ".join(modal.get("failed", []))),
         thickness=_thickness(record),
+        half_patch=_half_patch(record, rigid),
         steps=fine.get("steps", 0),
     )
 
@@ -183,6 +189,12 @@ def _thickness(record: Record) -> Thickness | None:
     if "thickness" not in found:
         return None
     return Thickness(found["thickness"], farthest(found["values"], record["meshes"][1]["values"]))
+
+
+def _half_patch(record: Record, rigid: dict[str, float]) -> float:
+    found = record.get("half_patch", {})
+    good = found.get("values") and not found["failed"]
+    return relative_difference(found["values"], rigid)["v_gy"] if good else math.nan
 
 
 def samples(points: tuple[Point, ...], name: str) -> list[Sample]:

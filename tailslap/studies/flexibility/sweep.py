@@ -189,6 +189,13 @@ def run_tables(sweep: Sweep, frequency: float, elements: tuple[int, int], dampin
     return tables
 
 
+def half_patch_tables(tables: Tables) -> Tables:
+    """The same with the corner held over half the length of side."""
+    tables = copy.deepcopy(tables)
+    tables["corner"]["patch_length"] *= 0.5
+    return tables
+
+
 def expected_seconds(sweep: Sweep, fe_plan: FePlan, frequency: float, elements: tuple[int, int]) -> float:
     """Time that the loop is expected to take, from the scene's own steps."""
     own = fe_plan.plate.elements

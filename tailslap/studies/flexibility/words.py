@@ -172,7 +172,19 @@ def corner_sentence(found: Survey) -> str:
         if held.own_constraint
         else "the exact constraint, which adds no spring"
     )
-    return f"The corner is held by {hold} over {patch}."
+    return f"The corner is held by {hold} over {patch}.{_half_patch(found)}"
+
+
+def _half_patch(found: Survey) -> str:
+    """What half the patch changes, where both runs passed."""
+    known = [p for p in found.points if p.passed and math.isfinite(p.half_patch)]
+    if not known:
+        return ""
+    (point,) = known
+    more = 100.0 * (point.half_patch / point.difference[MAIN] - 1.0)
+    return (
+        f" Over half that length the difference in v_GY at {hertz(point.frequency)} changes by {more:+.0f} %."
+    )
 
 
 def damping_sentence(found: Survey) -> str:

@@ -82,6 +82,7 @@ def _numbers(point: Point) -> dict[str, Any]:
         "damping_ratio": point.damping,
         "give": point.give,
         "steps": point.steps,
+        "half_patch_v_gy": point.half_patch,
         "thickness": thickness.thickness if thickness else None,
         "thickness_apart": thickness.apart if thickness else None,
     }
