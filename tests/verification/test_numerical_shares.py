@@ -67,7 +67,7 @@ def test_spoilt_run_is_given_up(outcome: Callable[..., Any]) -> None:
     """Flutter at 5 000 times the stiffness: no use in ringing on to the end."""
     result = outcome("paper-table-3", "plate.youngs_modulus=1000 TPa", "plate.elements=[6,2]")
     (ringing,) = (check.value for check in result.checks if check.name == "friction by ringing")
-    assert SPOILT < ringing < 4.0 * SPOILT
+    assert ringing > SPOILT
     assert {"tail-slap reached", "friction by ringing"} <= failed(result)
     assert result.run.steps < 0.9 * result.fe_plan.expected_steps
 

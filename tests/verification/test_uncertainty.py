@@ -380,10 +380,11 @@ def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str
     assert _status(["study", "uncertainty", TRUCK, "--samples", "10"]) == 2
 
 
-def test_a_study_is_found_by_its_file(
+def test_a_study_is_found_by_its_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "demo.py").write_text(
+    (tmp_path / "demo").mkdir()
+    (tmp_path / "demo" / "__init__.py").write_text(
         "import click\nfrom tailslap.studies import study_arguments\n"
         "@click.command()\n@study_arguments\ndef command(name, changes, out):\n    print(name, changes)\n    return 0\n"
     )
