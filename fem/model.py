@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,26 +106,36 @@ def build_model(
 
     Raises ValueError where the mesh cannot carry the exact inertia, or has too few nodes for the patch.
     """
-    discretisation, moduli, masses, stiffness, hourglass = _assemble(mesh, plate)
-    held = _corner(discretisation, masses, plate, corner)
-    spectrum = Spectrum(stiffness, masses, held, corner.angles)
+    model = static_model(mesh, plate, corner)
+    d, loop = model.discretisation, model.loop
+    spectrum = Spectrum(model.stiffness, loop.mass, loop.corner, corner.angles)
     frequency = spectrum.highest_frequency()
-    viscosity = _viscosity(discretisation, plate, step, moduli, frequency)
-    damping = (
-        None if viscosity is None else stiffness_matrix(discretisation.scalar, plate.thickness, viscosity)
-    )
+    viscosity = _viscosity(d, plate, step, frequency)
+    damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     stable = spectrum.stable_time_step(frequency, damping)
+    time_step = min(step.safety_factor * stable, step.longest)
+    return replace(
+        model,
+        highest_frequency=frequency,
+        stable_time_step=stable,
+        loop=loop._replace(viscosity=viscosity, time_step=time_step),
+    )
+
+
+def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
+    """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
+    discretisation, moduli, masses, stiffness, hourglass = _assemble(mesh, plate)
     loop = LoopParameters(
         table=discretisation.table,
         material=MATERIALS[plate.material](plate.youngs_modulus, plate.poissons_ratio),
         mass=masses,
-        corner=held,
+        corner=_corner(discretisation, masses, plate, corner),
         friction=corner.friction,
-        viscosity=viscosity,
+        viscosity=None,
         hourglass=hourglass,
-        time_step=min(step.safety_factor * stable, step.longest),
+        time_step=math.nan,
     )
-    return PlateModel(discretisation, stiffness, frequency, stable, loop, moduli.c_33)
+    return PlateModel(discretisation, stiffness, math.nan, math.nan, loop, moduli.c_33)
 
 
 def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
@@ -174,14 +184,11 @@ def _corner(
 
 
 def _viscosity(
-    d: Discretisation,
-    plate: PlateProperties,
-    step: StepProperties,
-    moduli: StVenantKirchhoff,
-    frequency: float,
+    d: Discretisation, plate: PlateProperties, step: StepProperties, frequency: float
 ) -> Viscosity | None:
     if not (step.damping_ratio or step.bulk_viscosity):
         return None
+    moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     time = 2.0 * step.damping_ratio / frequency
     size = math.sqrt(float(d.scalar.dx.sum(axis=1).min()))
     bulk = step.bulk_viscosity * math.sqrt(plate.density * moduli.c_11) * size

@@ -43,6 +43,15 @@ def make_model(plan: Plan, plate: Plate) -> PlateModel:
     return model
 
 
+def make_static_model(plan: Plan, plate: Plate) -> PlateModel:
+    """The model without what needs its frequencies. Raises InputError for keys that make no model."""
+    from fem.model import static_model
+
+    plate = resolved_plate(plan, plate)
+    with _refusals(plan.scene, plate):
+        return static_model(_mesh(plan, plate), _plate(plan, plate), _corner(plan))
+
+
 def resolved_plate(plan: Plan, plate: Plate) -> Plate:
     """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
     from fem.model import modulus_for

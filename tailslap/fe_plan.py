@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Missing
-from tailslap.fe_model import make_model, resolved_plate
+from tailslap.fe_model import make_model, make_static_model, resolved_plate
 from tailslap.plan import Plan
 from tailslap.scene import Plate, Scene
 
@@ -70,7 +70,7 @@ def needed_plate(scene: Scene) -> Plate:
 def make_fe_plan(plan: Plan) -> FePlan:
     """Mesh and assemble. Raises InputError for keys that make no model."""
     plate, wall = resolved_plate(plan, needed_plate(plan.scene)), _wall(plan)
-    model, other = (make_model(plan, a_plate) for a_plate in (plate, comparable_plate(plate)))
+    model, other = make_model(plan, plate), make_static_model(plan, comparable_plate(plate))
     gives = (share_given(plan, a_model) for a_model in (model, other))
     return FePlan(plan, plate, wall, model, rigid_start(plan), centre_travel(plan), *gives)
 
