@@ -150,3 +150,24 @@ def test_page_and_summary(tmp_path: Path) -> None:
     assert "1.79" in page
     assert "gives by the logarithm of the mesh" in page
     assert len((tmp_path / "settings.csv").read_text().splitlines()) == len(rows) + 1
+
+
+def records_of(found: list[Setting], steps: dict[str, int]) -> dict[str, Any]:
+    """Values that converge, and steps by group."""
+    return {
+        s.key: {
+            "values": {k: v + 0.1 * s.refinement**-2 for k, v in TRUTH.items()},
+            "steps": steps.get(s.label, 1000),
+        }
+        for s in found
+    }
+
+
+def test_time_steps_that_are_no_halves_have_no_convergence() -> None:
+    """On a soft plate the least number of steps stands against the safety factor: that is not a settled value."""
+    found = settings(read_scene("paper-table-3")[0])
+    halves = {"safety factor 0.45": 2000, "safety factor 0.225": 4000}
+    assert "time step" in survey_module._convergence(found, records_of(found, halves))
+    soft = survey_module._convergence(found, records_of(found, {}))
+    assert "time step" not in soft
+    assert soft["mesh"]["t"].order == pytest.approx(2.0)

@@ -13,6 +13,8 @@ finite elements."""
 INTEGRATORS = ("RK45", "DOP853", "Radau", "LSODA")
 RTOLS = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 SAFETY_FACTORS = (0.45, 0.225)
+"""Halves of the default, each of the last."""
+
 MESH, STEP, HOLD = "mesh", "time step", "exact constraint"
 """Groups of settings that the grid convergence is read off."""
 

@@ -6,6 +6,7 @@ import math
 import statistics
 import time
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,6 @@ from tailslap.studies.cost.settings import (
     HOLD,
     MESH,
     MODAL,
-    SAFETY_FACTORS,
     STEP,
     Setting,
     settings,
@@ -95,20 +95,26 @@ def _convergence(todo: list[Setting], records: dict[str, Any]) -> dict[str, dict
     """By group, the three finest meshes or steps of each quantity."""
     found = {}
     for group in (MESH, HOLD, STEP):
-        if group == STEP:
-            chosen = [s for s in todo if s.group == STEP or (s.group == MESH and s.refinement == 1.0)]
-        else:
-            chosen = [s for s in todo if s.group == group and s.refinement >= 0.5]
-        values = [records[s.key]["values"] for s in chosen if "values" in records[s.key]]
-        values = [v for v in values if all(map(math.isfinite, v.values()))][-3:]
-        if len(values) == 3:
-            coarse, medium, fine = values
-            found[group] = {
-                name: grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0))
-                for name in COMPARED
-            }
-    assert SAFETY_FACTORS[0] == 2.0 * SAFETY_FACTORS[1]
+        chosen = [records[setting.key] for setting in todo if _in_group(setting, group)]
+        chosen = [r for r in chosen if "values" in r and all(map(math.isfinite, r["values"].values()))][-3:]
+        if len(chosen) < 3 or (group == STEP and not _halved([record["steps"] for record in chosen])):
+            continue
+        coarse, medium, fine = (record["values"] for record in chosen)
+        found[group] = {
+            name: grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0)) for name in COMPARED
+        }
     return found
+
+
+def _in_group(setting: Setting, group: str) -> bool:
+    if group == STEP:  # the scene's own step, and those that are halves of it
+        return setting.group == STEP or (setting.group == MESH and setting.refinement == 1.0)
+    return setting.group == group and setting.refinement >= 0.5
+
+
+def _halved(steps: list[int]) -> bool:
+    """Whether each has twice the steps of the last; on soft plates the least number of steps stands against it."""
+    return all(abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
 
 
 def _limit(convergence: dict[str, dict[str, GridConvergence]], plan: Plan) -> tuple[dict[str, float], bool]:
