@@ -146,7 +146,7 @@ def convergence_sentences(found: CostSurvey) -> tuple[str, ...]:
         "Central differences err by the square of the time step; stability keeps it so short that the step hardly "
         "shows in these digits."
         if STEP in found.convergence
-        else "There is no table for the time step: the steps measured are not halves of each other, for the least number "
-        "of steps of a soft plate, or the scene's own safety factor, stands against it."
+        else "There is no table for the time step: the steps measured are not halves of each other, for the least "
+        "number of steps of a soft plate, or the scene's own safety factor, stands against it."
     )
     return tuple(said)
