@@ -130,10 +130,12 @@ class Dispatcher:
                 self._take(rows)
 
     def _rows_of(self, future: Future) -> list[Finished]:
+        from distributed.comm import CommClosedError
+
         tasks = self._under_way.pop(future)
         try:
             rows: list[Finished] = future.result(timeout=RESULT_S)
-        except (TimeoutError, asyncio.CancelledError, concurrent.futures.CancelledError):
+        except (TimeoutError, asyncio.CancelledError, concurrent.futures.CancelledError, CommClosedError):
             if self._client.status != "running":
                 raise SchedulerLostError from None
             future.cancel()

@@ -13,8 +13,10 @@ import signal
 import subprocess
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import pytest
@@ -27,6 +29,7 @@ from tailslap.run import run_scene
 from tailslap.scene_files import read_scene
 from tailslap.sweep import cluster as cluster_module
 from tailslap.sweep.definition import Definition, make_definition
+from tailslap.sweep.dispatch import Dispatcher, SchedulerLostError
 from tailslap.sweep.journal import NAME as JOURNAL
 from tailslap.sweep.perform import StoppedError, perform
 from tailslap.sweep.row import TIMES
@@ -363,3 +366,27 @@ def test_other_versions_are_refused(
     with pytest.raises(InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
         perform(definition_of(scene), tmp_path / "sweep", cluster)
     assert not (tmp_path / "sweep").exists()
+
+
+def test_connection_lost_while_rows_come_does_not_blame_a_worker() -> None:
+    """The connection may break before the client knows: the runs wait again, or the scheduler is called lost."""
+    from distributed.comm import CommClosedError
+
+    class Broken:
+        def result(self, timeout: float) -> Any:
+            raise CommClosedError("reset by peer")
+
+        def cancel(self) -> None:
+            pass
+
+    tasks = [Task(3, ("corner.friction=0.1",))]
+    for status in ("running", "closed"):
+        dispatcher = Dispatcher.__new__(Dispatcher)
+        future, client = Broken(), SimpleNamespace(status=status)
+        vars(dispatcher).update(_client=client, _under_way={future: tasks}, _waiting=deque())
+        if status == "running":
+            assert dispatcher._rows_of(future) == []  # type: ignore[arg-type]
+            assert list(dispatcher._waiting) == tasks
+        else:
+            with pytest.raises(SchedulerLostError):
+                dispatcher._rows_of(future)  # type: ignore[arg-type]
