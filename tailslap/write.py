@@ -63,7 +63,7 @@ def _draw(outcome: Outcome, folder: Path) -> Outcome:
     fields = [
         ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
         ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
-        ContourField("omega", "Angular velocity", "rad/s", spin[:drawn]),
+        ContourField("omega", "Angular velocity", "rad/s", spin),
     ]
     pictures = draw_contours(
         strike.positions.T[:drawn],

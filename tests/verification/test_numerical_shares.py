@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fem.fields import nodal_spin
 from tailslap.checks import SPOILT
 from tailslap.fe_plan import comparable_plate, make_fe_plan
 from tailslap.plan import make_plan
@@ -78,3 +79,14 @@ def test_momentum_closes_with_exact_constraint_and_damping(outcome: Callable[...
     result = outcome("paper-table-3", *fast, "corner.constraint=exact", "damping.ratio=0.02")
     (momentum,) = (check.value for check in result.checks if check.name == "momentum balance")
     assert momentum < 1e-14
+
+
+@pytest.mark.parametrize("element", ["quad4", "quad9", "tri3", "tri6"])
+def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome: Callable[..., Any], element: str) -> None:
+    """On quadratic triangles too, whose corner functions have no integral."""
+    mesh = ("plate.elements=[8,4]", f"plate.element={element}")
+    discretisation = outcome("paper-abaqus", *mesh).fe_plan.model.discretisation
+    x, y = discretisation.positions
+    spin = nodal_spin(discretisation.scalar, discretisation.positions, 0.7 * np.array([-y, x]))
+    assert spin.shape == (discretisation.cells.max() + 1,)
+    assert spin == pytest.approx(np.full_like(spin, 0.7), rel=1e-12)
