@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -45,6 +46,16 @@ def _element_counts(given: object) -> object:
 
 
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
+
+
+def _name(given: object) -> object:
+    """A name of a file, for results go to results/NAME: no "..", and nothing hidden."""
+    if not isinstance(given, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", given):
+        raise ValueError('allowed are 1 to 80 letters, digits and "_", "+", "-", ".", with no "." in front')
+    return given
+
+
+Name = Annotated[str, BeforeValidator(_name)]
 
 
 class Table(BaseModel):
@@ -145,7 +156,7 @@ class Wall(Table):
 class Scene(Table):
     """A whole scene."""
 
-    name: Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[\w.+-]+$")]
+    name: Name
     vehicle: Vehicle
     impact: Impact | None = None
     start: Start | None = None

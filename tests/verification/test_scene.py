@@ -89,7 +89,13 @@ def test_units_arrive_in_si(change: str, path: tuple[str, str], value: float) ->
         ("vehicle=3", "vehicle", "a table"),
         ("time.safety_factor=1.1", "time.safety_factor", "at most 1"),
         ("damping.ratio=0", "damping.ratio", "above 0"),
-        ("name=../up", "name", "pattern"),
+        *(
+            (f"name={name}", "name", "letters, digits")
+            for name in ("../up", "..", ".x", "a/b", "a b", "x" * 81)
+        ),
+        ('name="."', "name", 'no "." in front'),
+        ('name=""', "name", "1 to 80"),
+        ("name=3", "name", "letters, digits"),
         ("wall.length=-1 m", "wall.length", "above 0 m"),
         ("vehicle.length", "--set", "KEY=VALUE"),
         ("=3", "--set", "KEY=VALUE"),
@@ -102,6 +108,11 @@ def test_wrong_values_are_told_which_key_and_what_is_allowed(change: str, key: s
     assert caught.value.key == key
     assert allowed in caught.value.allowed
     assert str(caught.value).startswith(f"{key}: given ")
+
+
+@pytest.mark.parametrize("name", ["a", "a.b", "v1..2", "-_+", "Müller-3", "x" * 80])
+def test_names_that_can_be_a_folder_s(name: str) -> None:
+    assert changed(f"name='{name}'").name == name
 
 
 @pytest.mark.parametrize(
