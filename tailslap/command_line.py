@@ -186,8 +186,9 @@ def paper(out: Path | None, as_json: bool) -> int:
     from tailslap.paper.write import write_paper
     from tailslap.result_folder import result_folder
 
-    result, place = answer(), out or Path("results") / "paper"
+    place = out or Path("results") / "paper"
     with result_folder(place) as folder:
+        result = answer()
         write_paper(result, folder)
     print_paper(result, place, as_json)
     return DONE

@@ -1,60 +1,76 @@
-"""A result folder is complete or absent: it is filled beside its place and moved there at the end."""
+"""A result folder is complete or absent: it is filled beside its place and moved there at the end.
+
+A result carries a manifest of its files (manifest.py). Only an absent or empty folder is taken as a place, or an
+earlier result whose files are unchanged: those are replaced, all of them, and whatever the user has added beside them
+stays in the folder as it is. A file of a result that the user changed is refused, and so is an added one that the new
+result would overwrite; nothing is then changed.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tailslap.earlier_result import find_earlier, put_in_place
 from tailslap.errors import InputError
-
-MARK = "summary.json"
-"""The file by which an earlier result is known; only such a folder, or an empty one, is replaced."""
-
-SWEEP = "sweep.json"
-"""The file by which the folder of a sweep is known, which is not replaced: it may hold days of runs."""
+from tailslap.manifest import entry, write_manifest
 
 
 @contextmanager
 def result_folder(place: Path) -> Iterator[Path]:
-    """Yield an empty folder to fill; on success it becomes `place`, on any failure nothing is left of it.
+    """Yield an empty folder to fill with files; on success it becomes `place`, on any failure nothing is left of it.
 
-    Raises InputError if `place` cannot be written, or holds something else than an earlier result.
+    A link to a folder is followed. Raises InputError if `place` cannot be written or would lose what is not ours.
     """
-    place = place.absolute()
-    _refuse_foreign(place)
+    place = resolved(place)
+    find_earlier(place)
     made = _make_parents(place)
     try:
-        folder = Path(tempfile.mkdtemp(prefix=f".{place.name}.", dir=place.parent))
-    except OSError as error:
-        _remove(made)
-        raise InputError("--out", str(place), f"the folder cannot be written: {error.strerror}") from None
-    try:
-        yield folder
-        folder.chmod(0o755)
-        _put(folder, place)
+        with _filled(place) as folder:
+            yield folder
+        put_in_place(folder, place)
     except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
         _remove(made)
         raise
 
 
 def demand_place(place: Path) -> None:
-    """Before long work: raise InputError if `place` holds something else than an earlier result."""
-    _refuse_foreign(place.absolute())
+    """Before long work: raise InputError if `place` holds something else than an unchanged earlier result."""
+    find_earlier(resolved(place))
 
 
-def _refuse_foreign(place: Path) -> None:
-    if place.exists() and not place.is_dir():
-        raise InputError("--out", str(place), "this is a file; allowed is a folder")
-    foreign = not (place / MARK).is_file() or (place / SWEEP).is_file()
-    if place.is_dir() and any(place.iterdir()) and foreign:
-        raise InputError(
-            "--out", str(place), "it holds other files; allowed is a new folder or an earlier result"
-        )
+def resolved(place: Path) -> Path:
+    """The absolute path, links followed."""
+    return Path(os.path.realpath(place))
+
+
+@contextmanager
+def _filled(place: Path) -> Iterator[Path]:
+    """A fresh folder beside `place`, which has its manifest when this ends; removed if it fails."""
+    try:
+        folder = Path(tempfile.mkdtemp(prefix=f".{place.name}.", dir=place.parent))
+    except OSError as error:
+        raise InputError("--out", str(place), f"the folder cannot be written: {error.strerror}") from None
+    try:
+        yield folder
+        _seal(folder)
+        folder.chmod(stat.S_IMODE(place.stat().st_mode) if place.exists() else 0o755)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _seal(folder: Path) -> None:
+    """Write the manifest of a folder that is complete."""
+    entries = [entry(path) for path in folder.iterdir()]
+    if None in entries:
+        raise ValueError("a result holds plain files alone")
+    write_manifest(folder, (item for item in entries if item))
 
 
 def _make_parents(place: Path) -> list[Path]:
@@ -69,23 +85,9 @@ def _make_parents(place: Path) -> list[Path]:
 
 
 def _remove(folders: list[Path]) -> None:
+    """Remove those that are empty."""
     for folder in folders:
         try:
             folder.rmdir()
         except OSError:
             return
-
-
-def _put(folder: Path, place: Path) -> None:
-    if not place.exists():
-        os.replace(folder, place)
-        return
-    old = Path(tempfile.mkdtemp(prefix=f".{place.name}.old.", dir=place.parent)) / "result"
-    os.replace(place, old)
-    try:
-        os.replace(folder, place)
-    except BaseException:
-        os.replace(old, place)
-        raise
-    finally:
-        shutil.rmtree(old.parent, ignore_errors=True)

@@ -29,7 +29,7 @@ HEAVY = (
     *("gmsh", "skfem", "numba", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
 )
-FILES = {"summary.json", "history.csv", "rigid.csv", "report.html"}
+FILES = {"summary.json", "history.csv", "rigid.csv", "report.html", ".tailslap-result.json"}
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3")
 PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"}
 
@@ -216,13 +216,24 @@ def test_a_run_without_a_plate_is_refused_and_rigid_does_without(
     assert _status(["check", str(scene)]) == 0
 
 
-def test_an_earlier_result_is_replaced_whole(tmp_path: Path) -> None:
-    arguments = ["run", "paper-abaqus", "--no-pictures", "--out", str(tmp_path / "out")]
+def test_an_earlier_result_is_replaced_and_what_was_added_or_changed_is_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, arguments = (
+        tmp_path / "out",
+        ["run", "paper-abaqus", "--no-pictures", "--out", str(tmp_path / "out")],
+    )
     assert _status(arguments) == 0
-    (tmp_path / "out" / "stale.txt").write_text("old")
+    (out / "notes.txt").write_text("mine")
+    first = (out / "summary.json").read_text()
     assert _status(arguments) == 0
-    assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
+    assert (out / "summary.json").read_text() != first  # it has times in it
+    assert {path.name for path in out.iterdir()} == FILES | {"notes.txt"}
     assert {path.name for path in tmp_path.iterdir()} == {"out"}
+    (out / "report.html").write_text("mine")
+    assert _status(arguments) == 2
+    assert "report.html in it was changed" in capsys.readouterr().err
+    assert (out / "report.html").read_text() == "mine"
 
 
 def long_run(tmp_path: Path, stderr: Any) -> subprocess.Popen[bytes]:

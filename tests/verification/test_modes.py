@@ -23,6 +23,7 @@ from fem.modes import FreeModes, free_modes, most_modes
 from meshes import plate_mesh
 from postprocess.mode_plots import draw_mode, mesh_edges
 from tailslap.command_line import DONE, WRONG_INPUT, _status
+from tailslap.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
 
@@ -180,7 +181,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "result"
     assert _status(["modes", "paper-table-3", "--count", "6", "--out", str(out)]) == DONE
     assert "bending 1" in capsys.readouterr().out
-    assert {path.name for path in out.iterdir()} == {"report.html", "summary.json"}
+    assert {path.name for path in out.iterdir()} == {"report.html", "summary.json", MANIFEST}
     summary = json.loads((out / "summary.json").read_text())
     assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
     assert abs(summary["modes"][0]["difference"]) < 6e-3

@@ -17,6 +17,7 @@ from test_postprocess_report import Page
 
 from postprocess.paper_page import LINES, MARKS, Column, Row, Table, draw_figures, glued, prose
 from tailslap.command_line import _status
+from tailslap.manifest import NAME as MANIFEST
 from tailslap.paper.answer import Answer, answer
 from tailslap.paper.content import all_numbers, sections
 from tailslap.paper.figures import FIGURES, figures, marks
@@ -24,7 +25,7 @@ from tailslap.paper.findings import findings
 
 pytestmark = pytest.mark.verification
 
-FILES = {"paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv"}
+FILES = {"paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv", MANIFEST}
 
 
 @pytest.fixture(scope="module")
@@ -150,12 +151,12 @@ def test_a_reader_of_the_pipe_may_leave(tmp_path: Path) -> None:
     assert done.stdout.startswith("B. Chuong and R. B. Malla")
 
 
-def test_an_earlier_result_is_replaced_whole(tmp_path: Path) -> None:
+def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path: Path) -> None:
     place = tmp_path / "out"
     assert _status(["paper", "--out", str(place)]) == 0
-    (place / "stale.txt").write_text("old")
+    (place / "notes.txt").write_text("mine")
     assert _status(["paper", "--out", str(place)]) == 0
-    assert {path.name for path in place.iterdir()} == FILES
+    assert {path.name for path in place.iterdir()} == FILES | {"notes.txt"}
 
 
 @pytest.mark.parametrize("number", range(7))

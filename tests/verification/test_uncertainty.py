@@ -21,6 +21,7 @@ from scipy import stats
 import tailslap.studies
 from tailslap.command_line import _status
 from tailslap.errors import InputError
+from tailslap.manifest import NAME as MANIFEST
 from tailslap.plan import make_plan
 from tailslap.scene_files import read_scene
 from tailslap.studies import study_names
@@ -245,7 +246,12 @@ def test_the_same_call_gives_the_same_files(tmp_path: Path) -> None:
         assert (
             _status(["study", "uncertainty", "mash-tl3-car", "--samples", "2000", "--out", str(folder)]) == 0
         )
-        assert {path.name for path in folder.iterdir()} == {"report.html", "samples.csv", "summary.json"}
+        assert {path.name for path in folder.iterdir()} == {
+            "report.html",
+            "samples.csv",
+            "summary.json",
+            MANIFEST,
+        }
     for name in ("report.html", "samples.csv"):
         assert len({(folder / name).read_bytes() for folder in folders}) == 1
     one, two = (json.loads((folder / "summary.json").read_text()) | {"cost": None} for folder in folders)

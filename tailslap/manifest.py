@@ -1,0 +1,119 @@
+"""The manifest of a folder: the files that the program wrote there, with size and digest.
+
+What it lists and is unchanged may be replaced or removed. Everything else belongs to the user: files that were added,
+and files of the program that were changed since.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+import secrets
+import stat
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import tailslap
+from tailslap.errors import InputError
+
+NAME = ".tailslap-result.json"
+PROGRAM = "tailslap"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A file of the folder: its name, size [bytes] and SHA-256 digest."""
+
+    path: str
+    size: int
+    sha256: str
+
+
+def entry(file: Path) -> Entry | None:
+    """The file as it is now; None for a link, a folder, what is not there or cannot be read."""
+    try:
+        if not stat.S_ISREG(file.lstat().st_mode):
+            return None
+        with file.open("rb") as opened:
+            digest = hashlib.file_digest(opened, "sha256").hexdigest()
+            return Entry(file.name, opened.tell(), digest)
+    except OSError:
+        return None
+
+
+def read_manifest(folder: Path) -> frozenset[Entry] | None:
+    """What the folder's manifest lists; None if there is none, or it is not one that the program writes."""
+    if entry(folder / NAME) is None:
+        return None
+    try:
+        found = json.loads((folder / NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict) or found.get("program") != PROGRAM:
+        return None
+    files = found.get("files")
+    entries = [_read_entry(item) for item in files] if isinstance(files, list) else [None]
+    return None if None in entries else frozenset(item for item in entries if item)
+
+
+def write_manifest(folder: Path, entries: Iterable[Entry]) -> None:
+    """Write the manifest of the folder, whole or not at all."""
+    files = sorted((asdict(item) for item in entries), key=lambda item: item["path"])
+    content = {"program": PROGRAM, "version": tailslap.__version__, "files": files}
+    with whole_file(folder / NAME) as partial:
+        partial.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+
+
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Yield a new name to write to; what is written there becomes the file with all of its content, or not at all."""
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
+    try:
+        yield partial
+        with partial.open("rb") as written:
+            os.fsync(written.fileno())
+        os.replace(partial, path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+@contextlib.contextmanager
+def listed_file(path: Path) -> Iterator[Path]:
+    """The same for a file that the folder's manifest lists; what the user has put there is refused, not replaced.
+
+    Both states of the file are listed before it is replaced: killed in between, it is known in either.
+    """
+    demand_ours(path)
+    with whole_file(path) as partial:
+        yield partial
+        others = {item for item in read_manifest(path.parent) or () if item.path != path.name}
+        new = {Entry(path.name, item.size, item.sha256) for item in (entry(partial),) if item}
+        old = {item for item in (entry(path),) if item}
+        write_manifest(path.parent, others | old | new)
+    write_manifest(path.parent, others | new)
+
+
+def demand_ours(path: Path) -> None:
+    """Raise InputError if there is a file of that name which the program has not written as it is now."""
+    if os.path.lexists(path) and entry(path) not in (read_manifest(path.parent) or ()):
+        allowed = (
+            f"{path.name} in it was added or changed and would be lost; move it away, or give another folder"
+        )
+        raise InputError("--out", str(path.parent), allowed)
+
+
+def _read_entry(item: Any) -> Entry | None:
+    """An entry that names a file in the folder itself; None for anything else."""
+    if not isinstance(item, dict):
+        return None
+    path, size, digest = (item.get(key) for key in ("path", "size", "sha256"))
+    if not isinstance(path, str) or not isinstance(digest, str) or type(size) is not int:
+        return None
+    outside = path in ("", ".", "..", NAME) or re.search(r"[/\0]", path)
+    return None if outside or not re.fullmatch("[0-9a-f]{64}", digest) else Entry(path, size, digest)
