@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import stat
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -12,16 +13,20 @@ from typing import Any, TextIO
 
 import tailslap
 from tailslap.errors import InputError, Interrupted
+from tailslap.manifest import whole_file
+from tailslap.result_folder import resolved
 
 
 class Journal:
     """Records by key in the file `.NAME.journal` beside the result folder NAME; removed when the study is done.
 
-    definition: all that the records depend on; a journal of another definition or version is begun anew.
+    definition: all that the records depend on; a journal of another definition or version is begun anew, and a file of
+    that name which is no journal is refused.
     """
 
     def __init__(self, place: Path, definition: Mapping[str, Any]) -> None:
-        self.path = place.absolute().parent / f".{place.name}.journal"
+        place = resolved(place)
+        self.path = place.parent / f".{place.name}.journal"
         text = json.dumps({"version": tailslap.__version__, **definition}, sort_keys=True, default=str)
         self._head = hashlib.sha256(text.encode()).hexdigest()
         self.records: dict[str, Any] = {}
@@ -31,15 +36,11 @@ class Journal:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self.records = self._read()
-            self._file = self.path.open("w", encoding="utf-8")
+            self._file = self._begin()
         except OSError as error:
             raise InputError(
                 "--out", str(self.path), f"the journal cannot be written: {error.strerror}"
             ) from None
-        self._line({"definition": self._head})
-        for key, record in self.records.items():
-            self._line({"key": key, "record": record})
-        self._sync()
         return self
 
     def __exit__(
@@ -56,32 +57,57 @@ class Journal:
 
     def add(self, key: str, record: Any) -> None:
         """Note a finished part; it is on disk when this returns."""
+        assert self._file is not None
         self.records[key] = record
-        self._line({"key": key, "record": record})
-        self._sync()
+        self._file.write(_line(key, record))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def _begin(self) -> TextIO:
+        """Write the journal anew, whole or not at all, and open it for more."""
+        with whole_file(self.path) as partial:
+            lines = [_line(key, record) for key, record in self.records.items()]
+            partial.write_text(_head_line(self._head) + "".join(lines), encoding="utf-8")
+        return self.path.open("a", encoding="utf-8")
 
     def _read(self) -> dict[str, Any]:
         """Records of an earlier, interrupted study of the same definition; a torn last line is left out."""
-        found: dict[str, Any] = {}
-        if not self.path.is_file():
-            return found
-        lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
-        for number, line in enumerate(lines):
-            try:
-                entry = json.loads(line)
-            except json.JSONDecodeError:
-                continue
-            if number == 0 and entry.get("definition") != self._head:
-                return {}
-            if "key" in entry:
-                found[entry["key"]] = entry["record"]
-        return found
+        if not os.path.lexists(self.path):
+            return {}
+        found = _read_journal(self.path)
+        if found is None:
+            allowed = (
+                "this file is in the way and is no journal of a study; move it away, or give another --out"
+            )
+            raise InputError("--out", str(self.path), allowed)
+        head, records = found
+        return records if head == self._head else {}
 
-    def _line(self, entry: dict[str, Any]) -> None:
-        assert self._file is not None
-        self._file.write(json.dumps(entry) + "\n")
 
-    def _sync(self) -> None:
-        assert self._file is not None
-        self._file.flush()
-        os.fsync(self._file.fileno())
+def _head_line(digest: str) -> str:
+    return json.dumps({"definition": digest}) + "\n"
+
+
+def _line(key: str, record: Any) -> str:
+    return json.dumps({"key": key, "record": record}) + "\n"
+
+
+def _read_journal(path: Path) -> tuple[str, dict[str, Any]] | None:
+    """The digest of the definition and the records; None for a file that no study has written."""
+    if not stat.S_ISREG(path.lstat().st_mode):
+        return None
+    head, *lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    first, records = _parsed(head), [_parsed(line) for line in lines[:-1]]
+    whole = all(set(found) == {"key", "record"} and isinstance(found["key"], str) for found in records)
+    if set(first) != {"definition"} or not whole:
+        return None
+    return first["definition"], {found["key"]: found["record"] for found in records}
+
+
+def _parsed(line: str) -> dict[str, Any]:
+    """The object that a line holds; an empty one for a line that holds none."""
+    try:
+        found = json.loads(line)
+    except (ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}

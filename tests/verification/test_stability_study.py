@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
+import os
 import signal
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from tailslap.errors import Interrupted
+from tailslap.errors import InputError, Interrupted
 from tailslap.plan import make_plan
 from tailslap.scene_files import read_scene
 from tailslap.studies.journal import Journal
@@ -118,6 +119,46 @@ def test_torn_last_line_is_left_out(journal: Any) -> None:
     path.write_text(path.read_text()[:-5])
     with journal(a=1) as again:
         assert again.records == {"x": 1}
+
+
+@pytest.mark.parametrize(
+    "foreign",
+    [
+        *(b"", b"diary\n", b"\xff\xfe\n", b"[]\n", b'{"definition": "x", "more": 1}\n'),
+        *(b'{"definition": "x"}\nmy note\n', b'{"definition": "x"}\n{"key": [], "record": 1}\n'),
+        *(b'{"definition": "x"}\n{"record": 1}\n', b"[" * 100_000),
+    ],
+)
+def test_a_file_that_is_no_journal_is_refused_and_kept(journal: Any, foreign: bytes) -> None:
+    path = journal(a=1).path
+    path.write_bytes(foreign)
+    with pytest.raises(InputError, match=r"\.out\.journal.* no journal"), journal(a=1):
+        pass
+    assert path.read_bytes() == foreign
+    assert [found.name for found in path.parent.iterdir()] == [path.name]
+
+
+def test_a_link_in_the_place_of_the_journal_is_refused(journal: Any, tmp_path: Path) -> None:
+    with pytest.raises(Interrupted):
+        interrupt(journal(a=1), {"x": 1})
+    path = journal(a=1).path
+    path.rename(tmp_path / "elsewhere")
+    path.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(InputError, match="no journal"), journal(a=1):
+        pass
+    assert path.is_symlink()
+
+
+def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(
+    journal: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(Interrupted):
+        interrupt(journal(a=1), {"x": 1})
+    before = journal(a=1).path.read_text()
+    monkeypatch.setattr(os, "replace", lambda *paths: 1 / 0)
+    with pytest.raises(ZeroDivisionError), journal(a=1):
+        pass
+    assert journal(a=1).path.read_text() == before
 
 
 def test_parts_that_the_journal_has_are_not_run_again(journal: Any) -> None:
