@@ -4,6 +4,7 @@
     journal.jsonl   a line a finished run, see journal.py
     sweep.parquet   the table, written when the sweep ends or is interrupted
     report.html, summary.json
+    .tailslap-result.json  the manifest of the last three, see tailslap/manifest.py
 
 One process at a time works in it: the lock goes with the process, however that ends.
 """
@@ -19,10 +20,13 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from tailslap.errors import InputError
+from tailslap.manifest import demand_ours, whole_file
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.journal import NAME as JOURNAL
 
 DEFINITION, LOCK = "sweep.json", ".lock"
+TABLE, REPORT, SUMMARY = RESULTS = ("sweep.parquet", "report.html", "summary.json")
+"""Files that are written anew each time the sweep is resumed, and refused if the user has added or changed them."""
 
 
 @contextlib.contextmanager
@@ -32,7 +36,7 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
     Raises InputError if it cannot be written, holds another sweep or something else, or is at work.
     """
     place = place.absolute()
-    _refuse_foreign(place)
+    _refuse_foreign(place, definition)
     made = _make(place)
     try:
         with _locked(place):
@@ -41,7 +45,8 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
                 yield place
             finally:
                 if new and not _has_rows(place):
-                    _remove([place / name for name in (DEFINITION, JOURNAL, LOCK)], Path.unlink)
+                    _remove([place / name for name in (DEFINITION, JOURNAL)], Path.unlink)
+                    _remove([place / LOCK] if _is_lock(place / LOCK) else [], Path.unlink)
     finally:
         _remove(made, Path.rmdir)  # those that are empty
 
@@ -52,23 +57,27 @@ def _remove(paths: list[Path], how: Callable[[Path], None]) -> None:
             how(path)
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that it is there with all of its content, or not at all."""
-    partial = path.with_name(f".{path.name}.part")
-    with open(partial, "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(partial, path)
-
-
-def _refuse_foreign(place: Path) -> None:
+def _refuse_foreign(place: Path, definition: Definition) -> None:
+    """Before anything is written; what is there must be this sweep's, and its results as they were written."""
     if place.exists() and not place.is_dir():
         raise InputError("--out", str(place), "this is a file; allowed is a folder")
-    ours = (DEFINITION, LOCK, f".{DEFINITION}.part")
-    names = {path.name for path in place.iterdir()} if place.is_dir() else set()
-    if DEFINITION not in names and names.difference(ours):
-        raise InputError("--out", str(place), "it holds other files; allowed is a new folder or a sweep's")
+    names = sorted(os.listdir(place)) if place.is_dir() else []
+    if DEFINITION in names:
+        _demand_same(place, definition)
+        for name in RESULTS:
+            demand_ours(place / name)
+        return
+    foreign = [name for name in names if not (name == LOCK and _is_lock(place / name))]
+    if foreign:
+        shown = ", ".join(foreign[:2]) + (", ..." if foreign[2:] else "")
+        raise InputError(
+            "--out", str(place), f"it holds other files ({shown}); allowed is a new folder or a sweep's"
+        )
+
+
+def _is_lock(path: Path) -> bool:
+    """A lock has no content: one that has is the user's."""
+    return path.is_file() and not path.is_symlink() and path.stat().st_size == 0
 
 
 def _make(place: Path) -> list[Path]:
@@ -99,23 +108,29 @@ def _locked(place: Path) -> Iterator[BinaryIO]:
 
 def _claim(place: Path, definition: Definition) -> bool:
     """Write the definition, or hold it against the one that is there; whether it was written."""
-    path, ours = place / DEFINITION, definition.as_written()
-    if not path.exists():
-        write_whole(path, json.dumps(ours, indent=2, ensure_ascii=False).encode() + b"\n")
-        return True
-    theirs = _read(path)
+    path = place / DEFINITION
+    if os.path.lexists(path):
+        _demand_same(place, definition)
+        return False
+    with whole_file(path) as partial:
+        text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
+        partial.write_text(text + "\n", encoding="utf-8")
+    return True
+
+
+def _demand_same(place: Path, definition: Definition) -> None:
+    theirs, ours = _read(place / DEFINITION), definition.as_written()
     different = [name for name in ours if theirs.get(name) != ours[name]]
     if different:
         shown = ", ".join(name for name in different if name not in ("digest", "runs")) or "values"
         allowed = f"it holds another sweep: {shown} differ (see {DEFINITION}); allowed is that sweep or a new folder"
         raise InputError("--out", str(place), allowed)
-    return False
 
 
 def _read(path: Path) -> dict[str, Any]:
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
+    except (OSError, ValueError):
         found = None
     if not isinstance(found, dict):
         raise InputError("--out", str(path.parent), f"{DEFINITION} in it is damaged; allowed is a new folder")

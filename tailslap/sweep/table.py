@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.comparison import KEYS
+from tailslap.manifest import listed_file
 from tailslap.sweep.definition import Definition
+from tailslap.sweep.folder import TABLE
 from tailslap.sweep.journal import Journal
 from tailslap.sweep.row import TIMES, versions
 from tailslap.sweep.variation import Variation
@@ -19,7 +20,6 @@ from tailslap.sweep.variation import Variation
 if TYPE_CHECKING:
     import pyarrow as pa
 
-NAME = "sweep.parquet"
 CHUNK = 20_000
 """Rows that are in memory at a time."""
 
@@ -30,15 +30,11 @@ def write_table(folder: Path, definition: Definition, journal: Journal) -> Path:
     import pyarrow.parquet as pq
 
     schema = _schema(definition, _checks(journal))
-    path, partial = folder / NAME, folder / f".{NAME}.part"
-    with open(partial, "wb") as file:
-        with pq.ParquetWriter(file, schema, compression="zstd") as writer:
-            rows = (row | definition.inputs_of(row["run"]) for row in journal.rows())
-            while chunk := list(itertools.islice(rows, CHUNK)):
-                writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(partial, path)
+    path = folder / TABLE
+    with listed_file(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
+        rows = (row | definition.inputs_of(row["run"]) for row in journal.rows())
+        while chunk := list(itertools.islice(rows, CHUNK)):
+            writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
     return path
 
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tailslap.sweep.folder import TABLE
 from tailslap.sweep.perform import Sweep
 from tailslap.sweep.progress import clock
-from tailslap.sweep.table import NAME
 from tailslap.sweep.words import counts
 
 
 def print_sweep(sweep: Sweep, place: Path) -> None:
     """How many rows have each status, what the runs took, and where the files are."""
     print(f"{sweep.definition.scene}: {sweep.definition.runs} runs, {counts(sweep)}")
-    print(f"Table:  {place / NAME}")
+    print(f"Table:  {place / TABLE}")
     print(f"Report: {place / 'report.html'}")
     print(f"Cost:   {_cost(sweep)}")
 

@@ -12,10 +12,12 @@ from postprocess.comparison import KEYS, QUANTITIES
 from postprocess.summary import write_summary
 from postprocess.sweep_page import Spread, SweepContent, Trouble, VariedKey, write_sweep_page
 from postprocess.sweep_plots import SweepRows, Varied, draw_sweep
+from tailslap.manifest import listed_file
 from tailslap.sweep.definition import Definition
+from tailslap.sweep.folder import REPORT, SUMMARY, TABLE
 from tailslap.sweep.perform import Sweep
 from tailslap.sweep.row import PASSED
-from tailslap.sweep.table import NAME, read_columns
+from tailslap.sweep.table import read_columns
 from tailslap.sweep.variation import Variation
 from tailslap.sweep.words import headline, shown, statements, values_words
 
@@ -25,9 +27,11 @@ MOST_TROUBLES = 15
 
 def write_sweep(sweep: Sweep, folder: Path) -> None:
     """Write `report.html` and `summary.json` from the table in the folder."""
-    rows = _rows(sweep.definition, folder / NAME)
-    write_sweep_page(folder / "report.html", _content(sweep, rows, folder / NAME))
-    write_summary(folder / "summary.json", summary(sweep, rows))
+    rows = _rows(sweep.definition, folder / TABLE)
+    with listed_file(folder / REPORT) as page:
+        write_sweep_page(page, _content(sweep, rows, folder / TABLE))
+    with listed_file(folder / SUMMARY) as numbers:
+        write_summary(numbers, summary(sweep, rows))
 
 
 def summary(sweep: Sweep, rows: SweepRows) -> dict[str, Any]:

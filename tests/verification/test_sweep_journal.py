@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tailslap.errors import InputError
+from tailslap.manifest import NAME as MANIFEST
+from tailslap.manifest import demand_ours, listed_file
 from tailslap.result_folder import result_folder
 from tailslap.sweep.definition import Definition, make_definition
 from tailslap.sweep.folder import sweep_folder
@@ -127,3 +130,68 @@ def test_nothing_is_left_of_a_sweep_without_rows(tmp_path: Path) -> None:
     with sweep_folder(tmp_path / "a" / "b", sweep()), open_journal(tmp_path / "a" / "b", RUNS):
         assert (tmp_path / "a" / "b" / "sweep.json").is_file()
     assert not list(tmp_path.iterdir())
+
+
+def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path: Path) -> None:
+    """Other files, a sweep.json of something else, one that is damaged, and a file that has the name of the lock."""
+    foreign: list[tuple[str, dict[str, str]]] = [
+        ("thesis.txt", {"thesis.txt": "x"}),
+        ("another sweep", {"sweep.json": "{}", "report.html": "x"}),
+        ("damaged", {"sweep.json": "{", "report.html": "x"}),
+        (r"\.lock", {".lock": "x"}),
+    ]
+    for number, (named, texts) in enumerate(foreign):
+        place = tmp_path / str(number)
+        place.mkdir()
+        for name, text in texts.items():
+            (place / name).write_text(text)
+        with pytest.raises(InputError, match=named), sweep_folder(place, sweep()):
+            pass
+        assert {path.name: path.read_text() for path in place.iterdir()} == texts
+
+
+@pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
+def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path: Path, name: str) -> None:
+    place = tmp_path / "sweep"
+    with sweep_folder(place, sweep()) as folder, open_journal(folder, RUNS) as journal:
+        journal.add([row(0)])
+        with listed_file(folder / name) as partial:
+            partial.write_text("ours")
+    with sweep_folder(place, sweep()) as folder, listed_file(folder / name) as partial:
+        partial.write_text("ours again")  # resumed, it is replaced
+    (place / name).write_text("mine")
+    with pytest.raises(InputError, match=f"{name} in it was added or changed"), sweep_folder(place, sweep()):
+        pass
+    with pytest.raises(InputError, match=name), listed_file(place / name):
+        pass
+    assert (place / name).read_text() == "mine"
+    (place / MANIFEST).unlink()
+    with pytest.raises(InputError, match=name), sweep_folder(place, sweep()):
+        pass
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_killed_while_a_result_is_replaced_it_is_known_in_either_state(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: int
+) -> None:
+    """Manifest of both states, the file, manifest of the new one: stopped before each in turn."""
+    path, replace, count = tmp_path / "report.html", os.replace, 0
+    with listed_file(path) as partial:
+        partial.write_text("old")
+
+    def killed(source: Any, target: Any) -> None:
+        nonlocal count
+        count += 1
+        if count == step:
+            raise SystemExit
+        replace(source, target)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "replace", killed)
+        with pytest.raises(SystemExit), listed_file(path) as partial:
+            partial.write_text("new")
+    assert path.read_text() == ("new" if step == 3 else "old")
+    demand_ours(path)
+    with listed_file(path) as partial:
+        partial.write_text("newest")
+    assert {found.name for found in tmp_path.iterdir()} == {"report.html", MANIFEST}

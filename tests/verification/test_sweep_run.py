@@ -24,6 +24,7 @@ import pytest
 import tailslap
 from tailslap.command_line import _status
 from tailslap.errors import InputError
+from tailslap.manifest import NAME as MANIFEST
 from tailslap.plan import make_plan
 from tailslap.run import run_scene
 from tailslap.scene_files import read_scene
@@ -140,7 +141,7 @@ def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFacto
     done = perform(definition_of(scene), place, cluster)
     assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
     assert {path.name for path in place.iterdir()} == {
-        *("sweep.json", "journal.jsonl", "sweep.parquet", "summary.json", "report.html", ".lock")
+        *("sweep.json", "journal.jsonl", "sweep.parquet", "summary.json", "report.html", ".lock", MANIFEST)
     }
     assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
     return table(place)
