@@ -1,98 +1,151 @@
-"""Flutter foreseen: the linearised plate with friction at its corner.
+"""Flutter foreseen: the linearised plate with friction at its corner, judged by the Nyquist criterion.
 
 The tangential force follows the normal one, R = slope N, so the corner's stiffness is not symmetric:
-k (n + slope t) n^T with n and t the directions across and along the wall. Pairs of modes can then exchange energy
-with the sliding motion and grow. The rates are those of the undamped plate; stiffness-proportional damping
-b K takes b w^2 / 2 off the rate of a mode of frequency w.
+k (n + slope t) n^T with n and t the directions across and along the wall. Pairs of modes can then take energy from the
+sliding motion and grow. In the free plate's modes, of squares w_j^2 and residues a_j = (n phi_j) ((n + slope t) phi_j),
+this is an update of rank one, and the growing motions exp(s t) are the roots with Re s > 0 of
+
+    f(s) = 1 / k + sum_j a_j / (w_j^2 + s^2)
+
+How many grow faster than a rate is the number of turns of f about zero along Re s = rate: no root is looked for.
+Stiffness-proportional damping b K takes b w^2 / 2 off the rate of a mode of frequency w, which bends that line.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.corner import Exact
+from fem.compiled import compiled
 from fem.model import PlateModel
 from fem.start import RigidStart, friction_slope, to_global
 
-MOST_UNKNOWNS = 3200
-"""Above this the dense eigenvalue problem takes over ten seconds."""
+MOST_UNKNOWNS = 700
+"""Above this all modes cost more than many a run; a coarser mesh of the same plate then stands in."""
 
 INSTANTS = 5
 """Angles between the start and zero at which the model is linearised."""
 
-SUSPECT = 15.0
-"""Exponent of growth above which ripple of a quiet start, 1e-6 to 1e-7 of the reaction, has grown to its size."""
+HARMLESS = 5.0
+"""Exponent of growth during the run that leaves no trace of a quiet start's ripple, 1e-6 to 1e-7 of the reaction."""
 
-CALM = 5.0
-"""Exponent of growth that a run stands without a trace in its results."""
+FACTOR = math.sqrt(2.0)
+"""Between the rates that are tried."""
 
-RATIOS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
-"""Damping ratios among which the cure is sought."""
+
+class CornerModes(NamedTuple):
+    """Squares of the free plate's circular frequencies, shape (modes,), its rigid motions as one with zero first; the
+    corner's motion in each mode of unit modal mass [1/sqrt(kg)], in the body frame, shape (2, modes)."""
+
+    squares: np.ndarray
+    corner: np.ndarray
 
 
 @dataclass(frozen=True)
 class Flutter:
-    """growth: exponent by which the fastest mode grows between start and tail-slap; frequency [rad/s]: its own
-    where it is fastest; cure: the least of RATIOS that calms the run, at the model's highest frequency, or None."""
+    """rate [1/s]: no mode grows faster; 0 where none reaches the harmless rate. growth: exponent over the run at
+    most. exact: the modes are those of the model itself and not of a coarser one."""
 
+    rate: float
     growth: float
-    frequency: float
-    cure: float | None
-
-    @property
-    def expected(self) -> bool:
-        """Whether the run is expected to be spoilt."""
-        return self.growth > SUSPECT
+    exact: bool = True
 
 
-def foresee_flutter(model: PlateModel, start: RigidStart, duration: float) -> Flutter | None:
-    """Growth over a run of this duration [s], its damping included; None for a model too large to analyse."""
-    if friction_slope(model.loop.friction, start.corner_speed) == 0.0:
-        return Flutter(0.0, 0.0, None)  # a symmetric stiffness: no growth
-    if 2 * model.loop.mass.size > MOST_UNKNOWNS:
-        return None
-    angles = np.linspace(start.angle, 0.0, INSTANTS)
-    found = [_rates(model, start, angle) for angle in angles]
-    fastest = max(found, key=lambda pair: pair[0].max())
-    cures = (ratio for ratio in RATIOS if _growth(found, ratio / model.highest_frequency, duration) < CALM)
-    return Flutter(
-        _growth(found, _damped(model), duration),
-        math.sqrt(fastest[1][fastest[0].argmax()]),
-        next(cures, None),
-    )
+def foresee_flutter(
+    model: PlateModel, start: RigidStart, duration: float, viscous: float = 0.0, harmless: float = HARMLESS
+) -> Flutter:
+    """Growth over a run of this duration [s]. viscous [s]: rate that damping takes off a mode over its frequency
+    squared, see `viscous_rate`; harmless: exponent of growth below which nothing is told apart."""
+    slope = friction_slope(model.loop.friction, start.corner_speed)
+    if slope == 0.0:
+        return Flutter(0.0, 0.0)  # a symmetric stiffness: no growth
+    modes = corner_modes(model)
+    least, rates = harmless / duration, []
+    for angle in np.linspace(start.angle, 0.0, INSTANTS):
+        rates.append(_rate(model, modes, angle, slope, viscous, least))
+    return Flutter(max(rates), float(np.trapezoid(rates, dx=duration / (INSTANTS - 1))))
 
 
-def _growth(found: list[tuple[np.ndarray, np.ndarray]], damped: float, duration: float) -> float:
-    """Integral over the run of the largest net rate; the instants are taken as evenly spaced."""
-    net = [max(0.0, float((rates - damped * squares).max())) for rates, squares in found]
-    return float(np.trapezoid(net, dx=1.0 / (len(net) - 1)) * duration)
-
-
-def _damped(model: PlateModel) -> float:
-    """Rate that damping takes off a mode over its frequency squared [s], the bulk part left aside."""
+def viscous_rate(model: PlateModel) -> float:
+    """Rate that the model's viscosity takes off a mode over its frequency squared [s], the bulk part left aside."""
     viscosity = model.loop.viscosity
     return 0.0 if viscosity is None else 0.5 * viscosity.c_33 / model.shear_modulus
 
 
-def _rates(model: PlateModel, start: RigidStart, angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Growth rates [1/s] and squares of frequencies [rad^2/s^2] of all elastic modes at this angle."""
-    corner, masses = model.loop.corner, model.loop.mass
-    along, across = to_global(angle)  # rows: directions X and Y in the body frame
-    spread = np.zeros(masses.size)
-    spread[corner.nodes] = corner.weights
+def corner_modes(model: PlateModel) -> CornerModes:
+    """All modes of the free plate as the corner sees them."""
+    masses, corner = model.loop.mass, model.loop.corner
     root = 1.0 / np.sqrt(np.tile(masses, 2))
-    gap = np.kron(across, spread) * root
-    push = gap + friction_slope(model.loop.friction, start.corner_speed) * np.kron(along, spread) * root
-    matrix = root[:, None] * model.stiffness.toarray() * root
-    if isinstance(corner.hold, Exact):  # N keeps the gap's acceleration at zero
-        matrix -= np.outer(push, gap @ matrix) / (gap @ push)
-    else:
-        matrix += corner.hold.stiffness * np.outer(push, gap)
-    squares = np.linalg.eigvals(matrix)
-    # Rigid motion along the wall and about the corner has no stiffness; it is no flutter.
-    elastic = squares[squares.real > 1e-9 * squares.real.max()].astype(complex)
-    roots = np.sqrt(-elastic)
-    return np.abs(roots.real), np.maximum(roots.imag**2, np.finfo(float).tiny)
+    squares, shapes = np.linalg.eigh(root[:, None] * model.stiffness.toarray() * root)
+    scaled = (root[:, None] * shapes).reshape(2, masses.size, -1)
+    moved = np.einsum("n,inm->im", corner.weights, scaled[:, corner.nodes])
+    return CornerModes(np.maximum(squares, 0.0), moved)
+
+
+def _rate(
+    model: PlateModel, modes: CornerModes, angle: float, slope: float, viscous: float, least: float
+) -> float:
+    """The least rate [1/s] of those tried that no mode outgrows at this angle; 0 if that is the first."""
+    along, across = to_global(angle) @ modes.corner  # rows: directions X and Y in the body frame
+    residues = across * (across + slope * along)
+    residues[2] = residues[:3].sum()  # rigid motions have no stiffness
+    squares, residues = modes.squares[2:], residues[2:]
+    squares[0] = 0.0
+    hold = model.loop.corner.hold
+    stiffness, dashpot = getattr(hold, "stiffness", math.inf), getattr(hold, "damping", 0.0)
+    rate, top = least, 1.5 * model_top(squares, residues, stiffness)
+    while rate < top and growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
+        rate *= FACTOR
+    return rate if rate > least else 0.0
+
+
+def model_top(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
+    """Frequency [rad/s] above which the held plate has no mode."""
+    spring = stiffness * np.abs(residues).sum() if math.isfinite(stiffness) else 0.0
+    return math.sqrt(squares[-1] + spring)
+
+
+@compiled
+def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
+    """Number of modes that grow faster than `rate` [1/s] beside the damping `viscous`.
+
+    Steps along the line from the real axis up to `top` [rad/s], each small enough for f to turn by less than a
+    radian, or as small as a hundredth of the distance to the poles.
+    """
+    exact = not np.isfinite(stiffness)
+    longest = 2.0 * rate
+    step, frequency, turned = longest, 0.0, 0.0
+    before = _response(squares, residues, stiffness, dashpot, exact, rate, 0.0)
+    while frequency < top:
+        later = frequency + step
+        ahead = rate + viscous * later * later
+        value = _response(squares, residues, stiffness, dashpot, exact, ahead, later)
+        turn = np.angle(value * before.conjugate())
+        if abs(turn) > 1.0 and step > 0.01 * rate:
+            step *= 0.5
+            continue
+        turned, frequency, before = turned + turn, later, value
+        longest = 2.0 * ahead
+        step = min(longest, 1.5 * step)
+    # Far out f is real and positive, or where the hold is exact s^2 f is.
+    turned -= np.angle(before)
+    return int(round(abs(turned) / math.pi))
+
+
+@compiled
+def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
+    """f(s) at s = real + i imaginary; of an exact hold s^2 f(s)."""
+    p, q = real * real - imaginary * imaginary, 2.0 * real * imaginary
+    f_real = f_imaginary = 0.0
+    for mode in range(squares.size):
+        distance = squares[mode] + p
+        share = residues[mode] / (distance * distance + q * q)
+        f_real += distance * share
+        f_imaginary -= q * share
+    value = complex(f_real, f_imaginary)
+    if exact:
+        return value * complex(p, q)
+    return value + 1.0 / complex(stiffness + dashpot * real, dashpot * imaginary)

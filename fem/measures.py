@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from fem.compiled import compiled
 from fem.corner import add_corner_reaction, hold_energy, weighted
+from fem.elastic_damping import SUMS, damp
 from fem.internal_force import subtract_internal_forces
 from fem.materials import energy_density
 
@@ -45,22 +48,25 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch, row):
     reference: positions in the body frame [m], shape (2, nodes); the plate's angle is that of the rigid
     rotation that carries them onto the positions with the least mass-weighted square of distance.
     """
-    positions, velocities, sums = state
+    positions, velocities, sums, origin = state
     half = 0.5 * loop.time_step
     force[:] = 0.0
     subtract_internal_forces(
         positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+    )
+    damping_power = damp(
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, np.empty(SUMS), force
     )
     normal, tangential, slip, later_slip, _ = add_corner_reaction(
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
     )
     theta, omega, v_x, v_y, kinetic, vibration = _motion(positions, velocities, force, loop, reference)
     row[0], row[1], row[2], row[3] = theta, omega, v_x, v_y
-    row[4], row[5] = weighted(positions[0], loop.corner), 0.5 * (slip + later_slip)
+    row[4], row[5] = origin[0] + weighted(positions[0], loop.corner), 0.5 * (slip + later_slip)
     row[6], row[7] = normal, tangential
     row[8], row[9] = kinetic, _strain_energy(positions, loop.table, loop.material)
     row[10] = hold_energy(loop.corner.hold, weighted(positions[1], loop.corner))
-    row[11], row[12] = sums[0] + half * tangential * slip, sums[1]
+    row[11], row[12] = sums[0] + half * tangential * slip, sums[1] + half * damping_power
     row[13] = vibration
     row[14], row[15] = sums[2] + half * normal, sums[3] + half * abs(normal)
     row[16] = weighted(positions[1], loop.corner)

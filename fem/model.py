@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.corner import Corner, DampedPenalty, Exact, Penalty
+from fem.elastic_damping import damped_time_step, elastic_damping
 from fem.elements import ELEMENT_KINDS, Discretisation, Hourglass, discretise, hourglass_control
 from fem.internal_force import Viscosity
 from fem.mass import exact_inertia_masses, row_sum_masses
@@ -63,13 +64,14 @@ class StepProperties:
     """Share of the stable time step that is taken, an upper bound on it [s], and damping.
 
     damping_ratio: stiffness-proportional, to critical at the highest frequency. bulk_viscosity: linear, the
-    dimensionless coefficient of density x wave speed x element size.
+    dimensionless coefficient of density x wave speed x element size. elastic_rate [1/s]: of the elastic velocities.
     """
 
     safety_factor: float = 0.9
     longest: float = np.inf
     damping_ratio: float = 0.0
     bulk_viscosity: float = 0.0
+    elastic_rate: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,7 @@ class PlateModel:
     discretisation: Discretisation
     stiffness: Any  # scipy.sparse, body frame, at rest, hourglass control included [N/m]
     highest_frequency: float  # [rad/s], the corner's hold included
+    undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
     loop: LoopParameters
     shear_modulus: float  # [Pa], at small strain
@@ -112,14 +115,23 @@ def build_model(
     frequency = spectrum.highest_frequency()
     viscosity = _viscosity(d, plate, step, frequency)
     damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
-    stable = spectrum.stable_time_step(frequency, damping)
-    time_step = min(step.safety_factor * stable, step.longest)
-    return replace(
+    model = replace(
         model,
         highest_frequency=frequency,
-        stable_time_step=stable,
-        loop=loop._replace(viscosity=viscosity, time_step=time_step),
+        undamped_time_step=spectrum.stable_time_step(frequency, damping),
+        loop=loop._replace(viscosity=viscosity),
     )
+    return with_elastic_damping(model, step)
+
+
+def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
+    """The model with the step's rate of damping of elastic velocities, and the time step for it."""
+    # The step that is stable without it belongs to a mode of this frequency; with it, that mode bounds the step.
+    stable = damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
+    damping = elastic_damping(step.elastic_rate, model.loop.mass)
+    time_step = min(step.safety_factor * stable, step.longest)
+    loop = model.loop._replace(elastic_damping=damping, time_step=time_step)
+    return replace(model, stable_time_step=stable, loop=loop)
 
 
 def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
@@ -133,9 +145,11 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
         friction=corner.friction,
         viscosity=None,
         hourglass=hourglass,
+        elastic_damping=None,
         time_step=math.nan,
+        span=2.0 ** math.floor(math.log2(np.ptp(discretisation.positions[0]) / 8.0)),
     )
-    return PlateModel(discretisation, stiffness, math.nan, math.nan, loop, moduli.c_33)
+    return PlateModel(discretisation, stiffness, math.nan, math.nan, math.nan, loop, moduli.c_33)
 
 
 def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:

@@ -16,9 +16,10 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from fem.compiled import compiled
+from fem.elastic_damping import SUMS, add_up, gained, resist
 from fem.internal_force import Scratch, subtract_forces_of
 from fem.lanes import LANES, aligned, lane_count
-from fem.time_loop import LoopParameters, State, drift, react
+from fem.time_loop import LoopParameters, State, drift, follow, react
 
 WORD = 8
 """Turns lie this many numbers apart, a cache line, so that waiting threads do not disturb each other."""
@@ -33,12 +34,14 @@ class Team:
         self._loop, self._threads = loop, threads
         self._scratch, self._rows = scratch, aligned(threads * scratch.rows.size).reshape(threads, -1)
         self._forces = np.zeros((threads, 2, loop.mass.size))
-        self._powers = np.zeros(threads)
+        self._powers = np.zeros((2, threads))
+        self._motions, self._shift = np.zeros((threads, SUMS)), np.zeros(1)
 
     def advance(self, state: State, steps: int) -> None:
         """Advance the state in place by this many steps."""
         turns = np.zeros(self._threads * WORD, dtype=np.int64)
-        room = (self._forces, self._scratch, self._rows, self._powers, turns)
+        shared = (self._powers, self._motions, self._shift)
+        room = (self._forces, self._scratch, self._rows, *shared, turns)
         parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *room)
         others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
         for thread in others:
@@ -49,9 +52,11 @@ class Team:
 
 
 @compiled
-def advance_thread(t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, turns):
+def advance_thread(
+    t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, turns
+):
     """What thread t does; see `fem.time_loop.advance` for the step."""
-    positions, velocities, _ = state
+    positions, velocities, _, _ = state
     threads, nodes = forces.shape[0], loop.mass.size
     lanes = lane_count(loop.table.connectivity, shared.lattice)
     blocks = (lanes + LANES - 1) // LANES
@@ -60,7 +65,7 @@ def advance_thread(t, state, steps, loop, viscosity, hourglass, forces, shared, 
     scratch = Scratch(rows[t], shared.gradients, shared.weights, shared.lattice)
     for step in range(steps):
         forces[t] = 0.0
-        powers[t] = subtract_forces_of(
+        powers[0, t] = subtract_forces_of(
             first,
             last,
             positions,
@@ -72,14 +77,31 @@ def advance_thread(t, state, steps, loop, viscosity, hourglass, forces, shared, 
             loop.material,
             scratch,
         )
+        add_up(loop.elastic_damping, positions, velocities, loop.mass, begin, end, motions[t])
         _meet(turns, t, threads, 4 * step + 1)
         _sum_forces(forces, begin, end)
+        motion = motions.sum(axis=0)
+        powers[0, t] -= resist(
+            loop.elastic_damping,
+            motion,
+            positions,
+            velocities,
+            loop.mass,
+            loop.time_step,
+            begin,
+            end,
+            forces[0],
+        )
         _meet(turns, t, threads, 4 * step + 2)
         if t == 0:
-            react(state, loop, powers.sum(), forces[0])
+            react(state, loop, powers[0].sum(), forces[0])
+            shift[0] = follow(state, loop)
         _meet(turns, t, threads, 4 * step + 3)
-        drift(positions, velocities, forces[0], loop.mass, loop.time_step, begin, end)
+        powers[1, t] = gained(loop.elastic_damping, motion, state, loop.time_step, begin, end, forces[0])
+        drift(positions, velocities, forces[0], loop.mass, loop.time_step, shift[0], begin, end)
         _meet(turns, t, threads, 4 * step + 4)
+        if t == 0:
+            state.sums[1] += loop.time_step * powers[1].sum()
 
 
 @compiled

@@ -12,6 +12,7 @@ import numpy as np
 from fem.compiled import has_code, one_process_compiles
 from fem.corner import add_corner_reaction
 from fem.deformed import deformed_frequency
+from fem.elastic_damping import SUMS, damp
 from fem.internal_force import scratch_for, subtract_internal_forces
 from fem.measures import COLUMNS, measure
 from fem.model import PlateModel
@@ -69,33 +70,38 @@ class Stepper:
     @property
     def has_code(self) -> bool:
         """Whether this process has the machine code of the step."""
-        state = State(self._reference, self._reference, np.zeros(4))
+        state = State(self._reference, self._reference, np.zeros(4), np.zeros(1))
         return has_code(advance, state, 1, self.loop, *self._parts, self._force, self._scratch)
 
     def start(self, start: RigidStart, kind: str) -> State:
         """State at t = 0, its velocities set back by half a step."""
         positions, velocities = start_fields(self.model, start, kind)
         positions, velocities = np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
-        loop = self.loop
-        self._react(positions, velocities)
-        velocities = velocities - 0.5 * loop.time_step * self._force / loop.mass
-        normal, tangential = self._react(positions, velocities)
+        loop, state = self.loop, State(positions, velocities, np.zeros(4), np.zeros(1))
+        self._react(state)
+        state.velocities[:] -= 0.5 * loop.time_step * self._force / loop.mass
+        normal, tangential, damping = self._react(state)
         # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
-        work = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
-        sums = -0.5 * loop.time_step * np.array([work, 0.0, normal, abs(normal)])
-        return State(positions, velocities, sums)
+        friction = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
+        state.sums[:] = -0.5 * loop.time_step * np.array([friction, damping, normal, abs(normal)])
+        return state
 
-    def _react(self, positions: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
-        """Put all forces into the room for them; returns the normal and the tangential reaction [N]."""
-        loop, force = self.loop, self._force
+    def _react(self, state: State) -> tuple[float, float, float]:
+        """Put all forces into the room for them; returns the normal and the tangential reaction [N], and the power
+        [W] of the elastic damping with the velocities half a step back."""
+        loop, force, motion = self.loop, self._force, np.zeros(SUMS)
+        positions, velocities, *_ = state
         force[:] = 0.0
         subtract_internal_forces(
             positions, velocities, *self._parts, force, loop.table, loop.material, self._scratch
         )
+        damping = damp(
+            loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force
+        )
         normal, tangential, *_ = add_corner_reaction(
             positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
         )
-        return normal, tangential
+        return normal, tangential, damping
 
     def advance(self, state: State, steps: int) -> State:
         """The state this many steps later; the one given stays as it is."""
@@ -185,7 +191,7 @@ def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
     weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
     values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
     values |= {"t": float(weights @ np.array(steps)) * stepper.loop.time_step, "theta": 0.0}
-    positions = np.tensordot(weights, [state.positions for state in states], 1)
+    positions = np.tensordot(weights, [state.positions_on_wall for state in states], 1)
     velocities = np.tensordot(weights, [stepper.nodal_velocities(state) for state in states], 1)
     return Strike(values, positions, velocities), step
 

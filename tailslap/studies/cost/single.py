@@ -43,5 +43,5 @@ class SingleStepper(Stepper):
 
     def start(self, start: RigidStart, kind: str) -> State:
         """The start, computed in double and rounded."""
-        positions, velocities, sums = self._double.start(start, kind)
-        return State(single(positions), single(velocities), sums)
+        positions, velocities, *rest = self._double.start(start, kind)
+        return State(single(positions), single(velocities), *rest)

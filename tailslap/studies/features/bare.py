@@ -32,7 +32,7 @@ class BareParameters(NamedTuple):
 
 def bare_parameters(loop: LoopParameters) -> BareParameters:
     """The same model without the parts that a bare loop has no code for; ValueError if it has one of them."""
-    parts = (loop.friction, loop.viscosity, loop.hourglass)
+    parts = (loop.friction, loop.viscosity, loop.hourglass, loop.elastic_damping)
     if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
         raise ValueError("the bare loop has no code for a part of this model")
     if not isinstance(loop.corner.hold, Penalty):
@@ -48,7 +48,7 @@ def advance_bare(positions: Any, velocities: Any, steps: Any, model: Any, force:
         force[:] = 0.0
         _subtract_forces(positions, force, model.table, model.material, scratch)
         force[1, model.node] -= model.stiffness * positions[1, model.node]
-        drift(positions, velocities, force, model.mass, model.time_step, 0, model.mass.size)
+        drift(positions, velocities, force, model.mass, model.time_step, 0.0, 0, model.mass.size)
 
 
 @compiled
