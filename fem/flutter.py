@@ -23,14 +23,15 @@ from fem.compiled import compiled
 from fem.model import PlateModel
 from fem.start import RigidStart, friction_slope, to_global
 
-MOST_UNKNOWNS = 700
+MOST_UNKNOWNS = 1200
 """Above this all modes cost more than many a run; a coarser mesh of the same plate then stands in."""
 
 INSTANTS = 5
 """Angles between the start and zero at which the model is linearised."""
 
 HARMLESS = 5.0
-"""Exponent of growth during the run that leaves no trace of a quiet start's ripple, 1e-6 to 1e-7 of the reaction."""
+"""Exponent of growth during the run that leaves no trace: after inertia relief the ripple is 1e-6 to 1e-7 of the
+reaction."""
 
 FACTOR = math.sqrt(2.0)
 """Between the rates that are tried."""
@@ -72,7 +73,7 @@ def foresee_flutter(
 def viscous_rate(model: PlateModel) -> float:
     """Rate that the model's viscosity takes off a mode over its frequency squared [s], the bulk part left aside."""
     viscosity = model.loop.viscosity
-    return 0.0 if viscosity is None else 0.5 * viscosity.c_33 / model.shear_modulus
+    return 0.0 if viscosity is None else 0.5 * viscosity.c_33 / model.tangent_moduli.c_33
 
 
 def corner_modes(model: PlateModel) -> CornerModes:
@@ -132,7 +133,7 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
         step = min(longest, 1.5 * step)
     # Far out f is real and positive, or where the hold is exact s^2 f is.
     turned -= np.angle(before)
-    return int(round(abs(turned) / math.pi))
+    return round(abs(turned) / math.pi)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""A run of the modal model: from the quiet start of the finite-element run to the tail-slap."""
+"""A run of the modal model: from inertia relief, as the finite-element run starts to the tail-slap."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fem.modal_model import ModalPlate
 from fem.modal_motion import MEASURED, measure_rows
 from fem.modal_steps import REACHED, run_to_strike
 from fem.model import PlateModel
-from fem.start import QuietFields, RigidStart, to_global
+from fem.start import ElasticFields, RigidStart, to_global
 
 OVERTIME = 1.5
 """Multiples of the expected duration after which a run that has not struck is given up."""
@@ -41,15 +41,17 @@ class ModalMotion:
 
 
 def modal_start(
-    plate: PlateModel, modal: ModalPlate, start: RigidStart, quiet: QuietFields
+    plate: PlateModel, modal: ModalPlate, start: RigidStart, fields: ElasticFields
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Place and speed at t = 0, shape (3 + modes,): the quiet start, projected on the modes."""
+    """Place and speed at t = 0, shape (3 + modes,): the start by inertia relief, projected on the modes."""
     turn = to_global(start.angle)
-    (q, shift), (q_rate, shift_rate) = (_split(plate, modal, field) for field in (quiet.elastic, quiet.rate))
+    (q, shift), (q_rate, shift_rate) = (
+        _split(plate, modal, field) for field in (fields.elastic, fields.rate)
+    )
     shift, shift_rate = turn @ shift, turn @ shift_rate
     sweep = start.omega * np.array([-shift[1], shift[0]])
-    corner = np.array([0.0, quiet.gap]) - shift
-    corner_speed = np.array([start.corner_speed, quiet.gap_rate]) - shift_rate - sweep
+    corner = np.array([0.0, fields.gap]) - shift
+    corner_speed = np.array([start.corner_speed, fields.gap_rate]) - shift_rate - sweep
     return np.concatenate([corner, [-start.angle], q]), np.concatenate([corner_speed, [start.omega], q_rate])
 
 

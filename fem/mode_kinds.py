@@ -43,7 +43,7 @@ def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKin
     mirrored = shapes[:, :, _mirror_nodes(model.discretisation.positions)]
     symmetric = 0.5 * (1.0 + (shapes[:, 0] * mirrored[:, 0] - shapes[:, 1] * mirrored[:, 1]) @ masses)
     along = shapes[:, 0] ** 2 @ masses
-    moduli = _ShearAlone(0.0, 0.0, model.shear_modulus)
+    moduli = _ShearAlone(0.0, 0.0, model.tangent_moduli.c_33)
     stiffness = stiffness_matrix(model.discretisation.scalar, thickness, moduli)
     flat = shapes.reshape(len(shapes), -1)
     shear = ((stiffness @ flat.T).T * flat).sum(axis=1) / modes.frequencies**2

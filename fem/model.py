@@ -84,7 +84,8 @@ class PlateModel:
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
     loop: LoopParameters
-    shear_modulus: float  # [Pa], at small strain
+    tangent_moduli: StVenantKirchhoff  # [Pa], at small strain
+    thickness: float  # [m]
 
     @property
     def mass(self) -> float:
@@ -109,7 +110,13 @@ def build_model(
 
     Raises ValueError where the mesh cannot carry the exact inertia, or has too few nodes for the patch.
     """
-    model = static_model(mesh, plate, corner)
+    return finished_model(static_model(mesh, plate, corner), plate, corner, step)
+
+
+def finished_model(
+    model: PlateModel, plate: PlateProperties, corner: CornerProperties, step: StepProperties
+) -> PlateModel:
+    """The static model of the same properties with its highest frequency, damping and time step."""
     d, loop = model.discretisation, model.loop
     spectrum = Spectrum(model.stiffness, loop.mass, loop.corner, corner.angles)
     frequency = spectrum.highest_frequency()
@@ -122,6 +129,12 @@ def build_model(
         loop=loop._replace(viscosity=viscosity),
     )
     return with_elastic_damping(model, step)
+
+
+def held_model(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
+    """The static model with its corner held in another way."""
+    held = _corner(model.discretisation, model.loop.mass, plate, corner)
+    return replace(model, loop=model.loop._replace(corner=held))
 
 
 def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
@@ -149,7 +162,7 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
         time_step=math.nan,
         span=2.0 ** math.floor(math.log2(np.ptp(discretisation.positions[0]) / 8.0)),
     )
-    return PlateModel(discretisation, stiffness, math.nan, math.nan, math.nan, loop, moduli.c_33)
+    return PlateModel(discretisation, stiffness, math.nan, math.nan, math.nan, loop, moduli, plate.thickness)
 
 
 def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:

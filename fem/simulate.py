@@ -95,9 +95,7 @@ class Stepper:
         subtract_internal_forces(
             positions, velocities, *self._parts, force, loop.table, loop.material, self._scratch
         )
-        damping = damp(
-            loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force
-        )
+        damping = damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
         normal, tangential, *_ = add_corner_reaction(
             positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
         )
@@ -128,7 +126,7 @@ def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
     stepper = Stepper(model, threads)
     with nullcontext() if stepper.has_code else one_process_compiles():
-        state = stepper.start(start, "sudden")
+        state = stepper.start(start, "unstressed")
         stepper.measure(stepper.advance(state, 0))
 
 
@@ -136,7 +134,7 @@ def simulate(
     model: PlateModel,
     start: RigidStart,
     duration: float,
-    kind: str = "quiet",
+    kind: str = "inertia-relief",
     rows: int = 400,
     threads: int = 1,
     progress: Callable[[float], None] = lambda share: None,

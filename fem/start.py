@@ -1,8 +1,12 @@
-"""The state a run starts from.
+"""The state a run starts from: which quantities of the rigid body it keeps is part of the answer of a soft plate.
 
-`sudden`: the unstrained plate with a rigid-body velocity. The reaction then rings to several times its size.
-`quiet`: the quasi-static elastic state that belongs to the plate's rigid acceleration (inertia relief), with
-the corner's spring already carrying the reaction, and the slow change of both in the velocity.
+`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's spring
+already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's speed; the
+centre, which the deformation has moved, begins with another momentum than the rigid body's.
+`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and speed
+of the corner follow, since it stays on the wall.
+`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several times
+its size.
 """
 
 from __future__ import annotations
@@ -14,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.corner import Drag, Exact, Signed
-from fem.elastic import elastic_solver
+from fem.elastic import elastic_solver, rigid_motions
 from fem.model import PlateModel
 
 
@@ -27,8 +31,15 @@ class RigidStart:
     corner_speed: float
 
 
-class QuietFields(NamedTuple):
-    """A quiet start beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the body frame,
+SMALL = 1e-5
+"""Elastic displacement over the plate's length below which what is not linear in it is rounding."""
+
+CORRECTIONS = 2
+"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the flexibility's share."""
+
+
+class ElasticFields(NamedTuple):
+    """A start by inertia relief beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the body frame,
     shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
 
     elastic: np.ndarray
@@ -49,25 +60,47 @@ class _Rigid(NamedTuple):
 def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m] and velocities [m/s] at t = 0, both of shape (2, nodes)."""
     body = model.discretisation.positions - _at_corner(model, model.discretisation.positions)
-    elastic, rate, gap, gap_rate = KINDS[kind](model, start, body)
+    return _placed(KINDS[kind](model, start, body), start, body)
+
+
+def _placed(fields: tuple[Any, ...], start: RigidStart, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities in the wall's frame of a plate with these fields beside the rigid motion."""
+    elastic, rate, gap, gap_rate = fields[:4]
+    spin, speed = fields[4:] or (start.omega, start.corner_speed)
     turn = to_global(start.angle)
     arm = turn @ (body + elastic)
     positions = arm + np.array([[0.0], [gap]])
-    velocities = turn @ rate + start.omega * np.array([-arm[1], arm[0]])
-    velocities += np.array([[start.corner_speed], [gap_rate]])
+    velocities = turn @ rate + spin * np.array([-arm[1], arm[0]])
+    velocities += np.array([[speed], [gap_rate]])
     return positions, velocities
 
 
 def elastic_give(model: PlateModel, start: RigidStart) -> float:
     """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
-    quiet, sudden = (start_fields(model, start, kind)[0] for kind in ("quiet", "sudden"))
-    return float(model.loop.mass @ (sudden - quiet)[1] / model.mass)
+    fields = relieved_fields(model, start)
+    moved = (to_global(start.angle) @ fields.elastic)[1] + fields.gap
+    return -float(model.loop.mass @ moved / model.mass)
 
 
-def quiet_fields(model: PlateModel, start: RigidStart) -> QuietFields:
-    """The quiet start in the body frame."""
+def damping_lag(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the damping of elastic velocities holds back the corner in the slow change of the elastic state."""
+    behind = _held_back(model, relieved_fields(model, start).rate)
+    return float(np.abs(_at_corner(model, behind)).max())
+
+
+def elastic_energy(model: PlateModel, start: RigidStart) -> float:
+    """Energy [J] of the elastic state at the start by inertia relief, the corner's spring included."""
+    fields = relieved_fields(model, start)
+    displacement = fields.elastic.ravel()
+    spring = getattr(model.loop.corner.hold, "stiffness", 0.0)
+    return float(0.5 * (displacement @ (model.stiffness @ displacement) + spring * fields.gap**2))
+
+
+def relieved_fields(model: PlateModel, start: RigidStart) -> ElasticFields:
+    """The start by inertia relief in the body frame."""
     body = model.discretisation.positions - _at_corner(model, model.discretisation.positions)
-    return QuietFields(*_quiet(model, start, body))
+    solve = elastic_solver(model.stiffness, model.loop.mass, body)
+    return _changing(model, start, body, lambda *now: _elastic(model, solve, body, *now))
 
 
 def to_global(angle: float) -> np.ndarray:
@@ -76,40 +109,132 @@ def to_global(angle: float) -> np.ndarray:
     return np.array([[cosine, sine], [-sine, cosine]])
 
 
-def _sudden(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
     return np.zeros_like(body), np.zeros_like(body), 0.0, 0.0
 
 
-def _quiet(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
-    solve = elastic_solver(model.stiffness, model.loop.mass, body)
+def _relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticFields:
+    """The fields of inertia relief; of a plate that gives visibly, in equilibrium on its deformed shape."""
+    fields = linear = relieved_fields(model, start)
+
+    def at(angle: float, omega: float, speed: float) -> tuple[np.ndarray, float]:
+        return _in_equilibrium(model, body, linear, RigidStart(angle, omega, speed))
+
+    if np.abs(linear.elastic).max() >= SMALL * np.ptp(body):
+        fields = _changing(model, start, body, at)
+    behind = _held_back(model, fields.rate)
+    return fields._replace(elastic=fields.elastic + behind - _at_corner(model, behind))
+
+
+def _held_back(model: PlateModel, rate: np.ndarray) -> np.ndarray:
+    """Displacement [m] by which the damping of elastic velocities makes the elastic state lag behind, free of rigid
+    motion, shape (2, nodes); rate: of the elastic state [m/s], body frame."""
+    damping = model.loop.elastic_damping
+    if damping is None:
+        return np.zeros_like(rate)
+    masses, positions = model.loop.mass, model.discretisation.positions
+    rigid = rigid_motions(positions - (positions @ masses / masses.sum())[:, None])
+    weighted = rigid * np.tile(masses, 2)[:, None]
+    elastic = rate.ravel() - rigid @ np.linalg.solve(rigid.T @ weighted, weighted.T @ rate.ravel())
+    load = -damping.rate * np.tile(masses, 2) * elastic
+    return elastic_solver(model.stiffness, masses, positions)(load).reshape(2, -1)
+
+
+def _changing(
+    model: PlateModel,
+    start: RigidStart,
+    body: np.ndarray,
+    at: Callable[[float, float, float], tuple[np.ndarray, float]],
+) -> ElasticFields:
+    """The fields of a state that follows angle, spin and corner speed: `at` gives displacement and gap for them."""
     now = _rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
     span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
 
-    def at(time: float) -> tuple[np.ndarray, float]:
+    def after(time: float) -> tuple[np.ndarray, float]:
         angle = start.angle - start.omega * time - 0.5 * now.angular * time**2
-        return _elastic(model, solve, body, angle, start.omega + now.angular * time, start.corner_speed)
+        return at(angle, start.omega + now.angular * time, start.corner_speed)
 
-    (elastic, gap), (late, late_gap), (early, early_gap) = at(0.0), at(span), at(-span)
-    return elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span)
+    (elastic, gap), (late, late_gap), (early, early_gap) = after(0.0), after(span), after(-span)
+    return ElasticFields(
+        elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span)
+    )
 
 
-KINDS: dict[str, Callable[..., Any]] = {"quiet": _quiet, "sudden": _sudden}
+def _relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    """The fields of inertia relief, and the spin [rad/s] and corner speed [m/s] that give the rigid body's momentum.
+
+    The elastic state goes with the spin that it is to have, and is found again for it.
+    """
+    share, turn = model.loop.mass / model.mass, to_global(start.angle)
+    arm = turn @ (body @ share)
+    wanted = np.array([start.corner_speed - start.omega * arm[1], start.omega * arm[0]])
+    kept = start
+    for _ in range(CORRECTIONS):
+        fields = _relieved(model, kept, body)
+        elastic, rate, _, gap_rate = fields
+        arm, drift = turn @ ((body + elastic) @ share), turn @ (rate @ share)
+        spin = (wanted[1] - drift[1] - gap_rate) / arm[0]
+        kept = RigidStart(start.angle, float(spin), float(wanted[0] - drift[0] + spin * arm[1]))
+    return (*fields, kept.omega, kept.corner_speed)
+
+
+KINDS: dict[str, Callable[..., Any]] = {
+    "inertia-relief": _relieved,
+    "inertia-relief-momenta": _relieved_with_momenta,
+    "unstressed": _unstressed,
+}
 """Kinds of start, by name."""
 
 
 def _elastic(
     model: PlateModel, solve: Any, body: np.ndarray, angle: float, omega: float, speed: float
 ) -> tuple[np.ndarray, float]:
-    """Elastic displacement relative to the corner [m], body frame, and the corner's gap [m]."""
-    rigid = _rigid_accelerations(model, body, angle, omega, speed)
-    turn, corner = to_global(angle), model.loop.corner
-    arm = turn @ body
-    acceleration = rigid.angular * np.array([-arm[1], arm[0]]) - omega**2 * arm + [[rigid.corner], [0.0]]
+    """Elastic displacement relative to the corner [m], body frame, and the corner's gap [m]; linear."""
+    load, normal = _load(model, body, RigidStart(angle, omega, speed))
+    displacement = solve(load.ravel()).reshape(2, -1)
+    return displacement - _at_corner(model, displacement), _gap(model, normal)
+
+
+def _in_equilibrium(
+    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
+) -> tuple[np.ndarray, float]:
+    """The same in equilibrium on the deformed shape, its best rigid rotation none; raises as `equilibrium`."""
+    from fem.finite_strain import equilibrium
+
+    def load_at(place: np.ndarray) -> np.ndarray:
+        return _load(model, place - _at_corner(model, place), start)[0]
+
+    place = equilibrium(model, body + linear.elastic, load_at)
+    place = _unturned(model, body, place - _at_corner(model, place))
+    return place - body, _gap(model, _load(model, place, start)[1])
+
+
+def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """The positions turned about the corner so that the body fits them best without a rotation."""
+    share = model.loop.mass / model.mass
+    x, y = place - (place @ share)[:, None]
+    r_x, r_y = (body - (body @ share)[:, None]) * share
+    turned = np.arctan2((r_x * y - r_y * x).sum(), (r_x * x + r_y * y).sum())
+    return to_global(float(turned)) @ place
+
+
+def _load(model: PlateModel, place: np.ndarray, start: RigidStart) -> tuple[np.ndarray, float]:
+    """Inertia and reaction on a plate at these positions about the corner [N], body frame, and the normal reaction."""
+    rigid = _rigid_accelerations(model, place, start.angle, start.omega, start.corner_speed)
+    turn, corner = to_global(start.angle), model.loop.corner
+    arm = turn @ place
+    acceleration = (
+        rigid.angular * np.array([-arm[1], arm[0]]) - start.omega**2 * arm + [[rigid.corner], [0.0]]
+    )
     load = -model.loop.mass * acceleration
     load[:, corner.nodes] += np.outer((rigid.tangential, rigid.normal), corner.weights)
-    displacement = solve((turn.T @ load).ravel()).reshape(2, -1)
-    gap = 0.0 if isinstance(corner.hold, Exact) else -rigid.normal / corner.hold.stiffness
-    return displacement - _at_corner(model, displacement), gap
+    return turn.T @ load, rigid.normal
+
+
+def _gap(model: PlateModel, normal: float) -> float:
+    """Deflection [m] of the corner's hold under this reaction [N]."""
+    hold = model.loop.corner.hold
+    return 0.0 if isinstance(hold, Exact) else -normal / hold.stiffness
 
 
 def _at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:

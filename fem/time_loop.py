@@ -69,9 +69,7 @@ def advance(state, steps, loop, viscosity, hourglass, force, scratch):
         power = subtract_forces_of(
             0, lanes, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
         )
-        power -= damp(
-            loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force
-        )
+        power -= damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
         react(state, loop, power, force)
         state.sums[1] += loop.time_step * gained(
             loop.elastic_damping, motion, state, loop.time_step, 0, nodes, force

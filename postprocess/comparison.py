@@ -72,6 +72,12 @@ def relative_difference(
     return {key: _relative(float(fe[key]), float(rigid[key])) for key in keys}
 
 
+def largest(differences: Mapping[str, float]) -> float:
+    """Size of the largest difference; NaN where there is none, or one is not a finite number."""
+    sizes = [abs(value) for value in differences.values()]
+    return max(sizes) if sizes and all(map(math.isfinite, sizes)) else math.nan
+
+
 def comparison_rows(
     fe: Mapping[str, float],
     rigid: Mapping[str, float],

@@ -28,11 +28,12 @@ REFERENCE_MODULUS = 1e9
 
 def make_model(plan: Plan, plate: Plate) -> PlateModel:
     """Mesh and assemble. Raises InputError for keys that make no model."""
-    from fem.model import build_model
-
     plate = resolved_plate(plan, plate)
-    with _refusals(plan.scene, plate):
-        model = build_model(_mesh(plan, plate), _plate(plan, plate), _corner(plan), _step(plan))
+    return finished(plan, plate, make_static_model(plan, plate))
+
+
+def _within_steps(plan: Plan, plate: Plate, model: PlateModel) -> PlateModel:
+    """The model, unless a run of it would never end. Raises InputError."""
     if not model.loop.time_step * MOST_STEPS > plan.motion.strike.t:
         key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
         raise InputError(
@@ -62,6 +63,28 @@ def resolved_plate(plan: Plan, plate: Plate) -> Plate:
     with _refusals(plan.scene, plate):
         modulus = modulus_for(_mesh(plan, plate), _plate(plan, reference), plate.first_frequency)
     return plate.model_copy(update={"youngs_modulus": modulus})
+
+
+def finished(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
+    """The static model of this plate with what a run needs. Raises InputError."""
+    from fem.model import finished_model
+
+    model = finished_model(static, _plate(plan, plate), _corner(plan), _step(plan))
+    return _within_steps(plan, plate, model)
+
+
+def held(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
+    """The static model with its corner held as the plan's scene now has it."""
+    from fem.model import held_model
+
+    return held_model(static, _plate(plan, plate), _corner(plan))
+
+
+def damped(plan: Plan, plate: Plate, model: PlateModel) -> PlateModel:
+    """The model with the damping of elastic velocities that the plan's scene now has. Raises InputError."""
+    from fem.model import with_elastic_damping
+
+    return _within_steps(plan, plate, with_elastic_damping(model, _step(plan)))
 
 
 @contextmanager
@@ -139,4 +162,5 @@ def _step(plan: Plan) -> StepProperties:
         plan.motion.strike.t / LEAST_STEPS,
         damping_ratio=(damping.ratio or 0.0) if damping else 0.0,
         bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
+        elastic_rate=(damping.rate or 0.0) if damping else 0.0,
     )

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from tailslap.decide_damping import Growth, decide_damping, foresee
+from tailslap.decide_hold import decide_hold
+from tailslap.decide_mesh import decide_mesh
+from tailslap.decisions import Decision, with_tables
 from tailslap.errors import InputError, Missing
-from tailslap.fe_model import make_model, make_static_model, resolved_plate
+from tailslap.fe_model import damped, finished, held
+from tailslap.flexibility import centre_travel, rigid_start, share_given
 from tailslap.plan import Plan
 from tailslap.scene import Plate, Scene
 
@@ -21,21 +26,19 @@ if TYPE_CHECKING:
 UPDATES_PER_SECOND = 2e7
 """Element updates a second that the expected cost is reckoned with; `benchmarks/speed.py` measures them."""
 
-RICHER = {"quad4": "quad9", "quad4-reduced": "quad9", "tri3": "tri6"}
-"""Elements of twice the order on the same mesh."""
-
-RICHER_UP_TO = 20_000
-"""Elements above which the mesh is judged by a coarser one."""
-
 
 @dataclass(frozen=True)
 class FePlan:
     """What the run integrates, and how far it may be from a rigid plate.
 
-    plate: the scene's, with the modulus that its first frequency asks for where the scene gives that instead.
+    asked: the plan as given; plan: its scene has no open ends any more; decisions: what the program filled in. plate: the scene's, with the modulus
+    that its first frequency asks for where the scene gives that instead. growth: of the fastest mode by friction.
     """
 
+    asked: Plan
     plan: Plan
+    decisions: tuple[Decision, ...]
+    growth: Growth
     plate: Plate
     wall: meshio.Mesh | None
     model: PlateModel
@@ -54,6 +57,27 @@ class FePlan:
             return self.plate.first_frequency
         return lowest_frequency(model.stiffness, model.loop.mass, model.discretisation.positions)
 
+    @cached_property
+    def damping_lag(self) -> float:
+        """What the damping of elastic velocities holds the corner back by, over the centre's way to the wall."""
+        from fem.start import damping_lag
+
+        return damping_lag(self.model, self.start) / self.travel
+
+    @cached_property
+    def elastic_energy(self) -> float:
+        """Energy [J] of the quasi-static elastic state at the start, the corner's spring included."""
+        from fem.start import elastic_energy
+
+        return elastic_energy(self.model, self.start)
+
+    @cached_property
+    def spring_share(self) -> float:
+        """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
+        stiffness = getattr(self.model.loop.corner.hold, "stiffness", math.inf)
+        normal = self.plan.motion_of_mass(self.model.mass).at(0.0).reaction_normal
+        return abs(float(normal)) / stiffness / self.travel
+
     @property
     def expected_steps(self) -> int:
         """Steps to the rigid body's tail-slap."""
@@ -67,42 +91,35 @@ def needed_plate(scene: Scene) -> Plate:
     return scene.plate
 
 
-def make_fe_plan(plan: Plan) -> FePlan:
-    """Mesh and assemble. Raises InputError for keys that make no model."""
-    plate, wall = resolved_plate(plan, needed_plate(plan.scene)), _wall(plan)
-    model, other = make_model(plan, plate), make_static_model(plan, comparable_plate(plate))
-    gives = (share_given(plan, a_model) for a_model in (model, other))
-    return FePlan(plan, plate, wall, model, rigid_start(plan), centre_travel(plan), *gives)
+def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
+    """Decide what the scene leaves open, mesh and assemble. Raises InputError for keys that make no model.
 
-
-def rigid_start(plan: Plan) -> RigidStart:
-    """What the plate starts from."""
-    from fem.start import RigidStart
-
-    return RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
-
-
-def share_given(plan: Plan, model: PlateModel) -> float:
-    """The give of a model of the plate at the start, as a share of the centre's travel to the wall."""
-    from fem.start import elastic_give
-
-    return abs(elastic_give(model, rigid_start(plan))) / centre_travel(plan)
-
-
-def centre_travel(plan: Plan) -> float:
-    """Way [m] of the centre of mass towards the wall until the tail-slap."""
-    corner_angle = plan.body.corner_angle
-    return plan.body.corner_radius * (math.sin(plan.start.angle + corner_angle) - math.sin(corner_angle))
-
-
-def comparable_plate(plate: Plate) -> Plate:
-    """The plate by which the mesh is judged: richer elements, or where that would be large, a coarser mesh."""
-    along, across = plate.elements
-    if along * across > RICHER_UP_TO:
-        return plate.model_copy(update={"elements": (max(1, along // 2), max(1, across // 2))})
-    if plate.element in RICHER:
-        return plate.model_copy(update={"element": RICHER[plate.element]})
-    return plate.model_copy(update={"elements": (2 * along, 2 * across)})
+    more_damping: factor on the damping that is foreseen to be needed.
+    """
+    asked, given = plan, needed_plate(plan.scene)
+    mesh, mesh_decisions = decide_mesh(plan, given)
+    plate, model = mesh.plate, mesh.model
+    choices = {"elements": plate.elements, "element": plate.element}
+    plan = with_tables(plan, plate=given.model_copy(update=choices))
+    plan, hold_decisions = decide_hold(plan, plate, model)
+    if hold_decisions:
+        model = held(plan, plate, model)
+    model = finished(plan, plate, model)
+    growth = foresee(plan, plate, model)
+    plan, damping_decisions = decide_damping(plan, growth, more_damping)
+    return FePlan(
+        asked=asked,
+        plan=plan,
+        decisions=(*mesh_decisions, *hold_decisions, *damping_decisions),
+        growth=growth,
+        plate=plate,
+        wall=_wall(plan),
+        model=damped(plan, plate, model) if damping_decisions else model,
+        start=rigid_start(plan),
+        travel=centre_travel(plan),
+        give=share_given(plan, model) if hold_decisions else mesh.give,
+        other_give=mesh.other_give,
+    )
 
 
 def _wall(plan: Plan) -> meshio.Mesh | None:

@@ -16,8 +16,10 @@ def left_out(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
         parts.append(("friction", "the coefficient of friction is 0: no friction code in the time loop"))
     if scene.damping is None:
         parts.append(("damping", "the scene has no [damping] table: no viscous code in the time loop"))
-    if scene.plate and scene.plate.start == "sudden":
-        parts.append(("quiet start", 'plate.start is "sudden": the plate starts without its elastic state'))
+    if scene.plate and scene.plate.start == "unstressed":
+        parts.append(
+            ("inertia relief", 'plate.start is "unstressed": the plate starts without its elastic state')
+        )
     if scene.plate and scene.plate.lumping == "row-sum":
         parts.append(("exact inertia", 'plate.lumping is "row-sum": the rotary inertia is overstated'))
     if scene.wall is None:

@@ -79,13 +79,13 @@ def modal_run(
     """
     from fem.modal_model import modal_plate, with_fewer_modes
     from fem.modal_run import integrate, modal_start
-    from fem.start import quiet_fields
+    from fem.start import relieved_fields
 
     _admit(fe_plan, modes)
     model, start, duration = fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t
     began = time.perf_counter()
     finer = modal_plate(model, 2 * modes + MORE_MODES)
-    plate, quiet = with_fewer_modes(finer, modes), quiet_fields(model, start)
+    plate, quiet = with_fewer_modes(finer, modes), relieved_fields(model, start)
     (state, finer_state) = (modal_start(model, kept, start, quiet) for kept in (plate, finer))
     setup = time.perf_counter() - began
     motion = integrate(plate, state, duration, steps)
@@ -120,8 +120,8 @@ def _admit(fe_plan: FePlan, modes: int) -> None:
     most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
     if not 0 <= modes <= most:
         raise InputError("--modes", modes, f"allowed with this mesh is a whole number from 0 to {most}")
-    if plate.start != "quiet":
-        allowed = 'the modal model starts quietly, its left-out modes cannot ring; allowed is "quiet"'
+    if plate.start != "inertia-relief":
+        allowed = 'the modes that the modal model leaves out cannot oscillate; allowed is "inertia-relief"'
         raise InputError("plate.start", plate.start, allowed)
     if scene.damping:
         raise InputError("damping", "a table", "the modal model has no damping; leave it out")

@@ -121,8 +121,8 @@ def _added_mass(fe_plan: FePlan) -> Check:
 
 
 def _metric_checks(fe_plan: FePlan, metrics: Mapping[str, Metrics]) -> Iterable[Check]:
-    """The worst of the histories for each metric; the reaction of a sudden start rings, and is only shown."""
-    names = [name for name in metrics if name != "reaction_normal" or fe_plan.plate.start == "quiet"]
+    """The worst of the histories for each metric; the reaction of an unstressed start rings, and is only shown."""
+    names = [name for name in metrics if name != "reaction_normal" or fe_plan.plate.start != "unstressed"]
     for metric, (title, customary) in METRIC_LIMITS.items():
         sizes = np.abs([getattr(metrics[name], metric) for name in names])
         worst = int(np.argmax(sizes))  # the first NaN, where there is one

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,21 +13,40 @@ import numpy as np
 from postprocess.comparison import relative_difference
 from postprocess.metrics import Metrics
 from postprocess.report import Check
-from tailslap.checks import SPOILT, energy_error, friction_by_ringing, run_checks
+from tailslap.checks import SPOILT, energy_error, error_of, friction_by_ringing, run_checks
+from tailslap.errors import InputError
 from tailslap.fe_plan import FePlan, make_fe_plan
+from tailslap.numerical_error import NumericalError, SecondRun, needs_second_run
 from tailslap.plan import Plan
 from tailslap.practice import history_metrics
 from tailslap.progress import announced, progress_bar
 from tailslap.rigid import COMPARED, stage_two_numbers
+from tailslap.second_mesh import on_mesh, second_meshes
 
 if TYPE_CHECKING:
     from fem.simulate import Run
     from tailslap.tolerance.choose import Choice
 
 
+MORE_DAMPING = 4.0
+"""Times the damping that was foreseen, for a run that rings with it."""
+
+RINGING_CHECKS = (
+    "tail-slap reached",
+    "finite numbers",
+    "friction by ringing",
+    "reaction against rigid",
+    "oscillation",
+)
+"""Checks that fail where a run rings."""
+
+
 @dataclass(frozen=True)
 class Outcome:
-    """A finished run: what was computed, compared and checked. `fe` and `difference` are empty without a strike."""
+    """A finished run: what was computed, compared and checked. `fe` and `difference` are empty without a strike.
+
+    second: a run on another mesh that the error was judged by; attempts: 2 where the first rang.
+    """
 
     fe_plan: FePlan
     run: Run
@@ -37,6 +57,9 @@ class Outcome:
     difference: dict[str, float]
     checks: tuple[Check, ...]
     setup_s: float
+    error: NumericalError
+    second: SecondRun | None = None
+    attempts: int = 1
     pictures: tuple[Path, ...] = field(default=())
     pictures_s: float = 0.0
     choice: Choice | None = None  # what --tolerance picked
@@ -49,12 +72,24 @@ class Outcome:
 
 
 def run_scene(plan: Plan) -> Outcome:
-    """Run the scene's finite-element model and hold it against the rigid motion; writes nothing."""
+    """Run the scene's finite-element model and hold it against the rigid motion; writes nothing.
+
+    A run that rings although the program has chosen its damping is made once more, with more of it.
+    """
+    outcome = _attempt(plan, 1.0)
+    if rings(outcome) and damping_is_open(outcome.fe_plan):
+        again = _attempt(plan, MORE_DAMPING)
+        outcome = replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
+    return confirmed(outcome)
+
+
+def _attempt(plan: Plan, more_damping: float) -> Outcome:
+    """A run, compared with the rigid motion."""
     began = time.perf_counter()
     with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
         from fem.simulate import compile_loop, simulate
 
-        fe_plan = make_fe_plan(plan)
+        fe_plan = make_fe_plan(plan, more_damping)
         compile_loop(fe_plan.model, fe_plan.start, plan.scene.time.threads)
     setup = time.perf_counter() - began
     scene, duration = plan.scene, plan.motion.strike.t
@@ -72,7 +107,18 @@ def run_scene(plan: Plan) -> Outcome:
     return compare(fe_plan, run, setup)
 
 
-def compare(fe_plan: FePlan, run: Run, setup: float) -> Outcome:
+def rings(outcome: Outcome) -> bool:
+    """Whether a check says that the reaction rang, or the run came to no answer."""
+    return any(check.name in RINGING_CHECKS and not check.passed for check in outcome.checks)
+
+
+def damping_is_open(fe_plan: FePlan) -> bool:
+    """Whether the program may choose the damping, and there is friction that could make the plate flutter."""
+    given = fe_plan.asked.scene.damping
+    return fe_plan.growth.counts and (given is None or given.kind is None)
+
+
+def compare(fe_plan: FePlan, run: Run, setup: float, second: SecondRun | None = None) -> Outcome:
     """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
     rigid = stage_two_numbers(fe_plan.plan)
     fe = {name: run.strike.values[name] for name in COMPARED} if run.strike else {}
@@ -80,11 +126,46 @@ def compare(fe_plan: FePlan, run: Run, setup: float) -> Outcome:
     rigid_history = rigid_columns(fe_plan, run.history)
     with np.errstate(all="ignore"):  # a run that diverged is judged, not warned about
         fe_history = run.history | {"energy_error": energy_error(run.history)}
-        checks = run_checks(fe_plan, run, rigid_history, difference)
+        checks = run_checks(fe_plan, run, rigid_history, difference, second)
         metrics = history_metrics(run.history, rigid_history)
+        error = error_of(fe_plan, run, difference, second)
     return Outcome(
-        fe_plan, run, fe_history, rigid_history, rigid, fe, difference, checks, setup, metrics=metrics
+        fe_plan,
+        run,
+        fe_history,
+        rigid_history,
+        rigid,
+        fe,
+        difference,
+        checks,
+        setup,
+        metrics=metrics,
+        error=error,
+        second=second,
     )
+
+
+def confirmed(outcome: Outcome) -> Outcome:
+    """The outcome with a second run of the plate beside it, where statics does not tell how far it may be off."""
+    fe_plan = outcome.fe_plan
+    if not outcome.fe or not needs_second_run(fe_plan, outcome.difference):
+        return outcome
+    second = second_run(fe_plan)
+    judged = compare(fe_plan, outcome.run, outcome.setup_s, second)
+    return replace(judged, attempts=outcome.attempts)
+
+
+def second_run(fe_plan: FePlan) -> SecondRun:
+    """A run of the same plate on a mesh twice as fine, or where that is dear half as fine, with the exact constraint."""
+    found = SecondRun((0, 0), {}, math.inf)
+    for elements, factor in second_meshes(fe_plan):
+        try:
+            other = _attempt(on_mesh(fe_plan, elements), 1.0)
+        except InputError:
+            continue
+        found = SecondRun(elements, other.difference, factor)
+        break
+    return found
 
 
 def rigid_columns(fe_plan: FePlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -33,6 +33,8 @@ DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", above=0.0
 Viscosity = Annotated[
     float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", above=0.0, most=10.0)
 ]
+Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', above=0.0)]
+Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", above=0.0, below=1.0)]
 Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
 
 
@@ -45,6 +47,17 @@ def _element_counts(given: object) -> object:
     return tuple(given)
 
 
+EARLIER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
+"""Names of starts in scenes of earlier versions."""
+
+
+def _start_name(given: object) -> object:
+    return EARLIER_STARTS.get(given, given) if isinstance(given, str) else given
+
+
+StartName = Annotated[
+    Literal["inertia-relief", "inertia-relief-momenta", "unstressed"], BeforeValidator(_start_name)
+]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
@@ -91,7 +104,7 @@ class Start(Table):
 
 
 class Corner(Table):
-    """The constrained corner."""
+    """The constrained corner. Where neither constraint nor spring is given, the program chooses the constraint."""
 
     reaction: Literal["drag", "none", "signed"] = "drag"
     friction: Friction | None = None
@@ -99,6 +112,11 @@ class Corner(Table):
     penalty_scale: Scale = 1.0
     damping_ratio: DampingRatio | None = None
     patch_length: Length | None = None
+
+    @property
+    def constraint_is_open(self) -> bool:
+        """Whether the scene leaves the choice of the constraint to the program."""
+        return not self.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
 
 
 class Strike(Table):
@@ -108,19 +126,22 @@ class Strike(Table):
 
 
 class Plate(Table):
-    """The FE model of the vehicle: its modulus, or the first frequency in its plane that the modulus gives it."""
+    """The FE model of the vehicle: its modulus, or the first frequency in its plane that the modulus gives it.
+
+    Without elements, or without element, the program chooses them.
+    """
 
     thickness: Length
     density: Density | None = None
     youngs_modulus: Modulus | None = None
     first_frequency: Frequency | None = None
     poissons_ratio: PoissonsRatio
-    elements: ElementCounts
+    elements: ElementCounts | None = None
     element: Literal["quad4", "quad4-reduced", "quad9", "tri3", "tri6"] = "quad4"
     distortion: Distortion = 0.0
     hourglass: Share = 0.1
     lumping: Literal["exact", "row-sum"] = "exact"
-    start: Literal["quiet", "sudden"] = "quiet"
+    start: StartName = "inertia-relief"
 
 
 class Material(Table):
@@ -130,11 +151,21 @@ class Material(Table):
 
 
 class Damping(Table):
-    """Damping of the plate: stiffness-proportional, as a ratio to critical at the model's highest frequency;
-    linear bulk viscosity."""
+    """Damping of the plate. kind and rate: of its elastic velocities; without kind the program decides.
 
+    ratio: stiffness-proportional, to critical at the model's highest frequency. bulk_viscosity: linear.
+    """
+
+    kind: Literal["elastic-velocity", "none"] | None = None
+    rate: Rate | None = None
     ratio: DampingRatio | None = None
     bulk_viscosity: Viscosity | None = None
+
+
+class Verify(Table):
+    """What the scene demands of its own result: agreement of the five quantities with the rigid motion."""
+
+    tolerance: Tolerance
 
 
 class Time(Table):
@@ -165,6 +196,7 @@ class Scene(Table):
     plate: Plate | None = None
     material: Material | None = None
     damping: Damping | None = None
+    verify: Verify | None = None
     time: Time = Time()
     wall: Wall | None = None
 

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene import Scene
+from tailslap.scene import Damping, Scene
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,12 @@ def _check_together(scene: Scene) -> None:
 
 def _check_plate(scene: Scene) -> None:
     """Keys of the finite-element model that need or exclude each other."""
-    tables = {"material": scene.material, "damping": scene.damping, "wall": scene.wall}
+    tables = {
+        "material": scene.material,
+        "damping": scene.damping,
+        "verify": scene.verify,
+        "wall": scene.wall,
+    }
     for name, table in tables.items():
         if table and not scene.plate:
             raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
@@ -186,5 +191,28 @@ def _check_plate(scene: Scene) -> None:
         raise InputError(
             "plate.hourglass", plate.hourglass, 'only element = "quad4-reduced" needs it; leave it out'
         )
-    if scene.damping and scene.damping.ratio is None and scene.damping.bulk_viscosity is None:
-        raise InputError("damping", "an empty table", "it needs ratio or bulk_viscosity; or leave it out")
+    if plate and plate.element == "tri6" and plate.lumping == "row-sum":
+        allowed = (
+            'row sums of tri6 give its corners no mass; allowed with them is another element, or "exact"'
+        )
+        raise InputError("plate.lumping", plate.lumping, allowed)
+    if scene.damping:
+        _check_damping(scene.damping)
+
+
+def _check_damping(damping: Damping) -> None:
+    if not damping.model_fields_set:
+        allowed = "it needs kind, ratio or bulk_viscosity; left out, the program decides"
+        raise InputError("damping", "an empty table", allowed)
+    if damping.rate is not None and damping.kind != "elastic-velocity":
+        raise InputError(
+            "damping.rate", damping.rate, 'it belongs to kind = "elastic-velocity"; leave it out'
+        )
+    if damping.rate is None and damping.kind == "elastic-velocity":
+        raise InputError(
+            "damping.rate", Missing, 'kind = "elastic-velocity" needs it; left out, the program decides'
+        )
+    given = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
+    if damping.kind == "none" and given:
+        allowed = 'kind = "none" forbids all damping; leave out one of the two'
+        raise InputError(f"damping.{given[0]}", getattr(damping, given[0]), allowed)

@@ -18,7 +18,7 @@ from fem.modal_model import ModalPlate, modal_plate, with_fewer_modes
 from fem.modal_motion import MEASURED, accelerate, measure_rows
 from fem.modal_motion import reaction as corner_reaction
 from fem.modal_run import ModalMotion, integrate, modal_start
-from fem.start import RigidStart, quiet_fields, to_global
+from fem.start import RigidStart, relieved_fields, to_global
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.fe_plan import FePlan, make_fe_plan
@@ -46,7 +46,7 @@ def run(modes: int, name: str, *changes: str) -> ModalRun:
 
 
 def motion(plate: Any, modal: ModalPlate, steps: int) -> ModalMotion:
-    state = modal_start(plate, modal, START, quiet_fields(plate, START))
+    state = modal_start(plate, modal, START, relieved_fields(plate, START))
     return integrate(modal, state, DURATION, steps)
 
 
@@ -266,7 +266,7 @@ def test_work_does_not_grow_with_stiffness_or_mesh() -> None:
 def test_a_run_that_does_not_strike(plate_model: Callable[..., Any]) -> None:
     plate = plate_model(reaction="drag")
     modal = modal_plate(plate, 2)
-    state = modal_start(plate, modal, START, quiet_fields(plate, START))
+    state = modal_start(plate, modal, START, relieved_fields(plate, START))
     late = integrate(modal, state, 0.1, 20)
     assert late.strike is None
     assert "in time" in late.end

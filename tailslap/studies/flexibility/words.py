@@ -227,7 +227,7 @@ def start_sentence(found: Survey) -> str:
     quiet = (
         " It starts in the elastic state of its rigid acceleration: vibration from the first impact is not in these "
         "numbers."
-        if found.sweep.plan.scene.plate and found.sweep.plan.scene.plate.start == "quiet"
+        if found.sweep.plan.scene.plate and found.sweep.plan.scene.plate.start != "unstressed"
         else ""
     )
     return f"Stage 2 lasts {duration:.3g} s, in which a plate of {hertz(1.0 / duration)} swings once.{quiet}"

@@ -1,0 +1,99 @@
+"""Damping of the elastic velocities where friction would make the plate flutter: as much as that takes, none else."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tailslap.decisions import Decision, with_tables
+from tailslap.errors import InputError
+from tailslap.fe_model import make_static_model
+from tailslap.flexibility import rigid_start
+from tailslap.plan import Plan
+from tailslap.scene import Damping, Plate
+
+if TYPE_CHECKING:
+    from fem.flutter import Flutter
+    from fem.model import PlateModel
+
+CURE = 4.0
+"""Rate of the damping over that of the fastest growing mode: above 2 it decays."""
+
+HARMLESS_UNSTRESSED = 0.5
+"""Exponent of growth that an unstressed start stands, whose oscillation is there from the beginning."""
+
+STAND_IN, STAND_INS = 2.0, 2
+"""For a mesh too large for all its modes, coarser ones stand in: factor on their rates, and how many are looked at."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What the linearised model foretells: the fastest rate [1/s], 0 where none counts; its exponent over the run;
+    the exponent that counts; and whether coarser meshes stood in."""
+
+    rate: float
+    exponent: float
+    harmless: float
+    stand_in: bool = False
+
+    @property
+    def counts(self) -> bool:
+        """Whether there is friction, by which anything could grow."""
+        return self.harmless > 0.0
+
+
+def foresee(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
+    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included."""
+    from fem.flutter import HARMLESS, MOST_UNKNOWNS, foresee_flutter, viscous_rate
+
+    harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
+    duration, start, viscous = plan.motion.strike.t, rigid_start(plan), viscous_rate(model)
+    if model.loop.friction is None:
+        return Growth(0.0, 0.0, 0.0)
+    if 2 * model.loop.mass.size <= MOST_UNKNOWNS:
+        found = foresee_flutter(model, start, duration, viscous, harmless)
+        return Growth(found.rate, found.growth, harmless)
+    found_by = [
+        foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
+        for coarse in _coarser_models(plan, plate, MOST_UNKNOWNS)
+    ]
+    fastest: Flutter | None = max(found_by, key=lambda each: each.rate, default=None)
+    if fastest is None:
+        return Growth(math.nan, math.nan, harmless, stand_in=True)
+    return Growth(STAND_IN * fastest.rate, STAND_IN * fastest.growth, harmless, stand_in=True)
+
+
+def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:
+    """The finest coarser meshes of the same element that make a model and can be analysed."""
+    assert plate.elements is not None
+    (along, across), found = plate.elements, 0
+    while found < STAND_INS and max(along, across) > 2:
+        along, across = max(2, round(along / 1.5)), max(2, round(across / 1.5))
+        try:
+            model = make_static_model(plan, plate.model_copy(update={"elements": (along, across)}))
+        except InputError:
+            continue
+        if 2 * model.loop.mass.size <= most_unknowns:
+            found += 1
+            yield model
+
+
+def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Plan, tuple[Decision, ...]]:
+    """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants."""
+    given = plan.scene.damping
+    if given is not None and given.kind is not None:
+        return plan, ()
+    least = growth.harmless / plan.motion.strike.t if factor > 1.0 else 0.0
+    rate = factor * CURE * max(growth.rate, least)
+    if not rate > 0.0:
+        return plan, ()
+    table = (given or Damping()).model_copy(update={"kind": "elastic-velocity", "rate": rate})
+    why = f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
+    if factor > 1.0:
+        why += f"; {factor:g} times as much as foreseen, since the first run rang"
+    return with_tables(plan, damping=table), (
+        Decision("damping.kind", "elastic-velocity", why),
+        Decision("damping.rate", rate, f"1/s, {factor * CURE:g} times the rate of the fastest growing mode"),
+    )

@@ -1,0 +1,39 @@
+"""The constraint of the corner where the scene leaves it open: the penalty spring as long as it cannot be seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tailslap.decisions import Decision, with_tables
+from tailslap.flexibility import centre_travel, rigid_start
+from tailslap.plan import Plan
+from tailslap.scene import Plate
+
+if TYPE_CHECKING:
+    from fem.model import PlateModel
+
+UNSEEN = 1e-5
+"""Deflection of the spring, over the way of the centre, below which it changes no digit that is reported."""
+
+
+def decide_hold(plan: Plan, plate: Plate, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
+    """The plan with its constraint; exact where a spring would ring with the plate, or be seen beside its flexibility."""
+    corner = plan.scene.corner
+    if not corner.constraint_is_open:
+        return plan, ()
+    if plate.start == "unstressed":
+        why = "the plate starts unstressed, and a spring would ring with it"
+    elif (share := spring_share(plan, model)) > UNSEEN:
+        why = f"a spring would give by {share:.1e} of the way, which is seen beside the plate's flexibility"
+    else:
+        return plan, ()
+    exact = corner.model_copy(update={"constraint": "exact"})
+    return with_tables(plan, corner=exact), (Decision("corner.constraint", "exact", why),)
+
+
+def spring_share(plan: Plan, model: PlateModel) -> float:
+    """Deflection of the corner's spring under the start's reaction, over the centre's way to the wall."""
+    from fem.start import relieved_fields
+
+    gap = relieved_fields(model, rigid_start(plan)).gap
+    return abs(gap) / centre_travel(plan)
