@@ -74,9 +74,7 @@ def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
         return skfem.BilinearForm(form).assemble(d.scalar)
 
     coupling = block(0, 1)
-    matrix = sp.csr_matrix(
-        model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]])
-    )
+    matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))
     if model.loop.hourglass is not None:
         matrix = matrix + hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
     return matrix

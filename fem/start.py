@@ -155,9 +155,7 @@ def _changing(
         return at(angle, start.omega + now.angular * time, start.corner_speed)
 
     (elastic, gap), (late, late_gap), (early, early_gap) = after(0.0), after(span), after(-span)
-    return ElasticFields(
-        elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span)
-    )
+    return ElasticFields(elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span))
 
 
 def _relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:

@@ -71,7 +71,7 @@ class Picture:
 class ReportContent:
     """All that the report says. A part that is empty is not shown, except `left_out`: then nothing was.
 
-    comparison: rows at the tail-slap, empty if the run did not reach it; metrics: of the FE histories against the
+    headline: the verdict in a sentence; comparison: rows at the tail-slap, empty if the run did not reach it; metrics: of the FE histories against the
     rigid ones, by the history's name; statements: sentences on what was
     run and what it means; stage1, stage3, cost: tables; curves: as `draw_histories` gives them; scene_text:
     the scene's own text, printed as it stands.
@@ -80,6 +80,7 @@ class ReportContent:
     scene: str
     version: str
     passed: bool
+    headline: str = ""
     comparison: tuple[ComparisonRow, ...] = ()
     statements: tuple[str, ...] = ()
     checks: tuple[Check, ...] = ()
@@ -108,6 +109,7 @@ def verdict(content: ReportContent) -> str:
     """The result in a sentence, up to the list of differences: failed checks and the largest difference."""
     failed = [check.name for check in content.checks if not check.passed]
     words = f"Failed: {', '.join(failed)}. " if failed else ""
+    words += f"{content.headline} " if content.headline else ""
     if not content.comparison:
         return words + "There is no comparison: the run did not reach the tail-slap."
     sizes = [abs(row.difference) for row in content.comparison]

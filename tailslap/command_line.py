@@ -12,6 +12,10 @@ from typing import Any
 
 import click
 
+# The matrices are small or sparse: threads of BLAS would only disturb each other, a hundredfold where cores are busy.
+# Set before NumPy is loaded, and taken over by worker processes.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import tailslap
 from tailslap.errors import InputError, Interrupted
 from tailslap.studies import study
@@ -99,7 +103,7 @@ commands.add_command(sweep)
 @scene_arguments
 def check(name: str, changes: tuple[str, ...]) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    from tailslap.tables import fe_part, flutter_lines, rigid_part
+    from tailslap.tables import chosen_lines, fe_part, rigid_part
 
     plan = _plan(name, changes)
     lines = rigid_part(plan)
@@ -107,7 +111,7 @@ def check(name: str, changes: tuple[str, ...]) -> int:
         from tailslap.fe_plan import make_fe_plan
 
         fe_plan = make_fe_plan(plan)
-        lines += fe_part(fe_plan) + flutter_lines(fe_plan)
+        lines += fe_part(fe_plan) + chosen_lines(fe_plan)
     click.echo("\n".join(lines))
     return DONE
 

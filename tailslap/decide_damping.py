@@ -80,13 +80,18 @@ def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[Pl
             yield model
 
 
+def suppressing_rate(growth: Growth) -> float:
+    """Rate [1/s] of the damping of elastic velocities that suppresses this growth."""
+    return CURE * growth.rate
+
+
 def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Plan, tuple[Decision, ...]]:
     """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants."""
     given = plan.scene.damping
     if given is not None and given.kind is not None:
         return plan, ()
     least = growth.harmless / plan.motion.strike.t if factor > 1.0 else 0.0
-    rate = factor * CURE * max(growth.rate, least)
+    rate = factor * max(suppressing_rate(growth), CURE * least)
     if not rate > 0.0:
         return plan, ()
     table = (given or Damping()).model_copy(update={"kind": "elastic-velocity", "rate": rate})

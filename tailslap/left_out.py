@@ -15,7 +15,7 @@ def left_out(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
     elif scene.corner_friction == 0.0:
         parts.append(("friction", "the coefficient of friction is 0: no friction code in the time loop"))
     if scene.damping is None:
-        parts.append(("damping", "the scene has no [damping] table: no viscous code in the time loop"))
+        parts.append(("damping", "none is asked for and none is needed: no damping code in the time loop"))
     if scene.plate and scene.plate.start == "unstressed":
         parts.append(
             ("inertia relief", 'plate.start is "unstressed": the plate starts without its elastic state')

@@ -22,7 +22,10 @@ def statements(outcome: Outcome) -> tuple[str, ...]:
         _constraint(plan),
         _pull(outcome),
         _plate_mass(outcome),
+        *_chosen(outcome),
+        _start(outcome),
         _give(outcome),
+        _error(outcome),
         _convention(plan),
     ]
     return tuple(sentence for sentence in made if sentence)
@@ -82,11 +85,47 @@ def _plate_mass(outcome: Outcome) -> str:
     )
 
 
+STARTS = {
+    "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and the "
+    "corner's speed; where it deforms visibly, its centre begins with a slightly different momentum than Stage 1 gave",
+    "inertia-relief-momenta": "in the elastic state of its rigid acceleration (inertia relief), with the linear momentum "
+    "that Stage 1 gave; spin and speed of the corner follow",
+    "unstressed": "unstressed, with the rigid body's velocities and all its momenta: it oscillates",
+}
+"""What each start keeps."""
+
+
+def _chosen(outcome: Outcome) -> list[str]:
+    said = [f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions]
+    again = "The first run rang; this one was made with more damping."
+    return [*said, again] if outcome.attempts > 1 else said
+
+
+def _start(outcome: Outcome) -> str:
+    return f"The plate starts {STARTS[outcome.fe_plan.plate.start]}."
+
+
 def _give(outcome: Outcome) -> str:
     return (
-        f"At the start the plate gives by {outcome.fe_plan.give:.1e} of its travel to the wall. Differences of that "
-        "size from the rigid motion are the plate's flexibility, and are in inverse proportion to its stiffness."
+        f"At the start the reaction moves the plate's centre by {outcome.fe_plan.give:.1e} of its way to the wall. "
+        "Differences of that size from the rigid motion are the plate's flexibility, and are in inverse proportion to its "
+        "stiffness."
     )
+
+
+def _error(outcome: Outcome) -> str:
+    error, second = outcome.error, outcome.second
+    if second is not None:
+        mesh = (
+            f"a second run with {second.elements[0]} x {second.elements[1]} elements and the exact constraint"
+        )
+        parts = f"{error.second_run:.1e} by {mesh}, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
+    else:
+        parts = (
+            f"{error.mesh:.1e} by the mesh, {error.contact_spring:.1e} by the contact spring, {error.time_step:.1e} by "
+            f"the time step, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
+        )
+    return f"Numerical error of the five quantities at most {error.total:.1e}: {parts}."
 
 
 def _convention(plan: Plan) -> str:

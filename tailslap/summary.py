@@ -9,6 +9,7 @@ import tailslap
 from tailslap.left_out import left_out
 from tailslap.rigid import COMPARED, rigid_answer
 from tailslap.run import Outcome
+from tailslap.verdict import verdict_sentence
 
 if TYPE_CHECKING:
     from tailslap.tolerance.choose import Choice
@@ -26,6 +27,10 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
         "rigid": outcome.rigid,
         "fe": outcome.fe or nothing,
         "difference": outcome.difference or nothing,
+        "verdict": verdict_sentence(outcome),
+        "numerical_error": {"total": outcome.error.total, **asdict(outcome.error)},
+        "chosen": [asdict(decision) for decision in outcome.fe_plan.decisions],
+        "attempts": outcome.attempts,
         "checks": [asdict(check) for check in outcome.checks],
         "metrics": {name: asdict(metrics) for name, metrics in outcome.metrics.items()},
         "cost": cost(outcome),

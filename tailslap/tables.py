@@ -23,6 +23,7 @@ def print_outcome(outcome: Outcome, place: Path) -> None:
     for line in (
         _drawn(_comparison(outcome)),
         *_picked(outcome),
+        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
         *_verdict(outcome),
         f"Report: {place / 'report.html'}",
     ):
@@ -41,14 +42,17 @@ def _picked(outcome: Outcome) -> list[str]:
 
 
 def _verdict(outcome: Outcome) -> list[str]:
+    from tailslap.verdict import verdict_sentence
+
     failed = [check for check in outcome.checks if not check.passed]
     lines = [
         f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})"
         for check in failed
     ]
     if failed:
-        lines += flutter_lines(outcome.fe_plan)
-    return [*lines, f"Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed"]
+        lines += chosen_lines(outcome.fe_plan)
+    count = f"Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed"
+    return [*lines, f"{verdict_sentence(outcome)} {count}"]
 
 
 def _drawn(table: Table) -> str:
@@ -122,31 +126,17 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"stable {model.stable_time_step:.4g} s",
         f"steps        {steps}, about {seconds:.2g} s in the time loop "
         f"(at {UPDATES_PER_SECOND:.0e} element updates a second)",
-        f"flexibility  the plate gives by {fe_plan.give:.1e} of its travel: expect differences of that size",
+        f"flexibility  the reaction moves the centre by {fe_plan.give:.1e} of its way to the wall: expect differences of "
+        "that size",
     ]
 
 
-def flutter_lines(fe_plan: FePlan) -> list[str]:
-    """What linearising the model with friction foretells."""
-    from fem.flutter import CALM, SUSPECT, foresee_flutter
+def chosen_lines(fe_plan: FePlan) -> list[str]:
+    """What the program chose where the scene leaves it open, and what it foretells of flutter."""
+    from tailslap.verdict import flutter_sentence
 
-    found = foresee_flutter(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t)
-    if found is None:
-        return ["flutter      not analysed: the model is too large; the run's own checks watch for it"]
-    if found.growth == 0.0:
-        return ["flutter      none: no growing mode"]
-    cure = "" if found.cure is None else f"; damping.ratio = {found.cure:g} calms it"
-    told = (
-        "EXPECTED, the run will fail its checks"
-        if found.expected
-        else "possible"
-        if found.growth > CALM
-        else "harmless"
-    )
-    return [
-        f"flutter      {told}: the fastest mode, {found.frequency:.4g} rad/s, grows by "
-        f"exp({found.growth:.1f}) during the run, and exp({SUSPECT:g}) spoils it{cure if found.growth > CALM else ''}"
-    ]
+    chosen = [f"chosen       {decision.shown}" for decision in fe_plan.decisions]
+    return [*chosen, f"flutter      {flutter_sentence(fe_plan)}"]
 
 
 def _stiffness(fe_plan: FePlan) -> str:

@@ -20,6 +20,7 @@ from tailslap.rigid import rigid_answer
 from tailslap.run import Outcome
 from tailslap.statements import is_paper_case, statements
 from tailslap.summary import cost, summary
+from tailslap.verdict import verdict_sentence
 
 CAPTIONS = {
     "contour_v_gx": "Velocity along the wall at the tail-slap (the paper's Figure 15).",
@@ -87,6 +88,7 @@ def _content(outcome: Outcome, pictures: bool) -> ReportContent:
         scene=plan.scene.name,
         version=tailslap.__version__,
         passed=outcome.passed,
+        headline=verdict_sentence(outcome),
         comparison=table_rows(outcome),
         statements=statements(outcome),
         checks=outcome.checks,

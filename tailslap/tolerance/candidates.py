@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from tailslap.decide_damping import Growth
 from tailslap.errors import InputError, Verbatim
 from tailslap.fe_model import make_model, resolved_plate
-from tailslap.fe_plan import FePlan, centre_travel, needed_plate, rigid_start, share_given
+from tailslap.fe_plan import FePlan, needed_plate
+from tailslap.flexibility import centre_travel, rigid_start, share_given
 from tailslap.plan import Plan
 from tailslap.scene import Scene
 from tailslap.tolerance.ladder import Rung, ladder, seconds
@@ -45,8 +47,7 @@ BESIDE_THE_GIVE = 3.0
 
 def constraints(scene: Scene) -> tuple[str, ...]:
     """Holds to try: the scene's own if it says anything of it."""
-    given = scene.corner.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
-    return (scene.corner.constraint,) if given else ("penalty", "exact")
+    return ("penalty", "exact") if scene.corner.constraint_is_open else (scene.corner.constraint,)
 
 
 def candidate(plan: Plan, rung: Rung) -> Candidate | None:
@@ -80,8 +81,19 @@ def answered(made: Candidate) -> Candidate:
     from tailslap.modal import modal_run
 
     plan, plate = made.plan, resolved_plate(made.plan, needed_plate(made.plan.scene))
+    none = Growth(0.0, 0.0, 0.0)  # modes do not flutter
     fe_plan = FePlan(
-        plan, plate, None, made.model, rigid_start(plan), centre_travel(plan), made.give, math.nan
+        plan,
+        plan,
+        (),
+        none,
+        plate,
+        None,
+        made.model,
+        rigid_start(plan),
+        centre_travel(plan),
+        made.give,
+        math.nan,
     )
     try:
         return replace(made, answer=modal_run(fe_plan, tolerance=1.0).values)

@@ -12,14 +12,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from tailslap.errors import InputError, Verbatim
+from tailslap.flexibility import sensitivity
 from tailslap.plan import Plan
-from tailslap.tolerance.calming import calming_ratio
 from tailslap.tolerance.candidates import Candidate, answered, candidate, coarsest, constraints
 from tailslap.tolerance.ladder import Rung, ladder
-
-FLAT, STEEP = 0.8, 2.6
-"""Sensitivity of the answer to the give: so much at small angles, and so much more per radian of start angle.
-Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
 
 LEAST = 1e-8
 """Tolerances below this are beyond the rounding of the run and of the answer it is held against."""
@@ -38,15 +34,13 @@ RIGID, LIMIT = "rigid", "limit"
 class Choice:
     """What was picked. against: RIGID or LIMIT; errors are relative, the largest of the five quantities.
 
-    flexibility: by how much, at most, the plate's own flexibility moves the answer; damping: ratio added against
-    flutter, or 0. limit: the five quantities by modes of the finest mesh tried, where they were asked for; limit_give:
-    that mesh's give.
+    flexibility: by how much, at most, the plate's own flexibility moves the answer. limit: the five quantities by modes
+    of the finest mesh tried, where they were asked for; limit_give: that mesh's give.
     """
 
     tolerance: float
     against: str
     rung: Rung
-    damping: float
     expected_error: float
     expected_seconds: float
     flexibility: float
@@ -56,31 +50,20 @@ class Choice:
     @property
     def changes(self) -> tuple[str, ...]:
         """The setting as --set would give it."""
-        damping = (f"damping.ratio={self.damping:g}",) if self.damping else ()
-        return (*self.rung.changes, *damping)
-
-
-def sensitivity(angle: float) -> float:
-    """Error of the answer over the give, at most, for a start at this angle [rad]."""
-    return FLAT + STEEP * angle
+        return self.rung.changes
 
 
 def choose(plan: Plan, tolerance: float) -> Choice:
     """The cheapest setting expected to meet the tolerance. Raises InputError where there is none."""
     if not LEAST <= tolerance < 1.0:
         raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), f"allowed is from {LEAST:g} to below 1")
-    flexibility, choices = math.inf, []
+    flexibility = math.inf
     for constraint in constraints(plan.scene):
         coarse = coarsest(plan, constraint)
         error = sensitivity(plan.start.angle) * max(made.give for made in coarse)
         flexibility = min(flexibility, error)
         if error <= tolerance:
-            damping, best = calming_ratio(plan, coarse[0]), coarse[0]
-            choices.append(Choice(tolerance, RIGID, best.rung, damping, error, best.seconds, flexibility))
-            if not damping:
-                break
-    if choices:  # the hold that needs the least damping against flutter
-        return min(choices, key=lambda choice: choice.damping)
+            return Choice(tolerance, RIGID, coarse[0].rung, error, coarse[0].seconds, flexibility)
     return _towards_the_limit(plan, tolerance, flexibility)
 
 
@@ -106,8 +89,7 @@ def _towards_the_limit(plan: Plan, tolerance: float, flexibility: float) -> Choi
         allowed = f"the finest mesh tried is expected to come within {nearest:.1e} of the limit"
         raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
     best = min(good, key=lambda made: made.seconds)
-    damping = calming_ratio(plan, best)
-    choice = Choice(tolerance, LIMIT, best.rung, damping, errors[best], best.seconds, flexibility)
+    choice = Choice(tolerance, LIMIT, best.rung, errors[best], best.seconds, flexibility)
     return replace(choice, limit=finest.answer, limit_give=finest.give)
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+from postprocess.comparison import largest
 from postprocess.report import Check
 from tailslap.errors import InputError
 from tailslap.plan import Plan, make_plan
@@ -25,7 +26,7 @@ COARSER_SHARE, FINER_SHARE = 1.0 / 3.0, 1.0
 def judged(outcome: Outcome, choice: Choice, name: str, changes: tuple[str, ...]) -> Outcome:
     """The outcome with the check "tolerance"; name, changes: the scene as the user gave it."""
     if choice.against == RIGID:
-        value, how = _largest(outcome.difference), "difference from the exact rigid motion"
+        value, how = largest(outcome.difference), "difference from the exact rigid motion"
     else:
         value, how = _from_limit(outcome, choice, name, changes)
     met = bool(math.isfinite(value) and value <= choice.tolerance)
@@ -38,7 +39,7 @@ def _from_limit(outcome: Outcome, choice: Choice, name: str, changes: tuple[str,
     if not outcome.fe:
         return math.nan, "there is no answer to judge"
     for rung, share in ((choice.rung.scaled(0.5), COARSER_SHARE), (choice.rung.scaled(2.0), FINER_SHARE)):
-        plan = _plan(rung, choice, name, changes)
+        plan = _plan(rung, name, changes)
         other = _run(plan) if plan else None
         if other is None or not other.fe:
             continue
@@ -56,17 +57,14 @@ def _left_over_moved(
     mine, its = (
         made and answered(made)
         for made in (
-            candidate(_undamped(name, changes), rung) for rung in (choice.rung, _rung(other, choice))
+            candidate(make_plan(*read_scene(name, changes)), rung)
+            for rung in (choice.rung, _rung(other, choice))
         )
     )
     if mine and its and choice.limit and mine.answer and its.answer:
         return _apart(mine.answer, choice.limit) / max(_apart(mine.answer, its.answer), TINY)
     gives = outcome.fe_plan.give, other.fe_plan.give
     return abs(gives[0] - choice.limit_give) / max(abs(gives[0] - gives[1]), TINY)
-
-
-def _undamped(name: str, changes: tuple[str, ...]) -> Plan:
-    return make_plan(*read_scene(name, changes))
 
 
 def _rung(other: Outcome, choice: Choice) -> Rung:
@@ -77,11 +75,10 @@ def _apart(values: Mapping[str, float], others: Mapping[str, float]) -> float:
     return max(abs(values[name] / others[name] - 1.0) for name in values)
 
 
-def _plan(rung: Rung | None, choice: Choice, name: str, changes: tuple[str, ...]) -> Plan | None:
+def _plan(rung: Rung | None, name: str, changes: tuple[str, ...]) -> Plan | None:
     if rung is None:
         return None
-    damping = (f"damping.ratio={choice.damping:g}",) if choice.damping else ()
-    return make_plan(*read_scene(name, (*changes, *rung.changes, *damping)))
+    return make_plan(*read_scene(name, (*changes, *rung.changes)))
 
 
 def _run(plan: Plan) -> Outcome | None:
@@ -89,8 +86,3 @@ def _run(plan: Plan) -> Outcome | None:
         return run_scene(plan)
     except InputError:
         return None
-
-
-def _largest(differences: dict[str, float]) -> float:
-    sizes = [abs(value) for value in differences.values()]
-    return max(sizes) if sizes and all(map(math.isfinite, sizes)) else math.nan

@@ -32,8 +32,11 @@ class Rung:
     def changes(self) -> tuple[str, ...]:
         """The same as --set would give it."""
         along, across = self.elements
-        held = (f"corner.constraint={self.constraint}",) if self.constraint == "exact" else ()
-        return (f"plate.element={self.element}", f"plate.elements=[{along}, {across}]", *held)
+        return (
+            f"plate.element={self.element}",
+            f"plate.elements=[{along}, {across}]",
+            f"corner.constraint={self.constraint}",
+        )
 
     @property
     def fineness(self) -> tuple[int, int]:
