@@ -9,7 +9,7 @@ from tailslap.scene import Scene
 from tailslap.studies.cost.settings import DAMPING, FE, MODAL, MODES, PENALTY, STEP, Setting
 
 FREQUENCY, PATCH = 8.0, 0.2
-"""First frequency [Hz], and length of the corner's patch over the vehicle's, where the scene gives none."""
+"""First frequency [Hz], and about the length of the corner's patch over the vehicle's, where the scene gives none."""
 
 ACROSS, STRETCH = 3, 1.2
 """Elements across the width of the coarsest mesh, and their length over their height."""
@@ -73,8 +73,9 @@ def frequency(scene: Scene) -> float:
 
 
 def patch(scene: Scene) -> float:
-    """Length of the corner's patch [m]: the scene's own, else a share of the vehicle's, an element at least."""
-    return scene.corner.patch_length or max(PATCH, 1.0 / mesh(scene, 1)[0]) * scene.vehicle.length
+    """Length of the corner's patch [m]: the scene's own, else of whole elements of the coarsest mesh."""
+    along = mesh(scene, 1)[0]
+    return scene.corner.patch_length or max(1, round(PATCH * along)) * scene.vehicle.length / along
 
 
 def mesh(scene: Scene, factor: int) -> tuple[int, int]:
