@@ -5,8 +5,9 @@
     force           f = -c m (v - r), at the velocities half a step back
 
 Turned back by half a step, a rigid velocity field is w x (x - x_G) + w^2 dt/2 (x - x_G) on the positions x that are at
-hand; without the second part the damping would press on every turning plate. The forces have no resultant and no moment. A mode that grows at less than c/2 by itself decays, whatever its
-frequency. Without damping the parameters are None, and the code is compiled out.
+hand; without the second part the damping would press on every turning plate. The forces have no resultant and no
+moment. A mode that grows at less than c/2 by itself decays, whatever its frequency. Without damping the parameters are
+None, and the code is compiled out.
 """
 
 from __future__ import annotations

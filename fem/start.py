@@ -1,12 +1,12 @@
 """The state a run starts from: which quantities of the rigid body it keeps is part of the answer of a soft plate.
 
-`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's spring
-already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's speed; the
-centre, which the deformation has moved, begins with another momentum than the rigid body's.
-`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and speed
-of the corner follow, since it stays on the wall.
-`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several times
-its size.
+`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
+spring already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's
+speed; the centre, which the deformation has moved, begins with another momentum than the rigid body's.
+`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and
+speed of the corner follow, since it stays on the wall.
+`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several
+times its size.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ SMALL = 1e-5
 """Elastic displacement over the plate's length below which what is not linear in it is rounding."""
 
 CORRECTIONS = 2
-"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the flexibility's share."""
+"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the give's share."""
 
 
 class ElasticFields(NamedTuple):
-    """A start by inertia relief beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the body frame,
-    shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
+    """A start by inertia relief beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the
+    body frame, shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
 
     elastic: np.ndarray
     rate: np.ndarray

@@ -2,13 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postprocess.curves import Curve
 from postprocess.figures import style, svg_text
+from postprocess.map_ticks import places, round_ticks, tick_texts
 
-SIZE = (2.55, 2.35)
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SIZE, PLACE = (2.55, 2.35), (0.25, 0.2, 0.72, 0.77)
 COLOURS: Mapping[str, str] = {
     "right": "#3f9c63",
     "flexible": "#4f86c6",
@@ -21,7 +26,7 @@ COLOURS: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class MapAxis:
-    """Label of an axis and the values along it."""
+    """Label of an axis and the values along it: evenly spaced, at even ratios, or 0 and then even ratios."""
 
     label: str
     values: Sequence[float]
@@ -30,39 +35,58 @@ class MapAxis:
 def draw_map(
     name: str, across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]], caption: str
 ) -> Curve:
-    """Cells of equal size, verdicts[row][column]: rows go up, columns across; every second value is written."""
-    from matplotlib.colors import ListedColormap
+    """Cells of equal size, verdicts[row][column]: rows go up, columns across; ticks at round values."""
     from matplotlib.figure import Figure
 
-    kinds = list(COLOURS)
-    table = np.array([[kinds.index(kind) for kind in row] for row in verdicts])
     with style(name):
         figure = Figure(figsize=SIZE)
-        axes = figure.add_axes((0.25, 0.25, 0.72, 0.72))
-        colours = ListedColormap(list(COLOURS.values()))
-        axes.pcolormesh(
-            table, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5, edgecolors="white", linewidth=0.4
-        )
-        for axis, set_ticks in ((across, axes.set_xticks), (up, axes.set_yticks)):
-            places = _places(len(axis.values))
-            set_ticks([place + 0.5 for place in places], [_short(axis.values[place]) for place in places])
-        axes.tick_params(length=0, labelsize=7)
-        axes.tick_params(axis="x", rotation=90)
-        axes.set_xlabel(across.label, fontsize=8)
-        axes.set_ylabel(up.label, fontsize=8)
-        axes.grid(visible=False)
-        for spine in axes.spines.values():
-            spine.set_visible(False)
+        draw_cells(figure.add_axes(PLACE), across, up, verdicts)
         return Curve(name, "Maps", caption, svg_text(figure, name, caption))
 
 
-def _places(count: int) -> list[int]:
-    return list(range(0, count, 2 if count > 6 else 1))
+def draw_cells(axes: "Axes", across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]]) -> None:
+    """The map in these axes."""
+    from matplotlib.colors import ListedColormap
+
+    kinds = list(COLOURS)
+    table = np.array([[kinds.index(kind) for kind in row] for row in verdicts])
+    colours = ListedColormap(list(COLOURS.values()))
+    axes.pcolormesh(table, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5, edgecolors="white", linewidth=0.4)
+    for axis, set_ticks in ((across, axes.set_xticks), (up, axes.set_yticks)):
+        ticks = round_ticks(axis.values)
+        set_ticks(places(ticks, axis.values), tick_texts(ticks))
+    axes.tick_params(length=2.5, labelsize=7)
+    axes.set_xlabel(across.label, fontsize=8)
+    axes.set_ylabel(up.label, fontsize=8)
+    axes.grid(visible=False)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
 
 
-def _short(value: float) -> str:
-    """Two digits, without the plus and the zeros of an exponent."""
-    if value == 0.0 or 1e-2 <= abs(value) < 1e4:
-        return f"{value:.2g}" if abs(value) < 10.0 else f"{value:.0f}"
-    mantissa, exponent = f"{value:.0e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
+def draw_legend(meanings: Mapping[str, str], caption: str) -> Curve:
+    """A small figure with the meaning of every colour, the same for all maps."""
+    from matplotlib.figure import Figure
+
+    name = "map-legend"
+    with style(name):
+        figure = Figure(figsize=SIZE)
+        axes = figure.add_axes((0.04, 0.05, 0.92, 0.9))
+        write_meanings(axes, meanings, fontsize=8.0)
+        return Curve(name, "Maps", caption, svg_text(figure, name, caption))
+
+
+def write_meanings(axes: "Axes", meanings: Mapping[str, str], fontsize: float, columns: int = 1) -> None:
+    """A square of each verdict's colour with its name and, below it, its meaning; column by column."""
+    from matplotlib.patches import Rectangle
+
+    axes.set_axis_off()
+    rows = -(-len(meanings) // columns)
+    axes.set(xlim=(0.0, columns), ylim=(-rows, 0.0))
+    window = axes.get_window_extent()
+    side = 0.5
+    wide = side * window.height / rows / (window.width / columns)
+    for number, (kind, meaning) in enumerate(meanings.items()):
+        x, y = number // rows, -(number % rows) - 0.5
+        axes.add_patch(Rectangle((x, y - 0.5 * side), wide, side, facecolor=COLOURS[kind]))
+        axes.text(x + 1.35 * wide, y + 0.04, kind, fontsize=fontsize, fontweight="bold", va="bottom")
+        axes.text(x + 1.35 * wide, y - 0.04, meaning, fontsize=fontsize - 1.0, va="top")

@@ -71,7 +71,8 @@ class Picture:
 class ReportContent:
     """All that the report says. A part that is empty is not shown, except `left_out`: then nothing was.
 
-    headline: the verdict in a sentence; comparison: rows at the tail-slap, empty if the run did not reach it; metrics: of the FE histories against the
+    headline: the verdict in a sentence.
+    comparison: rows at the tail-slap, empty if the run did not reach it; metrics: of the FE histories against the
     rigid ones, by the history's name; statements: sentences on what was
     run and what it means; stage1, stage3, cost: tables; curves: as `draw_histories` gives them; scene_text:
     the scene's own text, printed as it stands.

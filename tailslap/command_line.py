@@ -106,12 +106,13 @@ def check(name: str, changes: tuple[str, ...]) -> int:
     from tailslap.tables import chosen_lines, fe_part, rigid_part
 
     plan = _plan(name, changes)
-    lines = rigid_part(plan)
     if plan.scene.plate:
         from tailslap.fe_plan import make_fe_plan
 
         fe_plan = make_fe_plan(plan)
-        lines += fe_part(fe_plan) + chosen_lines(fe_plan)
+        lines = rigid_part(fe_plan.plan) + fe_part(fe_plan) + chosen_lines(fe_plan)
+    else:
+        lines = rigid_part(plan)
     click.echo("\n".join(lines))
     return DONE
 

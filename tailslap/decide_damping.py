@@ -67,8 +67,7 @@ def foresee(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
 
 def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:
     """The finest coarser meshes of the same element that make a model and can be analysed."""
-    assert plate.elements is not None
-    (along, across), found = plate.elements, 0
+    (along, across), found = plate.counts, 0
     while found < STAND_INS and max(along, across) > 2:
         along, across = max(2, round(along / 1.5)), max(2, round(across / 1.5))
         try:

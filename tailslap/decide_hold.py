@@ -17,7 +17,7 @@ UNSEEN = 1e-5
 
 
 def decide_hold(plan: Plan, plate: Plate, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
-    """The plan with its constraint; exact where a spring would ring with the plate, or be seen beside its flexibility."""
+    """The plan with its constraint: exact where a spring would ring, or be seen beside the plate's flexibility."""
     corner = plan.scene.corner
     if not corner.constraint_is_open:
         return plan, ()

@@ -94,7 +94,7 @@ def _refusals(scene: Scene, plate: Plate) -> Iterator[None]:
         yield
     except ValueError as error:
         key = "corner.patch_length" if "patch" in str(error) else "plate.elements"
-        given = scene.corner.patch_length if "patch" in str(error) else list(plate.elements)
+        given = scene.corner.patch_length if "patch" in str(error) else list(plate.counts)
         raise InputError(key, given, str(error)) from None
 
 
@@ -109,8 +109,8 @@ def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
     from meshes import distorted, plate_mesh
 
     vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
-    mesh = plate_mesh(vehicle.length, vehicle.width, plate.elements, cells)
-    return distorted(mesh, plate.distortion, plate.elements) if plate.distortion else mesh
+    mesh = plate_mesh(vehicle.length, vehicle.width, plate.counts, cells)
+    return distorted(mesh, plate.distortion, plate.counts) if plate.distortion else mesh
 
 
 def _plate(plan: Plan, plate: Plate) -> PlateProperties:

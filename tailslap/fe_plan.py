@@ -31,8 +31,9 @@ UPDATES_PER_SECOND = 2e7
 class FePlan:
     """What the run integrates, and how far it may be from a rigid plate.
 
-    asked: the plan as given; plan: its scene has no open ends any more; decisions: what the program filled in. plate: the scene's, with the modulus
-    that its first frequency asks for where the scene gives that instead. growth: of the fastest mode by friction.
+    asked: the plan as given; plan: its scene has no open ends any more; decisions: what the program filled in. plate:
+    the scene's, with the modulus that its first frequency asks for where the scene gives that instead. growth: of the
+    fastest mode by friction.
     """
 
     asked: Plan

@@ -50,8 +50,7 @@ def centre_travel(plan: Plan) -> float:
 
 def comparable_plate(plate: Plate) -> Plate:
     """The plate by which the mesh is judged: richer elements, or where that would be large, a coarser mesh."""
-    assert plate.elements is not None
-    along, across = plate.elements
+    along, across = plate.counts
     if along * across > RICHER_UP_TO:
         return plate.model_copy(update={"elements": (max(1, along // 2), max(1, across // 2))})
     if plate.element in RICHER:

@@ -1,9 +1,9 @@
 """How far a run may be from the plate that the scene describes: mesh, time step, contact spring, damping, ringing.
 
-After a start by inertia relief the plate follows its loads, and statics tells what each of these can do: the answer moves
-by `sensitivity` times what it moves the centre of mass at the start. An unstressed plate oscillates, and the phase of
-its oscillation counts; there, and where the difference from the rigid motion is larger than statics explains, a second
-run tells: on another mesh, with the exact constraint.
+After a start by inertia relief the plate follows its loads, and statics tells what each of these can do: the answer
+moves by `sensitivity` times what it moves the centre of mass at the start. An unstressed plate oscillates, and the
+phase of its oscillation counts; there, and where the difference from the rigid motion is larger than statics explains,
+a second run tells: on another mesh, with the exact constraint.
 """
 
 from __future__ import annotations

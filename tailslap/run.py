@@ -156,7 +156,7 @@ def confirmed(outcome: Outcome) -> Outcome:
 
 
 def second_run(fe_plan: FePlan) -> SecondRun:
-    """A run of the same plate on a mesh twice as fine, or where that is dear half as fine, with the exact constraint."""
+    """A run of the same plate with the exact constraint, on a mesh twice as fine or, where that is dear, half."""
     found = SecondRun((0, 0), {}, math.inf)
     for elements, factor in second_meshes(fe_plan):
         try:

@@ -143,6 +143,13 @@ class Plate(Table):
     lumping: Literal["exact", "row-sum"] = "exact"
     start: StartName = "inertia-relief"
 
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Elements along and across, where the scene gives them or the program has chosen."""
+        if self.elements is None:
+            raise ValueError("the elements are not chosen yet")
+        return self.elements
+
 
 class Material(Table):
     """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""

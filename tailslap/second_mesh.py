@@ -16,7 +16,7 @@ FINER_UP_TO = 400
 
 def second_meshes(fe_plan: FePlan) -> Iterator[tuple[tuple[int, int], float]]:
     """Elements along and across to try in turn, each with the factor from the distance to the error."""
-    along, across = fe_plan.plate.elements or (1, 1)
+    along, across = fe_plan.plate.counts
     finer, coarser = ((2 * along, 2 * across), FINER), ((along // 2, across // 2), COARSER)
     first_finer = math.prod((along, across)) <= FINER_UP_TO or min(coarser[0]) < 2
     yield from (finer, coarser) if first_finer else (coarser, finer)

@@ -86,10 +86,10 @@ def _plate_mass(outcome: Outcome) -> str:
 
 
 STARTS = {
-    "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and the "
-    "corner's speed; where it deforms visibly, its centre begins with a slightly different momentum than Stage 1 gave",
-    "inertia-relief-momenta": "in the elastic state of its rigid acceleration (inertia relief), with the linear momentum "
-    "that Stage 1 gave; spin and speed of the corner follow",
+    "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "
+    "the corner's speed; where it deforms visibly, its centre begins with another momentum than Stage 1 gave",
+    "inertia-relief-momenta": "in the elastic state of its rigid acceleration (inertia relief), with the linear "
+    "momentum that Stage 1 gave; spin and speed of the corner follow",
     "unstressed": "unstressed, with the rigid body's velocities and all its momenta: it oscillates",
 }
 """What each start keeps."""
@@ -108,7 +108,7 @@ def _start(outcome: Outcome) -> str:
 def _give(outcome: Outcome) -> str:
     return (
         f"At the start the reaction moves the plate's centre by {outcome.fe_plan.give:.1e} of its way to the wall. "
-        "Differences of that size from the rigid motion are the plate's flexibility, and are in inverse proportion to its "
+        "Differences of that size from the rigid motion are the plate's flexibility, in inverse proportion to its "
         "stiffness."
     )
 

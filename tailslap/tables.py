@@ -126,8 +126,7 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"stable {model.stable_time_step:.4g} s",
         f"steps        {steps}, about {seconds:.2g} s in the time loop "
         f"(at {UPDATES_PER_SECOND:.0e} element updates a second)",
-        f"flexibility  the reaction moves the centre by {fe_plan.give:.1e} of its way to the wall: expect differences of "
-        "that size",
+        f"flexibility  the reaction moves the centre by {fe_plan.give:.1e} of its way: expect differences of that size",
     ]
 
 

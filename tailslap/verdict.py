@@ -1,4 +1,4 @@
-"""What a run says, in a sentence: whether its numbers hold, how far the plate is from a rigid body, how sure that is."""
+"""A run in a sentence: whether its numbers hold, how far the plate is from a rigid body, and how sure that is."""
 
 from __future__ import annotations
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tailslap.run import Outcome
-    from tailslap.tolerance.choose import Choice
 
 
 def run_to_tolerance(name: str, changes: tuple[str, ...], tolerance: float) -> Outcome:

@@ -44,7 +44,7 @@ def _from_limit(outcome: Outcome, choice: Choice, name: str, changes: tuple[str,
         if other is None or not other.fe:
             continue
         moved = max(abs(other.fe[key] / value - 1.0) for key, value in outcome.fe.items())
-        along, across = other.fe_plan.plate.elements
+        along, across = other.fe_plan.plate.counts
         how = f"distance from the limit of fine meshes, estimated from a second run with {along} x {across} elements"
         return max(share, _left_over_moved(outcome, other, choice, name, changes)) * moved, how
     return math.nan, "no second mesh made a model to judge by"
@@ -68,7 +68,7 @@ def _left_over_moved(
 
 
 def _rung(other: Outcome, choice: Choice) -> Rung:
-    return replace(choice.rung, elements=other.fe_plan.plate.elements)
+    return replace(choice.rung, elements=other.fe_plan.plate.counts)
 
 
 def _apart(values: Mapping[str, float], others: Mapping[str, float]) -> float:

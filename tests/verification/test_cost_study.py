@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -15,9 +14,10 @@ from tailslap.run import run_scene
 from tailslap.scene_files import read_scene
 from tailslap.studies.cost import survey as survey_module
 from tailslap.studies.cost.measure import error_from, measure
+from tailslap.studies.cost.points import Point, cheapest, front
 from tailslap.studies.cost.settings import EXACT, FE, ODE, Setting, settings
-from tailslap.studies.cost.survey import CostSurvey, Point, cheapest, front, survey
-from tailslap.studies.cost.write import write_cost
+from tailslap.studies.cost.soft import soft_settings
+from tailslap.studies.cost.survey import survey
 
 pytestmark = pytest.mark.verification
 
@@ -25,7 +25,7 @@ TRUTH = {"t": 1.0, "v_gx": 2.0, "v_gy": -4.0, "omega": 0.5, "slide": 8.0}
 
 
 def point(label: str, error: float, seconds: float, kind: str = FE, failed: tuple[str, ...] = ()) -> Point:
-    return Point(Setting(kind, "group", label), error, 2.0 * error, 0.0, seconds, seconds, 0.0, 10, failed)
+    return Point(Setting(kind, "group", label), error, math.nan, 0.0, seconds, seconds, 0.0, 10, failed)
 
 
 POINTS = (
@@ -39,15 +39,20 @@ POINTS = (
 
 
 def test_front_holds_what_nothing_beats() -> None:
-    assert [p.setting.label for p in front(POINTS, "error")] == ["quick", "middle", "slow and exact"]
+    assert [p.setting.label for p in front(POINTS)] == ["quick", "middle", "slow and exact"]
+
+
+def test_front_holds_neither_the_truth_itself_nor_choices_on_one_mesh() -> None:
+    truth = point("closed form", 1e-12, 1e-5, EXACT)
+    choice = Setting(FE, "damping", "ratio 0.1", soft=True, choice=True)
+    chosen = Point(choice, 1e-11, 1e-11, 0.0, 1e-4, 1e-4, 0.0, 10, ())
+    assert front((truth, chosen, *POINTS)) == front(POINTS)
 
 
 def test_cheapest_for_each_level() -> None:
-    named = {level: cheapest(POINTS, level, "error") for level in (1.0, 1e-3, 1e-6, 1e-12)}
+    named = {level: cheapest(POINTS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)}
     labels = [found.setting.label if found else None for found in named.values()]
     assert labels == ["quick", "middle", "slow and exact", None]
-    from_limit = cheapest(POINTS, 1e-8, "from_limit")
-    assert from_limit is None
 
 
 def test_error_is_the_largest_of_five() -> None:
@@ -57,12 +62,24 @@ def test_error_is_the_largest_of_five() -> None:
 
 
 def test_settings_have_names_of_their_own() -> None:
-    found = settings(read_scene("paper-table-3")[0])
-    assert len({setting.key for setting in found}) == len(found)
-    groups = {setting.group for setting in found}
-    wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "quad9", "tri3", "tri6", "quad4-reduced"}
+    scene = read_scene("paper-table-3")[0]
+    rigid, flexible = settings(scene), soft_settings(scene)
+    assert len({setting.key for setting in (*rigid, *flexible)}) == len(rigid) + len(flexible)
+    wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "modal model"}
     wanted |= {"time step", "penalty", "damping", "sudden start", "row-sum masses", "single precision"}
-    assert wanted <= groups
+    assert wanted <= {setting.group for setting in rigid}
+    wanted = {
+        "quad4",
+        "quad9",
+        "tri3",
+        "tri6",
+        "quad4-reduced",
+        "penalty",
+        "damping",
+        "time step",
+        "modal model",
+    }
+    assert wanted <= {setting.group for setting in flexible}
 
 
 def test_rigid_methods_are_as_good_as_they_say() -> None:
@@ -134,22 +151,6 @@ def test_interrupted_study_measures_only_what_is_missing(
     found = survey(plan, "paper-table-3", (), tmp_path / "out")
     assert len(done) - 1 == len(set(done)) - 1 == len(found.points)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_page_and_summary(tmp_path: Path) -> None:
-    plan = make_plan(*read_scene("paper-table-3"))
-    rows = (point("closed form", 1e-12, 1e-5, EXACT), point("rk", 1e-6, 1e-3, ODE), *POINTS)
-    grid = grid_convergence((0.97050, 0.96854, 0.96178), (2.0, 2.0))
-    found = CostSurvey(plan, rows, {"mesh": dict.fromkeys(TRUTH, grid)}, TRUTH, False, 1.0)
-    write_cost(found, tmp_path)
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["front_fe"] == ["group: quick", "group: middle", "group: slow and exact"]
-    assert summary["cheapest"]["1e-05"] == "group: closed form"
-    page = (tmp_path / "report.html").read_text()
-    assert page.count("<svg") == 2
-    assert "1.79" in page
-    assert "gives by the logarithm of the mesh" in page
-    assert len((tmp_path / "settings.csv").read_text().splitlines()) == len(rows) + 1
 
 
 def records_of(found: list[Setting], steps: dict[str, int]) -> dict[str, Any]:

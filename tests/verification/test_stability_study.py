@@ -191,7 +191,8 @@ def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
     assert not summary["passed"]
     assert len(summary["wrong"]) == 1
     page = (tmp_path / "report.html").read_text()
-    assert page.count("<svg") == 1
+    assert page.count("<svg") == 2  # the map, and what its colours mean
+    assert "passed every check, and is not right" in page
     assert "Wrong and not caught" in page
     assert "failed</span>" in page
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5

@@ -5,99 +5,83 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from postprocess.grid_convergence import GridConvergence, grid_convergence
-from tailslap.plan import Plan
+from tailslap.plan import Plan, make_plan
 from tailslap.progress import progress_bar
 from tailslap.rigid import COMPARED
-from tailslap.studies.cost.measure import error_from, measure, rigid_truth
-from tailslap.studies.cost.settings import (
-    EXACT,
-    FE,
-    HOLD,
-    MESH,
-    MODAL,
-    STEP,
-    Setting,
-    settings,
-)
+from tailslap.scene_files import read_scene
+from tailslap.studies.cost.limits import Limit, limit_of
+from tailslap.studies.cost.measure import Record, error_from, measure, rigid_truth
+from tailslap.studies.cost.points import CostSurvey, Point
+from tailslap.studies.cost.settings import MESH, STEP, Setting, settings
+from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.journal import Journal
 
 ROUNDING = 2.2e-12
 """What the exact solution is held to: its distance from DOP853, at most, over 1000 inputs (benchmarks/rigid.py)."""
 
+SOFT_PLATE = "soft plate"
+"""The journal's name for what makes the plate soft."""
 
-@dataclass(frozen=True)
-class Point:
-    """A setting as measured. error: from the exact rigid motion; from_limit: from the FE's own limit, NaN for others.
-
-    Times [s]: the fastest of several, and the median; compile_s apart. failed: names of the run's failed checks.
-    """
-
-    setting: Setting
-    error: float
-    from_limit: float
-    setup_s: float
-    loop_s: float
-    median_s: float
-    compile_s: float
-    steps: int
-    failed: tuple[str, ...]
-    refused: str = ""
-
-    @property
-    def seconds(self) -> float:
-        """Time to the answer in a process that has all it needs compiled and loaded."""
-        return self.setup_s + self.loop_s
-
-    @property
-    def valid(self) -> bool:
-        """Whether it gave an answer that passed the program's checks."""
-        return not self.refused and not self.failed and math.isfinite(self.error)
-
-
-@dataclass(frozen=True)
-class CostSurvey:
-    """The study: the points, grid convergence of each quantity by group, and the FE's own limit."""
-
-    plan: Plan
-    points: tuple[Point, ...]
-    convergence: dict[str, dict[str, GridConvergence]]
-    limit: dict[str, float]
-    has_limit: bool
-    seconds: float
+SOFT_QUAD4, LIMIT, SOFT_STEP = "soft plate, quad4", "soft plate, quad9", "soft plate, time step"
+"""Names of grid convergences on the soft plate; its limit is that of quad9."""
 
 
 def survey(plan: Plan, name: str, changes: tuple[str, ...], place: Path) -> CostSurvey:
     """Measure every setting; an interrupted survey of the same scene goes on from its journal beside `place`."""
-    began, todo = time.perf_counter(), settings(plan.scene)
+    began, todo = time.perf_counter(), [*settings(plan.scene), *soft_settings(plan.scene)]
     definition = {"study": "cost", "scene": plan.scene.model_dump(), "settings": [s.key for s in todo]}
     with (
         Journal(place, definition) as journal,
         progress_bar(f"{plan.scene.name}: {len(todo)} settings") as progress,
     ):
+        if SOFT_PLATE not in journal.records:
+            journal.add(SOFT_PLATE, list(soft_changes(plan)))
+        soft = tuple(journal.records[SOFT_PLATE])
         for number, setting in enumerate(todo):
             if setting.key not in journal.records:
-                journal.add(setting.key, measure(name, changes, setting))
+                journal.add(setting.key, measure(name, (*changes, *(soft if setting.soft else ())), setting))
             progress((number + 1) / len(todo))
         records = {setting.key: journal.records[setting.key] for setting in todo}
-    convergence = _convergence(todo, records)
-    limit, known = _limit(convergence, plan)
-    points = tuple(_point(setting, records[setting.key], plan, limit) for setting in todo)
-    return CostSurvey(plan, points, convergence, limit, known, time.perf_counter() - began)
+    soft_truth = rigid_truth(make_plan(*read_scene(name, (*changes, *soft))))
+    return summed_up(plan, todo, records, soft, soft_truth, time.perf_counter() - began)
 
 
-def _convergence(todo: list[Setting], records: dict[str, Any]) -> dict[str, dict[str, GridConvergence]]:
+def summed_up(
+    plan: Plan,
+    todo: list[Setting],
+    records: dict[str, Record],
+    soft: tuple[str, ...],
+    soft_truth: dict[str, float],
+    seconds: float,
+) -> CostSurvey:
+    """What the records say; soft_truth: the rigid motion of the soft plate's scene."""
+    limit = limit_of([records[s.key] for s in todo if in_group(s, LIMIT)])
+    steps = [records[s.key] for s in todo if in_group(s, SOFT_STEP)]
+    mesh_limit = limit_of(steps if _halved(steps) else [])
+    truths = (Limit(rigid_truth(plan), ROUNDING), limit, mesh_limit)
+    return CostSurvey(
+        plan=plan,
+        points=tuple(_point(setting, records[setting.key], truths) for setting in todo),
+        convergence=_convergence(todo, records),
+        soft=soft,
+        limit=limit,
+        mesh_limit=mesh_limit,
+        flexibility=error_from(limit.values, soft_truth),
+        seconds=seconds,
+    )
+
+
+def _convergence(todo: list[Setting], records: dict[str, Record]) -> dict[str, dict[str, GridConvergence]]:
     """By group, the three finest meshes or steps of each quantity."""
     found = {}
-    for group in (MESH, HOLD, STEP):
-        chosen = [records[setting.key] for setting in todo if _in_group(setting, group)]
+    for group in (MESH, STEP, SOFT_QUAD4, LIMIT, SOFT_STEP):
+        chosen = [records[setting.key] for setting in todo if in_group(setting, group)]
         chosen = [r for r in chosen if "values" in r and all(map(math.isfinite, r["values"].values()))][-3:]
-        if len(chosen) < 3 or (group == STEP and not _halved([record["steps"] for record in chosen])):
+        if len(chosen) < 3 or (group in (STEP, SOFT_STEP) and not _halved(chosen)):
             continue
         coarse, medium, fine = (record["values"] for record in chosen)
         found[group] = {
@@ -106,37 +90,32 @@ def _convergence(todo: list[Setting], records: dict[str, Any]) -> dict[str, dict
     return found
 
 
-def _in_group(setting: Setting, group: str) -> bool:
+def in_group(setting: Setting, group: str) -> bool:
+    """Whether a setting is one of those that a grid convergence is read off."""
+    if group in (SOFT_QUAD4, LIMIT, SOFT_STEP):
+        return setting.soft and group == f"{SOFT_PLATE}, {setting.group}"
+    if setting.soft:
+        return False
     if group == STEP:  # the scene's own step, and those that are halves of it
         return setting.group == STEP or (setting.group == MESH and setting.refinement == 1.0)
     return setting.group == group and setting.refinement >= 0.5
 
 
-def _halved(steps: list[int]) -> bool:
-    """Whether each has twice the steps of the last; on soft plates the least number of steps stands against it."""
-    return all(abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
+def _halved(records: list[Record]) -> bool:
+    """Whether of the last three each has twice the steps of the one before; on soft plates the least number of steps
+    may stand against it."""
+    steps = [record.get("steps", 0) for record in records[-3:]]
+    return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
 
 
-def _limit(convergence: dict[str, dict[str, GridConvergence]], plan: Plan) -> tuple[dict[str, float], bool]:
-    """Extrapolated values of the exact constraint's meshes, and whether v_GY, which moves most, converges."""
-    by_name = convergence.get(HOLD) or convergence.get(MESH)
-    if not by_name:
-        return dict.fromkeys(COMPARED, math.nan), False
-    converges = by_name["v_gy"].behaviour in ("converging", "settled")
-    return {name: by_name[name].extrapolated for name in COMPARED}, converges
-
-
-def _point(setting: Setting, record: dict[str, Any], plan: Plan, limit: dict[str, float]) -> Point:
+def _point(setting: Setting, record: Record, truths: tuple[Limit, Limit, Limit]) -> Point:
     if "refused" in record:
         return Point(setting, math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0, (), record["refused"])
-    error = error_from(record["values"], rigid_truth(plan))
-    if setting.kind == EXACT:
-        error = max(error, ROUNDING)
-    from_limit = error_from(record["values"], limit) if setting.kind in (FE, MODAL) else math.nan
+    rigid, limit, mesh_limit = truths
     return Point(
         setting,
-        error,
-        from_limit if from_limit > 0.0 else math.nan,  # 0: the setting whose values stand for the limit
+        _error(record, limit if setting.soft else rigid),
+        _error(record, mesh_limit) if setting.choice else math.nan,
         min(record["setup"]),
         min(record["loop"]),
         statistics.median(record["loop"]),
@@ -146,16 +125,6 @@ def _point(setting: Setting, record: dict[str, Any], plan: Plan, limit: dict[str
     )
 
 
-def front(points: tuple[Point, ...], by: str) -> list[Point]:
-    """The points that no other beats in both time and error; by: "error" or "from_limit"."""
-    found: list[Point] = []
-    for point in sorted((p for p in points if p.valid), key=lambda p: (p.seconds, getattr(p, by))):
-        if math.isfinite(getattr(point, by)) and (not found or getattr(point, by) < getattr(found[-1], by)):
-            found.append(point)
-    return found
-
-
-def cheapest(points: tuple[Point, ...], level: float, by: str) -> Point | None:
-    """The cheapest valid point with at most this error."""
-    good = [p for p in points if p.valid and getattr(p, by) <= level]
-    return min(good, key=lambda p: p.seconds, default=None)
+def _error(record: Record, truth: Limit) -> float:
+    error = error_from(record["values"], truth.values)
+    return max(error, truth.known) if math.isfinite(error) else math.nan

@@ -1,59 +1,62 @@
-"""Writes the study's result folder: page, table of settings, summary."""
+"""Writes the study's result folder: page, table of points, summary."""
 
 from __future__ import annotations
 
 import csv
-import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import tailslap
-from postprocess.curves import Curve
-from postprocess.precision_plots import Diagram, draw_precision
+from postprocess.precision_plots import draw_precision
 from postprocess.study_page import StudyContent, StudySection, write_study_page
 from postprocess.summary import write_summary
-from tailslap.studies.cost.settings import FE
-from tailslap.studies.cost.survey import CostSurvey, Point, cheapest, front
+from tailslap.studies.cost.all_settings import all_table
+from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
+from tailslap.studies.cost.points import CostSurvey, Point, cheapest, front
+from tailslap.studies.cost.survey import ROUNDING
 from tailslap.studies.cost.words import (
     LEVELS,
-    all_table,
     convergence_sentences,
     convergence_tables,
     headline,
     level_table,
+    order_table,
+    soft_sentences,
 )
 
+SETTING_COLUMNS = ("kind", "group", "label", "refinement", "soft", "choice")
 COLUMNS = (
-    *("setting", "kind", "error", "from_limit", "setup_s", "loop_s", "median_s", "compile_s"),
+    *("setting", *SETTING_COLUMNS, "error", "added", "seconds", "setup_s", "loop_s", "median_s", "compile_s"),
     *("steps", "failed", "refused"),
 )
 
 
 def write_cost(found: CostSurvey, folder: Path) -> None:
-    """Fill the folder: `report.html`, `settings.csv`, `summary.json`."""
+    """Fill the folder: `report.html`, `points.csv`, `summary.json`."""
     write_study_page(folder / "report.html", _content(found))
-    with (folder / "settings.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(COLUMNS)
-        writer.writerows([_numbers(point)[name] for name in COLUMNS] for point in found.points)
+    with (folder / "points.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(_numbers(point) for point in found.points)
     write_summary(folder / "summary.json", summary(found))
 
 
 def summary(found: CostSurvey) -> dict[str, Any]:
     """The numbers of the study, SI."""
-    fe = tuple(p for p in found.points if p.setting.kind == FE)
+    questions = {"rigid": found.rigid, "flexible": found.flexible}
     return {
         "study": "cost",
         "scene": found.plan.scene.name,
         "version": tailslap.__version__,
         "points": [_numbers(point) for point in found.points],
-        "front": [point.setting.key for point in front(found.points, "error")],
-        "front_fe": [point.setting.key for point in front(fe, "error")],
-        "front_from_limit": [point.setting.key for point in front(fe, "from_limit")],
-        "cheapest": {f"{level:.0e}": _key(cheapest(found.points, level, "error")) for level in LEVELS},
-        "limit": found.limit,
-        "has_limit": found.has_limit,
+        "front": {name: [point.setting.key for point in front(points)] for name, points in questions.items()},
+        "cheapest": {
+            name: {f"{level:.0e}": _key(cheapest(points, level)) for level in LEVELS}
+            for name, points in questions.items()
+        },
+        "known": {"rigid": ROUNDING, "flexible": found.limit.known, "choices": found.mesh_limit.known},
+        "soft_plate": {"changes": found.soft, "flexibility": found.flexibility, "limit": found.limit.values},
         "convergence": {
             group: {name: asdict(grid) for name, grid in by_name.items()}
             for group, by_name in found.convergence.items()
@@ -63,10 +66,11 @@ def summary(found: CostSurvey) -> dict[str, Any]:
 
 
 def _numbers(point: Point) -> dict[str, Any]:
+    own = {name: getattr(point, name) for name in COLUMNS if hasattr(point, name)}
     return {
-        **{name: getattr(point, name) for name in COLUMNS if hasattr(point, name)},
+        **own,
+        **{name: getattr(point.setting, name) for name in SETTING_COLUMNS},
         "setting": point.setting.key,
-        "kind": point.setting.kind,
         "failed": ", ".join(point.failed),
     }
 
@@ -76,54 +80,40 @@ def _key(point: Point | None) -> str | None:
 
 
 def _content(found: CostSurvey) -> StudyContent:
-    plan = found.plan
     return StudyContent(
         kicker="Error against run time: every method and setting that the program has",
-        scene=plan.scene.name,
+        scene=found.plan.scene.name,
         version=tailslap.__version__,
         headline=headline(found),
         sections=(
+            _rigid(found),
+            _flexible(found),
             StudySection(
-                "Against the exact rigid motion",
-                "Error: the largest relative difference of the five quantities at the tail-slap. The grey band is the "
-                "Pareto front. Settings that failed a check are left out.",
-                (_diagram(found, "error"),),
-                (level_table(found, "error"),),
-            ),
-            StudySection(
-                "Finite elements against their own limit",
-                "The flexible plate's answer, extrapolated from three meshes with the exact constraint: what is left "
-                "here is discretisation, not flexibility.",
-                (_diagram(found, "from_limit"),),
-                (level_table(found, "from_limit"),),
-            ),
-            StudySection(
-                "Discretisation error",
+                "Grid convergence",
                 tables=convergence_tables(found),
                 sentences=convergence_sentences(found),
             ),
             StudySection("Every setting", tables=(all_table(found),)),
         ),
-        scene_text=plan.source.text,
-        files="settings.csv, every setting with its numbers in SI; summary.json.",
+        scene_text=found.plan.source.text,
+        files="points.csv, every setting with its numbers in SI; summary.json.",
     )
 
 
-def _diagram(found: CostSurvey, by: str) -> Curve:
-    """Rigid methods and all: whole time to the answer. Finite elements and modes among themselves: without set-up."""
-    whole = by == "error"
-    groups: dict[str, list[tuple[float, float, float]]] = {}
-    for point in found.points:
-        error, setup = getattr(point, by), point.setup_s if whole else 0.0
-        if point.valid and math.isfinite(error) and error > 0.0:
-            times = (setup + point.loop_s, setup + point.median_s)
-            groups.setdefault(point.setting.group, []).append((*times, error))
-    diagram = Diagram(
-        name=f"precision-{by}",
-        groups=groups,
-        front=[(point.seconds, point.error) for point in front(found.points, by)] if whole else (),
-        order=list(dict.fromkeys(point.setting.group for point in found.points)),
-        time_label="Time to the answer, set-up included" if whole else "Time of integration",
-        error_label="Error from the exact rigid motion" if whole else "Error from the FE's own limit",
+def _rigid(found: CostSurvey) -> StudySection:
+    lead = (
+        "The scene as it is. Error: the largest relative difference of the five quantities at the tail-slap. Finite "
+        "elements end on the plate's own flexibility, which no mesh takes away; panel (b) asks for that."
     )
-    return draw_precision(diagram)
+    figure = draw_precision(rigid_diagram(found.points, ROUNDING))
+    return StudySection("The rigid question", lead, (figure,), (level_table(found, soft=False),))
+
+
+def _flexible(found: CostSurvey) -> StudySection:
+    lead = (
+        "A plate so soft that its flexibility is far above the errors of meshes, steps and springs: what is left here "
+        "is discretisation, and falls with refinement."
+    )
+    figure = draw_precision(flexible_diagram(found.points, found.limit.known, found.mesh_limit.known))
+    tables = (order_table(found), level_table(found, soft=True))
+    return StudySection("The flexible question", lead, (figure,), tables, soft_sentences(found))

@@ -10,13 +10,22 @@ from typing import Any
 
 import tailslap
 from postprocess.curves import Curve
-from postprocess.map_plots import MapAxis, draw_map
+from postprocess.map_plots import MapAxis, draw_legend, draw_map
 from postprocess.study_page import StudyContent, StudySection, StudyTable, write_study_page
 from postprocess.summary import write_summary
 from tailslap.studies.stability.axes import Axis, Cell
 from tailslap.studies.stability.survey import Survey
 from tailslap.studies.stability.verdict import WRONG, Verdict
 from tailslap.studies.stability.words import MEANINGS, caught_alone, failed_checks, headline, refusals
+
+COLOUR_MEANINGS = {
+    "right": "as the rigid motion",
+    "flexible": "not rigid, confirmed by refinement",
+    "refused": "wrong input, no run",
+    "caught": "failed a check of its own",
+    "wrong": "passed every check, and is not right",
+}
+"""What the colours of the maps mean, in few words."""
 
 COLUMNS = tuple(field.name for field in fields(Verdict))
 
@@ -80,11 +89,9 @@ def _verdicts(found: Survey) -> StudySection:
 
 
 def _maps(found: Survey) -> StudySection:
-    figures = tuple(_map(found, *pair) for pair in combinations(found.axes, 2))
-    lead = (
-        "Green right, blue flexible, grey refused, orange failed and caught, red wrong. In each picture two "
-        "quantities vary and the others are the scene's."
-    )
+    legend = draw_legend(COLOUR_MEANINGS, "What the colours mean, in every picture.")
+    figures = (legend, *(_map(found, *pair) for pair in combinations(found.axes, 2)))
+    lead = "In each picture two quantities vary and the others are the scene's."
     return StudySection("A picture per pair of axes", lead, figures, narrow=True)
 
 

@@ -1,0 +1,129 @@
+"""Draws the README's pictures again from result folders of the studies `cost` and `stability`.
+
+    .venv/bin/python benchmarks/pictures.py results/paper-table-3-cost results/paper-table-3-stability
+
+A folder with points.csv makes docs/cost.png, one with cells.csv docs/stability.png; --out DIR writes elsewhere.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+from postprocess.figures import style
+from postprocess.map_plots import MapAxis, draw_cells, write_meanings
+from postprocess.precision_plots import draw_panel
+from tailslap.scene_files import read_scene
+from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
+from tailslap.studies.cost.points import Point
+from tailslap.studies.cost.settings import Setting
+from tailslap.studies.stability.axes import stability_axes
+from tailslap.studies.stability.write import COLOUR_MEANINGS
+
+DOCS = Path(__file__).parents[1] / "docs"
+DPI = 150
+ACROSS = 4
+SHOWN = (
+    *(("stiffness", name) for name in ("penalty", "friction", "speed", "angle", "slenderness", "damping")),
+    *(("penalty", "speed"), ("friction", "damping")),
+)
+"""Pairs of axes that the README shows."""
+
+MEANINGS = {axis.name: axis.meaning for axis in stability_axes(read_scene("paper-table-3")[0], 2)}
+
+
+def draw_cost(folder: Path, target: Path) -> None:
+    """Both panels of error against run time, one below the other."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    known = json.loads((folder / "summary.json").read_text())["known"]
+    points = read_points(folder / "points.csv")
+    panels = (
+        rigid_diagram(points, known["rigid"]),
+        flexible_diagram(points, known["flexible"], known["choices"]),
+    )
+    with style("cost"):
+        figure = Figure(figsize=(7.4, 10.2), dpi=DPI)
+        FigureCanvasAgg(figure)
+        for panel, low in zip(panels, (0.555, 0.05), strict=True):
+            draw_panel(figure.add_axes((0.1, low, 0.88, 0.42)), panel)
+        figure.savefig(target)
+
+
+def draw_stability(folder: Path, target: Path) -> None:
+    """Some of the maps, those that the folder has, and below them what the colours mean."""
+    from matplotlib.figure import Figure
+
+    maps = read_maps(folder / "cells.csv")
+    shown = [pair for pair in SHOWN if pair in maps]
+    rows = -(-len(shown) // ACROSS)
+    height = 2.35 * rows + 0.8
+    with style("stability"):
+        figure = Figure(figsize=(2.55 * ACROSS, height), dpi=DPI)
+        for number, pair in enumerate(shown):
+            x, y = number % ACROSS / ACROSS, 1.0 - 2.35 * (number // ACROSS + 1) / height
+            place = (x + 0.25 / ACROSS, y + 0.2 * 2.35 / height, 0.7 / ACROSS, 0.76 * 2.35 / height)
+            draw_cells(figure.add_axes(place), *maps[pair])
+        legend = figure.add_axes((0.03, 0.05 / height, 0.95, 0.7 / height))
+        write_meanings(legend, COLOUR_MEANINGS, fontsize=8.5, columns=3)
+        figure.savefig(target)
+
+
+def read_maps(path: Path) -> dict[tuple[str, str], tuple[MapAxis, MapAxis, list[list[str]]]]:
+    """The maps of a result folder of the study `stability`, by the names of their axes, first across and second up."""
+    cells: dict[tuple[str, str], dict[tuple[float, float], str]] = {}
+    with path.open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            place = (float(row["first_value"]), float(row["second_value"]))
+            cells.setdefault((row["first"], row["second"]), {})[place] = row["kind"]
+    return {pair: _map(*pair, found) for pair, found in cells.items()}
+
+
+def _map(
+    first: str, second: str, found: dict[tuple[float, float], str]
+) -> tuple[MapAxis, MapAxis, list[list[str]]]:
+    across, up = (sorted({place[number] for place in found}) for number in (0, 1))
+    verdicts = [[found[x, y] for x in across] for y in up]
+    return MapAxis(MEANINGS.get(first, first), across), MapAxis(MEANINGS.get(second, second), up), verdicts
+
+
+def read_points(path: Path) -> list[Point]:
+    """The points of a result folder of the study `cost`."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return [_point(row) for row in csv.DictReader(file)]
+
+
+def _point(row: dict[str, Any]) -> Point:
+    refinement, soft, choice = float(row["refinement"]), row["soft"] == "True", row["choice"] == "True"
+    setting = Setting(
+        row["kind"], row["group"], row["label"], refinement=refinement, soft=soft, choice=choice
+    )
+    names = ("error", "added", "setup_s", "loop_s", "median_s", "compile_s")
+    failed = tuple(filter(None, row["failed"].split(", ")))
+    return Point(setting, *(float(row[name]) for name in names), int(row["steps"]), failed, row["refused"])
+
+
+PICTURES = (("points.csv", "cost.png", draw_cost), ("cells.csv", "stability.png", draw_stability))
+
+
+def main() -> None:
+    """Draw what the folders hold."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--out", type=Path, default=DOCS)
+    given = parser.parse_args()
+    for folder in given.folders:
+        for table, name, draw in PICTURES:
+            if (folder / table).is_file():
+                draw(folder, given.out / name)
+                print(given.out / name)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+"""What the soft plate's errors are measured from: limits of refined meshes and of refined time steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from postprocess.grid_convergence import CAUTIOUS_FACTOR, SAFETY_FACTOR, grid_convergence
+from tailslap.rigid import COMPARED
+
+MOST_ORDER = 2.0
+"""Order of linear elements, of loads that jump and of central differences; a higher observed order is luck."""
+
+LEAST_KNOWN = 1e-12
+"""Relative rounding of a run: no limit is known better."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The five quantities in a limit, and how well they are known: the largest grid convergence index."""
+
+    values: dict[str, float]
+    known: float
+
+
+def limit_of(records: Sequence[Mapping[str, Any]]) -> Limit:
+    """The limit of the last three records, each twice as fine as the one before; NaN where there are none."""
+    good = [r["values"] for r in records if "values" in r and all(map(math.isfinite, r["values"].values()))]
+    if len(good) < 3:
+        return Limit(dict.fromkeys(COMPARED, math.nan), math.nan)
+    coarse, medium, fine = good[-3:]
+    found = {name: extrapolated(fine[name], medium[name], coarse[name]) for name in COMPARED}
+    known = max(LEAST_KNOWN, *(error for _, error in found.values()))
+    return Limit({name: value for name, (value, _) in found.items()}, known)
+
+
+def extrapolated(fine: float, medium: float, coarse: float) -> tuple[float, float]:
+    """Richardson's value and its relative uncertainty; the fine value and three times the change without an order."""
+    found = grid_convergence((fine, medium, coarse), (2.0, 2.0))
+    if found.behaviour != "converging":
+        return fine, CAUTIOUS_FACTOR * abs((fine - medium) / fine)
+    step = (fine - medium) / (2.0 ** min(found.order, MOST_ORDER) - 1.0)
+    return fine + step, SAFETY_FACTOR * abs(step / fine)
+
+
+def observed_order(refinements: list[float], errors: list[float], known: float) -> float:
+    """Exponent of the errors in the refinement, from those well above what the limit is known to; NaN for fewer
+    than two."""
+    pairs = [
+        (math.log(r), math.log(e))
+        for r, e in zip(refinements, errors, strict=True)
+        if e > 3.0 * known and r > 0.0
+    ]
+    if len(pairs) < 2:
+        return math.nan
+    x, y = zip(*pairs, strict=True)
+    middle = sum(x) / len(x)
+    spread = sum((a - middle) ** 2 for a in x)
+    return -sum((a - middle) * b for a, b in zip(x, y, strict=True)) / spread if spread else math.nan
