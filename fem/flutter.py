@@ -97,13 +97,13 @@ def _rate(
     squares[0] = 0.0
     hold = model.loop.corner.hold
     stiffness, dashpot = getattr(hold, "stiffness", math.inf), getattr(hold, "damping", 0.0)
-    rate, top = least, 1.5 * model_top(squares, residues, stiffness)
+    rate, top = least, 1.5 * highest_mode(squares, residues, stiffness)
     while rate < top and growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
         rate *= FACTOR
     return rate if rate > least else 0.0
 
 
-def model_top(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
+def highest_mode(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
     """Frequency [rad/s] above which the held plate has no mode."""
     spring = stiffness * np.abs(residues).sum() if math.isfinite(stiffness) else 0.0
     return math.sqrt(squares[-1] + spring)
@@ -111,7 +111,7 @@ def model_top(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> fl
 
 @compiled
 def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
-    """Number of modes that grow faster than `rate` [1/s] beside the damping `viscous`.
+    """Number of roots that grow faster than `rate` [1/s] beside the damping `viscous`, two to an oscillation.
 
     Steps along the line from the real axis up to `top` [rad/s], each small enough for f to turn by less than a
     radian, or as small as a hundredth of the distance to the poles.

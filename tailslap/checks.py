@@ -47,8 +47,8 @@ def run_checks(
         _penetration(fe_plan, history),
     ]
     if relieved:
-        checks += [_ringing(fe_plan, history), _mesh(fe_plan), *_contact_spring(fe_plan)]
-        checks.append(_reaction(fe_plan, history, rigid))
+        checks += [_ringing(fe_plan, history), _reaction(fe_plan, history, rigid)]
+        checks += [] if second else [_mesh(fe_plan), *_contact_spring(fe_plan)]
     else:
         checks.append(_oscillation(fe_plan, history, rigid))
     checks.append(error_of(fe_plan, run, differences, second).check)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tailslap.decisions import Decision, with_tables
@@ -28,15 +28,22 @@ STAND_IN, STAND_INS = 2.0, 2
 """For a mesh too large for all its modes, coarser ones stand in: factor on their rates, and how many are looked at."""
 
 
+HEARD = 0.005
+"""Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
+
+
 @dataclass(frozen=True)
 class Growth:
-    """What the linearised model foretells: the fastest rate [1/s], 0 where none counts; its exponent over the run;
-    the exponent that counts; and whether coarser meshes stood in."""
+    """What the linearised model foretells of friction: the fastest rate [1/s], 0 where none counts; its exponent over
+    the run; the exponent that counts; and whether coarser meshes stood in. And of rounding: the ripple at the end of
+    the run over the reaction at the start, and the rate of damping that keeps it unheard, 0 where it is."""
 
     rate: float
     exponent: float
     harmless: float
     stand_in: bool = False
+    ripple: float = 0.0
+    ripple_rate: float = 0.0
 
     @property
     def counts(self) -> bool:
@@ -45,7 +52,16 @@ class Growth:
 
 
 def foresee(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
-    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included."""
+    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding."""
+    from fem.rounding import rounding_noise
+
+    noise, normal = rounding_noise(model), abs(float(plan.motion_of_mass(model.mass).at(0.0).reaction_normal))
+    ripple = noise.ripple(plan.motion.strike.t) / normal
+    rate = noise.rate_for(HEARD * normal) if ripple > HEARD else 0.0
+    return replace(_by_friction(plan, plate, model), ripple=ripple, ripple_rate=rate)
+
+
+def _by_friction(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
     from fem.flutter import HARMLESS, MOST_UNKNOWNS, foresee_flutter, viscous_rate
 
     harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
@@ -80,8 +96,8 @@ def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[Pl
 
 
 def suppressing_rate(growth: Growth) -> float:
-    """Rate [1/s] of the damping of elastic velocities that suppresses this growth."""
-    return CURE * growth.rate
+    """Rate [1/s] of the damping of elastic velocities that suppresses what is foreseen."""
+    return max(CURE * growth.rate, growth.ripple_rate)
 
 
 def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Plan, tuple[Decision, ...]]:
@@ -89,15 +105,21 @@ def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Pla
     given = plan.scene.damping
     if given is not None and given.kind is not None:
         return plan, ()
-    least = growth.harmless / plan.motion.strike.t if factor > 1.0 else 0.0
+    least = (growth.harmless or HARMLESS_UNSTRESSED) / plan.motion.strike.t if factor > 1.0 else 0.0
     rate = factor * max(suppressing_rate(growth), CURE * least)
     if not rate > 0.0:
         return plan, ()
     table = (given or Damping()).model_copy(update={"kind": "elastic-velocity", "rate": rate})
-    why = f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
-    if factor > 1.0:
-        why += f"; {factor:g} times as much as foreseen, since the first run rang"
     return with_tables(plan, damping=table), (
-        Decision("damping.kind", "elastic-velocity", why),
-        Decision("damping.rate", rate, f"1/s, {factor * CURE:g} times the rate of the fastest growing mode"),
+        Decision("damping.kind", "elastic-velocity", _why(growth, factor)),
+        Decision("damping.rate", rate, "1/s, as much as that takes"),
     )
+
+
+def _why(growth: Growth, factor: float) -> str:
+    why = "the plate would ring"
+    if growth.ripple_rate > CURE * growth.rate:
+        why = f"in so many steps rounding would make the reaction ring by {100.0 * growth.ripple:.2g} %"
+    elif growth.rate > 0.0:
+        why = f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
+    return f"{why}; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else why

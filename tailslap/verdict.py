@@ -45,15 +45,17 @@ def _comparison(outcome: Outcome) -> str:
 
 
 def flutter_sentence(fe_plan: FePlan) -> str:
-    """What linearising the model with friction foretells, and what is done against it."""
+    """What is foretold of a plate that rings, by friction or by rounding, and what is done against it."""
     growth, damping = fe_plan.growth, fe_plan.plan.scene.damping
     judged = ", judged on coarser meshes" if growth.stand_in else ""
-    if not growth.counts:
+    needed = suppressing_rate(growth)
+    if not needed > 0.0 and not growth.counts:
         return "none: without friction nothing grows"
-    if not growth.rate > 0.0:
+    if not needed > 0.0:
         return f"harmless: no mode grows by more than exp({growth.harmless:g}) during the run{judged}"
     words = f"the fastest mode grows by up to exp({growth.exponent:.0f}) during the run{judged}"
-    needed = suppressing_rate(growth)
+    if not growth.rate > 0.0:
+        words = f"rounding makes the reaction ring by {100.0 * growth.ripple:.2g} %"
     if damping is not None and (damping.rate or 0.0) >= 0.5 * needed:
         return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {words}"
     return (

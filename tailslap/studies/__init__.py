@@ -10,11 +10,14 @@ import importlib
 import pkgutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tailslap.errors import InputError
+
+if TYPE_CHECKING:
+    from tailslap.plan import Plan
 
 
 def study_names() -> list[str]:
@@ -33,6 +36,19 @@ def study_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
         help="Change a key, like vehicle.mass='5000 lb'.",
     )(function)
     return click.argument("name", metavar="SCENE")(function)
+
+
+def with_elements(plan: Plan, changes: tuple[str, ...]) -> tuple[str, ...]:
+    """The changes, with the elements that the program chooses where the scene leaves them out."""
+    from tailslap.decide_mesh import decide_mesh
+    from tailslap.fe_plan import needed_plate
+
+    plate = needed_plate(plan.scene)
+    if plate.elements is not None:
+        return changes
+    chosen = decide_mesh(plan, plate)[0].plate
+    along, across = chosen.counts
+    return (*changes, f"plate.elements=[{along}, {across}]", f"plate.element={chosen.element}")
 
 
 class Studies(click.Group):

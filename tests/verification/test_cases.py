@@ -38,24 +38,15 @@ def test_right_or_caught(outcome: Callable[..., Any], size: tuple[float, float],
     assert right >= 5
 
 
-@pytest.mark.parametrize("modulus", ["200 GPa", "20 TPa"])
-def test_flutter_is_caught_and_damping_cures_it(outcome: Callable[..., Any], modulus: str) -> None:
-    """Friction that follows |N| on a two-sided slider makes the stiffness unsymmetric: the plate flutters."""
-    change = (f"plate.youngs_modulus={modulus}", "impact.friction=0.8", "corner.penalty_scale=3")
-    flutter = outcome("paper-table-3", *change)
-    assert not flutter.passed
-    cured = outcome("paper-table-3", *change, "damping.ratio=0.1")
-    assert cured.passed
-    assert max(map(abs, cured.difference.values())) < 5e-6
-
-
 def test_each_check_can_fail(outcome: Callable[..., Any]) -> None:
     """A scene for every check of the run that a wrong model can trip; the balances are tripped in test_checks."""
     tripped: set[str] = set()
     for change in (
-        ("plate.youngs_modulus=20 TPa", "impact.friction=0.8", "corner.penalty_scale=3"),
-        ("impact.friction=0.8", "corner.penalty_scale=3"),
+        ("plate.youngs_modulus=20 TPa", "impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none"),
+        ("impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none"),
         ("corner.penalty_scale=1e-5",),
+        ("verify.tolerance=1e-6",),
+        ("plate.youngs_modulus=20 MPa", "plate.element=tri3", "plate.elements=[4, 2]"),
     ):
         result = outcome("paper-table-3", *change)
         tripped |= {check.name for check in result.checks if not check.passed}
@@ -63,6 +54,8 @@ def test_each_check_can_fail(outcome: Callable[..., Any]) -> None:
         "tail-slap reached",
         "friction by ringing",
         "agreement with rigid",
+        "numerical error",
+        "mesh",
         "reaction against rigid",
         "penetration",
     } <= tripped

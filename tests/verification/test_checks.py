@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tailslap.checks import run_checks
+from tailslap.flexibility import sensitivity
 
 pytestmark = pytest.mark.verification
 
@@ -72,8 +73,9 @@ def test_numbers_that_are_not_finite(outcome: Callable[..., Any]) -> None:
     assert failed(result, kinetic_energy=at(7, np.inf)) == broken
 
 
-def test_a_difference_that_flexibility_does_not_explain(outcome: Callable[..., Any]) -> None:
-    result = outcome("paper-table-3")
+def test_a_difference_that_the_scene_does_not_allow(outcome: Callable[..., Any]) -> None:
+    result = outcome("paper-table-3", "verify.tolerance=5e-4")
+    assert failed(result) == set()
     for value in (6e-4, -6e-4, np.nan, np.inf):
         assert failed(result, differences=result.difference | {"slide": value}) == {"agreement with rigid"}
 
@@ -82,10 +84,7 @@ def test_a_run_that_never_strikes(outcome: Callable[..., Any]) -> None:
     result = outcome("paper-table-3")
     run = replace(result.run, strike=None)
     checks = run_checks(result.fe_plan, run, result.rigid_history, {})
-    assert {check.name for check in checks if not check.passed} == {
-        "tail-slap reached",
-        "agreement with rigid",
-    }
+    assert {check.name for check in checks if not check.passed} == {"tail-slap reached"}
 
 
 def test_every_report_has_the_checks_of_customary_practice(outcome: Callable[..., Any]) -> None:
@@ -240,12 +239,12 @@ def test_histories_that_are_not_the_rigid_ones(outcome: Callable[..., Any]) -> N
 
 
 def test_a_soft_plate_may_differ_by_its_give(outcome: Callable[..., Any]) -> None:
-    """7 % of mean residual on a plate that gives by 4 %; and a sudden start's reaction is shown, not judged."""
+    """8 % of mean residual on a plate that gives by 4 %; an unstressed start's reaction is shown, not judged."""
     result = outcome("paper-table-3", "plate.youngs_modulus=20 MPa", "start.corner_speed=3")
     (residual,) = [check for check in result.checks if check.name == "mean residual"]
     assert result.passed
     assert residual.value > 0.05
-    assert residual.limit == 2.0 * result.fe_plan.give
+    assert residual.limit == 2.0 * sensitivity(0.26) * result.fe_plan.give
     assert "soft plate" in residual.meaning
     sudden = outcome("paper-table-3", "plate.start=sudden", "damping.ratio=0.1")
     assert sudden.passed

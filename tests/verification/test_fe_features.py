@@ -10,12 +10,11 @@ import pytest
 
 from fem.deformed import deformed_frequency
 from fem.elements import ELEMENT_KINDS, discretise, hourglass_control
-from fem.flutter import _rates, foresee_flutter
 from fem.internal_force import scratch_for, subtract_internal_forces
 from fem.materials import MATERIALS, neo_hookean, st_venant_kirchhoff
-from fem.measures import COLUMNS, _hourglass_energy, _strain_energy
+from fem.measures import _hourglass_energy, _strain_energy
 from fem.patch import corner_weights
-from fem.simulate import Stepper, simulate
+from fem.simulate import simulate
 from fem.start import RigidStart, to_global
 from meshes import distorted, plate_mesh
 
@@ -225,46 +224,3 @@ def test_a_stretched_plate_has_a_higher_frequency(plate_model: Callable[..., Any
     model = plate_model(elements=(6, 3), plate={"poissons_ratio": 0.0})
     positions = 1.1 * model.discretisation.positions
     assert deformed_frequency(model, positions) > 1.05 * model.highest_frequency
-
-
-def test_flutter_rates_are_seen_in_the_time_loop(plate_model: Callable[..., Any]) -> None:
-    """A plate so stiff that it hardly turns meanwhile: a disturbance grows at the rate of the linear model."""
-    model = plate_model(
-        reaction="drag", plate={"youngs_modulus": 2e15}, corner={"penalty_scale": 3.0}, safety_factor=0.45
-    )
-    stepper = Stepper(model)
-    state = stepper.start(START, "quiet")
-    noise = 1e-9 * np.random.default_rng(4).normal(size=state.positions.shape)
-    state = state._replace(velocities=state.velocities + noise)
-    energies, span = [], 1000 * model.loop.time_step
-    for _ in range(40):
-        state = stepper.advance(state, 1000)
-        energies.append(stepper.measure(state)[COLUMNS.index("vibration_energy")])
-    rate = 0.5 * np.polyfit(span * np.arange(24, 40), np.log(energies[24:]), 1)[0]
-    assert rate == pytest.approx(_rates(model, START, 0.255)[0].max(), rel=0.1)
-
-
-def test_flutter_is_foreseen_where_it_spoils_a_run(outcome: Callable[..., Any]) -> None:
-    for changes, spoilt in (
-        ((), False),
-        (("impact.friction=0.8", "corner.penalty_scale=3"), True),
-        (("plate.youngs_modulus=20 TPa", "corner.penalty_scale=3"), True),
-        (("corner.constraint=exact", "plate.youngs_modulus=20 TPa"), True),
-    ):
-        result = outcome("paper-table-3", *changes)
-        fe_plan = result.fe_plan
-        found = foresee_flutter(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t)
-        assert found is not None
-        assert (found.expected, result.passed) == (spoilt, not spoilt)
-        if spoilt:
-            assert worst(outcome("paper-table-3", *changes, f"damping.ratio={found.cure}")) < 5e-6
-
-
-def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None:
-    found = foresee_flutter(plate_model(reaction="none"), START, 0.384)
-    assert found is not None
-    assert found.growth == 0.0
-
-
-def test_a_large_model_is_not_analysed_and_says_so(plate_model: Callable[..., Any]) -> None:
-    assert foresee_flutter(plate_model(elements=(60, 30), reaction="drag"), START, 0.384) is None

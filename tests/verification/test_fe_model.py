@@ -76,7 +76,7 @@ def test_a_mesh_too_coarse_for_the_inertia_is_refused() -> None:
 def test_kinetic_energy_of_rigid_motion_is_exact(plate_model: Callable[..., Any]) -> None:
     model = plate_model()
     stepper = Stepper(model)
-    state = stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden")
+    state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
     row = dict(zip(_columns(), stepper.measure(state), strict=True))
     radius, phi = np.hypot(10.0, 2.438) / 2, 0.26 + np.arctan2(2.438, 10.0)
     v_x, v_y = 25.053 - 0.707 * radius * np.sin(phi), -0.707 * radius * np.cos(phi)
@@ -129,7 +129,7 @@ def test_the_stable_time_step_is_where_it_is_said_to_be(
     for safety_factor in (0.98, 1.02):
         model = plate_model(elements=(6, 3), damping_ratio=damping_ratio, safety_factor=safety_factor)
         stepper = Stepper(model)
-        state = stepper.advance(stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden"), 20_000)
+        state = stepper.advance(stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed"), 20_000)
         ends.append(stepper.measure(state)[_columns().index("vibration_energy")])
     assert ends[0] < 0.02
     assert not ends[1] < 2.0

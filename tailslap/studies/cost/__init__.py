@@ -6,21 +6,20 @@ from pathlib import Path
 
 import click
 
-from tailslap.studies import study_arguments
+from tailslap.studies import study_arguments, with_elements
 
 
 @click.command("cost")
 @study_arguments
 def command(name: str, changes: tuple[str, ...], out: Path | None) -> int:
     """Error against run time, the cheapest setting for each error, grid convergence; goes on where it was stopped."""
-    from tailslap.fe_plan import needed_plate
     from tailslap.plan import make_plan
     from tailslap.result_folder import demand_place, result_folder
     from tailslap.scene_files import read_scene
     from tailslap.studies.cost.survey import survey
 
+    changes = with_elements(make_plan(*read_scene(name, changes)), changes)
     plan = make_plan(*read_scene(name, changes))
-    needed_plate(plan.scene)
     place = out or Path("results") / f"{plan.scene.name}-cost"
     demand_place(place)
     found = survey(plan, name, changes, place)

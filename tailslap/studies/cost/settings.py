@@ -92,6 +92,6 @@ def _one(group: str, label: str, *changes: str) -> Setting:
 def _mesh(scene: Scene, group: str, factor: float, changes: tuple[str, ...] = ()) -> Setting:
     """The scene's mesh with so many times the elements each way."""
     assert scene.plate is not None
-    along, across = (max(2, round(factor * count)) for count in scene.plate.elements)
-    label = f"{along} x {across}"
-    return Setting(FE, group, label, (*changes, f"plate.elements=[{along}, {across}]"), refinement=factor)
+    along, across = (max(2, round(factor * count)) for count in scene.plate.counts)
+    changes = (f"plate.element={scene.plate.element}", *changes, f"plate.elements=[{along}, {across}]")
+    return Setting(FE, group, f"{along} x {across}", changes, refinement=factor)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tailslap.studies import study_arguments
+from tailslap.studies import study_arguments, with_elements
 
 DEFAULT_TURNS, LEAST_TURNS, MOST_TURNS = 40, 10, 10_000
 
@@ -23,13 +23,12 @@ DEFAULT_TURNS, LEAST_TURNS, MOST_TURNS = 40, 10, 10_000
 @click.option("--no-processes", is_flag=True, help="Time no whole commands and their imports.")
 def command(name: str, changes: tuple[str, ...], out: Path | None, turns: int, no_processes: bool) -> int:
     """Time and imports that each part of the scene costs; a part left out must cost nothing."""
-    from tailslap.fe_plan import needed_plate
     from tailslap.plan import make_plan
     from tailslap.result_folder import result_folder
     from tailslap.scene_files import read_scene
 
+    changes = with_elements(make_plan(*read_scene(name, changes)), changes)
     plan = make_plan(*read_scene(name, changes))
-    needed_plate(plan.scene)
     place = out or Path("results") / f"{plan.scene.name}-features"
     with result_folder(place) as folder:
         from tailslap.studies.features.costs import find_costs

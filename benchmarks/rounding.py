@@ -1,0 +1,39 @@
+"""Ripple of the reaction by rounding: predicted by `fem.rounding` beside what undamped runs show at their end.
+
+.venv/bin/python benchmarks/rounding.py
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from vehicles import plan_of
+
+from fem.rounding import rounding_noise
+from tailslap.run import attempt
+
+CASES = (
+    ("impact.speed=2.5", "plate.youngs_modulus=2e13"),
+    ("impact.speed=0.25", "plate.youngs_modulus=2e12"),
+    ("impact.speed=2.5", "plate.youngs_modulus=2e14", "corner.constraint=exact"),
+    ("impact.speed=2.5", "plate.youngs_modulus=2e14", "plate.elements=[8,3]"),
+    ("impact.speed=1", "plate.youngs_modulus=2e13", "plate.element=quad9", "plate.elements=[8,3]"),
+    ("impact.speed=1", "plate.youngs_modulus=2e13", "vehicle.length=4"),
+    ("impact.speed=1", "plate.youngs_modulus=2e13", "vehicle.length=19", "plate.elements=[11,3]"),
+)
+
+
+def main() -> None:
+    """A line a case: root mean square over the last quarter of the run [N]."""
+    for case in CASES:
+        outcome = attempt(plan_of(("corner.reaction=none", "damping.kind=none", *case)))
+        ripple = outcome.fe_history["reaction_normal"] - outcome.rigid_history["reaction_normal"]
+        ripple = ripple[np.isfinite(ripple)]
+        seen = float(np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2)))
+        foretold = rounding_noise(outcome.fe_plan.model).ripple(outcome.rigid["t"])
+        print(
+            f"{foretold / seen:5.2f} times: {foretold:.2e} N for {seen:.2e} N, {outcome.run.steps} steps, {' '.join(case)}"
+        )
+
+
+if __name__ == "__main__":
+    main()
