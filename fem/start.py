@@ -1,12 +1,12 @@
 """The state a run starts from: which quantities of the rigid body it keeps is part of the answer of a soft plate.
 
-`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's spring
-already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's speed; the
-centre, which the deformation has moved, begins with another momentum than the rigid body's.
-`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and speed
-of the corner follow, since it stays on the wall.
-`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several times
-its size.
+`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
+spring already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's
+speed; the centre, which the deformation has moved, begins with another momentum than the rigid body's.
+`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and
+speed of the corner follow, since it stays on the wall.
+`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several
+times its size.
 """
 
 from __future__ import annotations
@@ -22,6 +22,10 @@ from fem.elastic import elastic_solver, rigid_motions
 from fem.model import PlateModel
 
 
+class TooSoftError(ValueError):
+    """The plate has no quasi-static elastic state: it finds no equilibrium under its reaction."""
+
+
 @dataclass(frozen=True)
 class RigidStart:
     """Angle of side PE to the wall [rad], spin [rad/s] closing it, speed of the corner along the wall [m/s]."""
@@ -35,12 +39,12 @@ SMALL = 1e-5
 """Elastic displacement over the plate's length below which what is not linear in it is rounding."""
 
 CORRECTIONS = 2
-"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the flexibility's share."""
+"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the give's share."""
 
 
 class ElasticFields(NamedTuple):
-    """A start by inertia relief beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the body frame,
-    shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
+    """A start by inertia relief beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the
+    body frame, shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
 
     elastic: np.ndarray
     rate: np.ndarray
@@ -155,9 +159,7 @@ def _changing(
         return at(angle, start.omega + now.angular * time, start.corner_speed)
 
     (elastic, gap), (late, late_gap), (early, early_gap) = after(0.0), after(span), after(-span)
-    return ElasticFields(
-        elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span)
-    )
+    return ElasticFields(elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span))
 
 
 def _relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
@@ -198,13 +200,16 @@ def _elastic(
 def _in_equilibrium(
     model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
 ) -> tuple[np.ndarray, float]:
-    """The same in equilibrium on the deformed shape, its best rigid rotation none; raises as `equilibrium`."""
+    """The same in equilibrium on the deformed shape, its best rigid rotation none. Raises TooSoftError."""
     from fem.finite_strain import equilibrium
 
     def load_at(place: np.ndarray) -> np.ndarray:
         return _load(model, place - _at_corner(model, place), start)[0]
 
-    place = equilibrium(model, body + linear.elastic, load_at)
+    try:
+        place = equilibrium(model, body + linear.elastic, load_at)
+    except ValueError as error:  # Newton's method fails, or on its way the wall's reaction pushes
+        raise TooSoftError(str(error)) from None
     place = _unturned(model, body, place - _at_corner(model, place))
     return place - body, _gap(model, _load(model, place, start)[1])
 
