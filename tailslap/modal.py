@@ -123,7 +123,7 @@ def _admit(fe_plan: FePlan, modes: int) -> None:
     if plate.start != "inertia-relief":
         allowed = 'the modes that the modal model leaves out cannot oscillate; allowed is "inertia-relief"'
         raise InputError("plate.start", plate.start, allowed)
-    if scene.damping:
+    if fe_plan.asked.scene.damping:
         raise InputError("damping", "a table", "the modal model has no damping; leave it out")
     if scene.corner.damping_ratio:
         allowed = "the modal model has no dashpot; leave it out"
