@@ -31,14 +31,14 @@ MEMORY = 18 * 2**30
 COLUMNS = {
     "mesh_s": "mesh, s",
     "model_s": "model, s",
-    "quiet_s": "quiet start, s",
+    "relief_s": "inertia relief, s",
     "step_s": "step, s",
     "steps": "steps",
     "run_s": "run, s",
     "memory_gib": "memory, GiB",
-    "quiet_gib": "quiet, GiB",
+    "relief_gib": "relief, GiB",
 }
-"""Columns of the table. Memory is the process's peak up to the steps, and after the quiet start."""
+"""Columns of the table. Memory is the process's peak up to the steps, and after inertia relief."""
 
 FIT_FROM = 1920
 """Elements from which on the exponents are fitted: below, fixed costs show."""
@@ -63,7 +63,7 @@ def peak() -> float:
 
 
 def measure(elements: tuple[int, int]) -> None:
-    """One size, in this process: set-up, steps, then the quiet start, the hungriest, last."""
+    """One size, in this process: set-up, steps, then inertia relief, the hungriest, last."""
     from fem.corner import Drag
     from fem.model import CornerProperties, PlateProperties, StepProperties, build_model
     from fem.simulate import Stepper
@@ -80,9 +80,9 @@ def measure(elements: tuple[int, int]) -> None:
     stepper.advance(state, 1)
     step, steps = time_per_step(stepper, state), DURATION / model.loop.time_step
     tell(step_s=step, steps=steps, run_s=step * steps, memory_gib=peak())
-    with stage("quiet_s"):
-        stepper.start(start, "quiet")
-    tell(quiet_gib=peak())
+    with stage("relief_s"):
+        stepper.start(start, "inertia-relief")
+    tell(relief_gib=peak())
 
 
 def time_per_step(stepper: Any, state: Any, seconds: float = 0.2, batches: int = 9) -> float:

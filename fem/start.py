@@ -22,6 +22,10 @@ from fem.elastic import elastic_solver, rigid_motions
 from fem.model import PlateModel
 
 
+class TooSoftError(ValueError):
+    """The plate has no quasi-static elastic state: it finds no equilibrium under its reaction."""
+
+
 @dataclass(frozen=True)
 class RigidStart:
     """Angle of side PE to the wall [rad], spin [rad/s] closing it, speed of the corner along the wall [m/s]."""
@@ -196,13 +200,16 @@ def _elastic(
 def _in_equilibrium(
     model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
 ) -> tuple[np.ndarray, float]:
-    """The same in equilibrium on the deformed shape, its best rigid rotation none; raises as `equilibrium`."""
+    """The same in equilibrium on the deformed shape, its best rigid rotation none. Raises TooSoftError."""
     from fem.finite_strain import equilibrium
 
     def load_at(place: np.ndarray) -> np.ndarray:
         return _load(model, place - _at_corner(model, place), start)[0]
 
-    place = equilibrium(model, body + linear.elastic, load_at)
+    try:
+        place = equilibrium(model, body + linear.elastic, load_at)
+    except ValueError as error:  # Newton's method fails, or on its way the wall's reaction pushes
+        raise TooSoftError(str(error)) from None
     place = _unturned(model, body, place - _at_corner(model, place))
     return place - body, _gap(model, _load(model, place, start)[1])
 

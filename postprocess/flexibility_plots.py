@@ -26,12 +26,14 @@ class SweepLine:
     """A quantity's size at each frequency, and its error, drawn thin and dashed, where it has one.
 
     NaN is not drawn. form: LINE with marks; RINGS around the marks of another line; DOTS for what is no measurement.
+    passed: which of its runs did, where that is not what the axis says.
     """
 
     label: str
     values: Sequence[float]
     errors: Sequence[float] = ()
     form: str = LINE
+    passed: Sequence[bool] = ()
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def draw_sweep(
 
 
 def _draw(axes: "Axes", axis: SweepAxis, line: SweepLine, colour: str, mark: str) -> None:
-    x, passed = np.array(axis.frequencies), np.array(axis.passed)
+    x, passed = np.array(axis.frequencies), np.array(line.passed or axis.passed)
     values = _drawable(line.values)
     if line.form == DOTS:
         axes.plot(x, values, color=colour, linewidth=1.2, linestyle=":", label=line.label)
@@ -97,7 +99,7 @@ def _drawable(values: Sequence[float]) -> np.ndarray:
 def _explain(axes: "Axes", axis: SweepAxis, errors: bool) -> None:
     """Entries of the legend that are no line's own."""
     if errors:
-        axes.plot([], [], color="#30363d", linewidth=0.7, linestyle="--", label="discretisation error")
+        axes.plot([], [], color="#30363d", linewidth=0.7, linestyle="--", label="numerical error")
     if not all(axis.passed):
         axes.plot([], [], color=FAILED, linewidth=6, alpha=0.15, label="failed a check")
     if axis.frequencies[-1] <= axis.own <= axis.frequencies[0]:

@@ -87,24 +87,35 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
     """A single run, compared with the rigid motion; more_damping: factor on the damping that the program chooses."""
     began = time.perf_counter()
     with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
-        from fem.simulate import compile_loop, simulate
+        from fem.simulate import compile_loop
 
         fe_plan = make_fe_plan(plan, more_damping)
         compile_loop(fe_plan.model, fe_plan.start, plan.scene.time.threads)
     setup = time.perf_counter() - began
-    scene, duration = plan.scene, plan.motion.strike.t
-    with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
-        run = simulate(
-            fe_plan.model,
-            fe_plan.start,
-            duration,
-            kind=fe_plan.plate.start,
-            rows=scene.time.rows,
-            threads=scene.time.threads,
-            progress=progress,
-            spoilt=lambda row: friction_by_ringing(fe_plan, row) > SPOILT,
-        )
-    return compare(fe_plan, run, setup)
+    return compare(fe_plan, _simulated(fe_plan), setup)
+
+
+def _simulated(fe_plan: FePlan) -> Run:
+    """The run of the model. Raises InputError for a start that the plate cannot have."""
+    from fem.simulate import simulate
+    from fem.start import TooSoftError
+
+    scene, start = fe_plan.plan.scene, fe_plan.plate.start
+    try:
+        with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
+            return simulate(
+                fe_plan.model,
+                fe_plan.start,
+                fe_plan.plan.motion.strike.t,
+                kind=start,
+                rows=scene.time.rows,
+                threads=scene.time.threads,
+                progress=progress,
+                spoilt=lambda row: friction_by_ringing(fe_plan, row) > SPOILT,
+            )
+    except TooSoftError:
+        why = "the plate is too soft to be in equilibrium under its reaction"
+        raise InputError("plate.start", start, f'{why}; allowed is "unstressed"') from None
 
 
 def rings(outcome: Outcome) -> bool:

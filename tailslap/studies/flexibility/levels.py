@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SHARE = 1.0 / 3.0
-"""Share of a level, or of a difference, that the discretisation error must stay below for either to be known."""
+"""Share of a level, or of a difference, that the numerical error must stay below for either to be known."""
 
 CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = KINDS = ("crossed", "not reached", "above all", "unknown")
 """The level is crossed; not within the points that passed; by all of them; the error is too large to say."""
@@ -22,7 +22,7 @@ LEAST_FITTED = 4
 
 @dataclass(frozen=True)
 class Sample:
-    """A point: first frequency [Hz], size of the difference, discretisation error, whether its checks passed."""
+    """A point: first frequency [Hz], size of the difference, numerical error, whether its checks passed."""
 
     frequency: float
     difference: float
@@ -69,6 +69,16 @@ def lowest_frequency(samples: Sequence[Sample], level: float) -> Level:
     if last is None:
         return Level(level, UNKNOWN, math.nan)
     return Level(level, NOT_REACHED, samples[last].frequency)
+
+
+def jointly(levels: Sequence[Level]) -> Level:
+    """What holds for each of several series of points, given what is known of the same level in each."""
+    for kind in (ABOVE_ALL, UNKNOWN):
+        found = [level.frequency for level in levels if level.kind == kind]
+        if found:
+            return Level(levels[0].level, kind, max(filter(math.isfinite, found), default=math.nan))
+    highest = max(levels, key=lambda level: (level.frequency, level.kind == CROSSED))
+    return Level(highest.level, highest.kind, highest.frequency)
 
 
 def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: float) -> Level:

@@ -1,4 +1,4 @@
-"""One point of the sweep: three meshes, the modal model beside them, and at some points the thickness instead of E."""
+"""One point of the sweep: three starts, the modal model beside them, and at some points the thickness instead of E."""
 
 from __future__ import annotations
 
@@ -15,26 +15,33 @@ from tailslap.fe_plan import make_fe_plan
 from tailslap.plan import make_plan
 from tailslap.run import Outcome, run_scene
 from tailslap.scene_files import validate
-from tailslap.studies.flexibility.sweep import Section
+from tailslap.studies.flexibility.sweep import STARTS, Section
 from tailslap.studies.stability.axes import Tables
 
 Record = dict[str, Any]
 
+KEPT = ("v_gx", "v_gy", "omega", "v_p")
+"""Velocities that a start may keep: of the centre of mass, of rotation, of the corner along the wall."""
+
+JUDGED = "numerical error"
+"""The check that the study makes itself, by its own levels."""
+
 
 def measure(
-    meshes: list[Tables | None], modal: Tables, own: Section | None, half_patch: Tables | None
+    starts: dict[str, list[Tables | None]], modal: Tables, own: Section | None, half_patch: Tables | None
 ) -> Record:
-    """The record of a point; meshes: tables of the three runs, coarse to fine, None for one that is left out.
+    """The record of a point; starts: by name the tables of their runs, coarse to fine, None for one that is left out.
 
-    modal: of the modal model; own: the scene's section where the middle mesh is run once more by its thickness;
-    half_patch: the finest mesh held over half the length, where that is to be run.
+    modal: of the modal model; own: the scene's section where the first start's middle mesh is run once more by its
+    thickness; half_patch: the finest mesh held over half the length, where that is to be run.
     """
-    record: Record = {"meshes": [one_run(tables) for tables in meshes], "modal": modal_opinion(modal)}
+    runs = {name: [one_run(tables) for tables in meshes] for name, meshes in starts.items()}
+    record: Record = {"starts": runs, "modal": modal_opinion(modal)}
     if half_patch is not None:
         record["half_patch"] = one_run(half_patch)
-    middle = record["meshes"][1]
-    if own is not None and meshes[1] is not None and "refused" not in middle:
-        record["thickness"] = one_run(thickness_tables(meshes[1], middle["youngs_modulus"], own))
+    tables, middle = starts[STARTS[0]][1], runs[STARTS[0]][1]
+    if own is not None and tables is not None and "refused" not in middle:
+        record["thickness"] = one_run(thickness_tables(tables, middle["youngs_modulus"], own))
     return record
 
 
@@ -65,20 +72,40 @@ def one_run(tables: Tables | None) -> Record:
 
 
 def _record(outcome: Outcome) -> Record:
-    plan = outcome.fe_plan.plan
-    damping = plan.scene.damping
+    """What the study takes from a run. Its numerical error is kept and no failure: each level is held to it."""
+    fe_plan, error = outcome.fe_plan, outcome.error
     return {
-        "elements": list(outcome.fe_plan.plate.elements),
-        "youngs_modulus": outcome.fe_plan.plate.youngs_modulus,
-        "thickness": outcome.fe_plan.plate.thickness,
-        "damping": (damping.ratio or 0.0) if damping else 0.0,
+        "elements": list(fe_plan.plate.elements or ()),
+        "youngs_modulus": fe_plan.plate.youngs_modulus,
+        "thickness": fe_plan.plate.thickness,
+        "damping": getattr(fe_plan.model.loop.elastic_damping, "rate", 0.0),
         "values": outcome.fe,
-        "failed": [check.name for check in outcome.checks if not check.passed],
+        "failed": [check.name for check in outcome.checks if not (check.passed or check.name == JUDGED)],
+        "departure": departures(outcome),
+        "largest": largest_difference(outcome),
         "reaction": reaction_deviation(outcome),
         "stored": stored_share(outcome),
-        "give": outcome.fe_plan.give,
+        "give": fe_plan.give,
+        "error": error.total,
+        "unseen": error.damping + error.ringing,
         "steps": outcome.run.steps,
     }
+
+
+def departures(outcome: Outcome) -> dict[str, float]:
+    """Relative difference from the rigid body at t = 0 of what a start may keep."""
+    fe, rigid = outcome.fe_history, outcome.rigid_history
+    return {name: float(fe[name][0] / rigid[name][0] - 1.0) for name in KEPT}
+
+
+def largest_difference(outcome: Outcome) -> float:
+    """Largest difference of v_GY from the rigid body, at the strike and at any instant before it, over v_GY at the
+    strike: an oscillating plate may strike in any phase. NaN without a strike."""
+    if not outcome.fe:
+        return math.nan
+    ours, rigid = outcome.fe_history["v_gy"], outcome.rigid_history["v_gy"]
+    before = np.nanmax(np.abs(ours - rigid)) / abs(outcome.rigid["v_gy"])
+    return max(float(before), abs(outcome.difference["v_gy"]))
 
 
 def reaction_deviation(outcome: Outcome) -> float:

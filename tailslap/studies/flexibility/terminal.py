@@ -5,9 +5,10 @@ from __future__ import annotations
 import textwrap
 from pathlib import Path
 
+from tailslap.studies.flexibility.statements import kept_sentence, soft_sentence, stiff_sentence
 from tailslap.studies.flexibility.survey import Survey
-from tailslap.studies.flexibility.tabulate import level_table
-from tailslap.studies.flexibility.words import headline, soft_sentence, stiff_sentence
+from tailslap.studies.flexibility.tabulate import start_level_table
+from tailslap.studies.flexibility.words import headline
 from tailslap.tables import NARROW
 
 
@@ -18,7 +19,7 @@ def print_flexibility(found: Survey, place: Path) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    words, name = level_table(found), found.sweep.plan.scene.name
+    words, name = start_level_table(found), found.sweep.plan.scene.name
     title = f"{name}: lowest first frequency at which the rigid body's answer is good"
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for number, column in enumerate(words.columns):
@@ -29,7 +30,7 @@ def print_flexibility(found: Survey, place: Path) -> None:
     console = Console(highlight=False, soft_wrap=True, markup=False)
     console.width = max(console.width if console.is_terminal else 0, 130)
     console.print(table)
-    for sentence in filter(None, (soft_sentence(found), stiff_sentence(found))):
+    for sentence in filter(None, (kept_sentence(found), soft_sentence(found), stiff_sentence(found))):
         print(textwrap.fill(sentence, NARROW))
     print(f"Report: {place / 'report.html'}")
     print(f"Cost:   {len(found.points)} plates in {found.seconds:.0f} s")

@@ -8,29 +8,20 @@ from pathlib import Path
 from typing import Any
 
 import tailslap
-from postprocess.curves import Curve
-from postprocess.flexibility_plots import DOTS, RINGS, SweepAxis, SweepLine, draw_sweep
-from postprocess.study_page import StudyContent, StudySection, write_study_page
+from postprocess.study_page import write_study_page
 from postprocess.summary import write_summary
 from tailslap.rigid import COMPARED, stage_two_numbers
-from tailslap.studies.flexibility.survey import LEVELS, Point, Survey
-from tailslap.studies.flexibility.tabulate import (
-    level_table,
-    modal_table,
-    motion_table,
-    point_table,
-    thickness_table,
-)
-from tailslap.studies.flexibility.words import MAIN, NAMES, headline, law_sentence, soft_sentence, statements
-
-SIZE_LABEL = "size of the relative difference"
-
-MEASURED = (*COMPARED, "reaction", "stored")
+from tailslap.studies.flexibility.measure import KEPT
+from tailslap.studies.flexibility.page import content
+from tailslap.studies.flexibility.points import MEASURED, Point
+from tailslap.studies.flexibility.survey import Survey
+from tailslap.studies.flexibility.sweep import STARTS
+from tailslap.studies.flexibility.words import headline
 
 
 def write_flexibility(found: Survey, folder: Path) -> None:
     """Fill the folder: `report.html`, `points.csv`, `summary.json`."""
-    write_study_page(folder / "report.html", _content(found))
+    write_study_page(folder / "report.html", content(found))
     rows = [_numbers(point) for point in found.points]
     with (folder / "points.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]))
@@ -52,9 +43,10 @@ def summary(found: Survey) -> dict[str, Any]:
         "own_frequency": sweep.own_frequency,
         "corner": asdict(sweep.held),
         "meshes": sweep.meshes,
-        "levels": {name: [asdict(level) for level in levels] for name, levels in found.levels.items()},
+        "levels_v_gy": {name: list(map(asdict, levels)) for name, levels in found.starts.items()},
+        "levels_v_gy_any_start": list(map(asdict, found.band)),
+        "levels": {name: list(map(asdict, levels)) for name, levels in found.others.items()},
         "power_laws": {name: asdict(law) if law else None for name, law in found.laws.items()},
-        "flutter": asdict(found.calming),
         "points": [_numbers(point) for point in found.points],
         "cost": {"seconds": found.seconds},
     }
@@ -79,106 +71,26 @@ def _numbers(point: Point) -> dict[str, Any]:
         "modal_estimate": point.modal_estimate,
         "modal_apart": point.modal_apart,
         "modal_why": point.modal_why,
-        "damping_ratio": point.damping,
+        "damping_rate": point.damping,
         "give": point.give,
         "steps": point.steps,
         "half_patch_v_gy": point.half_patch,
         "thickness": thickness.thickness if thickness else None,
         "thickness_apart": thickness.apart if thickness else None,
+        **{key: value for name in STARTS for key, value in _start_numbers(point, name).items()},
     }
 
 
-def _content(found: Survey) -> StudyContent:
-    plan = found.sweep.plan
-    return StudyContent(
-        kicker="Flexibility: how soft the vehicle may be for the rigid-body method to hold",
-        scene=plan.scene.name,
-        version=tailslap.__version__,
-        headline=headline(found),
-        sections=(_answer(found), _reading(found), _reaction(found), _modal(found), _points(found)),
-        scene_text=plan.source.text,
-        files="points.csv, every plate with its numbers in SI; summary.json.",
-        passed=any(point.passed for point in found.points),
-    )
-
-
-def _answer(found: Survey) -> StudySection:
-    lead = (
-        "Relative difference of the flexible plate from the rigid body at the tail-slap, over the plate's first "
-        "frequency in its plane. A solid line that lies well above its dashed one is flexibility; where they meet it "
-        "would be the mesh. A dip is a change of sign."
-    )
-    caption = "Time of the strike, velocities of the centre of mass, angular velocity and slide"
-    lines = [_line(found, name) for name in COMPARED]
-    figure = _draw(found, "difference", lines, SIZE_LABEL, caption, LEVELS)
-    return StudySection("Flexible against rigid", lead, (figure,), (level_table(found),))
-
-
-def _reading(found: Survey) -> StudySection:
-    return StudySection("What stands behind it", sentences=statements(found))
-
-
-def _reaction(found: Survey) -> StudySection:
-    lead = (
-        "The reaction rings with the plate and is far more sensitive than the motion. On stiff plates what is left is "
-        "the ripple of the start, of the size of its discretisation error, and no flexibility."
-    )
-    figures = (
-        _draw(
-            found,
-            "reaction",
-            [_line(found, "reaction")],
-            "largest deviation over the rigid reaction",
-            "Normal reaction of the wall",
-        ),
-        _draw(
-            found,
-            "stored",
-            [_line(found, "stored")],
-            "elastic over kinetic energy",
-            "Largest elastic energy of the plate over its kinetic energy at the start",
-        ),
-    )
-    return StudySection("Reaction and stored energy", lead, figures)
-
-
-def _modal(found: Survey) -> StudySection:
-    points = found.points
-    lines = [
-        SweepLine("v_GY, FE", [p.size(MAIN) for p in points], [p.errors[MAIN] for p in points]),
-        SweepLine("v_GY, modal", [abs(p.modal[MAIN]) for p in points], form=RINGS),
-        SweepLine("apart, largest of five", [p.modal_apart for p in points], form=DOTS),
-        SweepLine("modal estimate", [p.modal_estimate for p in points], form=DOTS),
-    ]
-    lead = (
-        "A second opinion, by another method: the same plate as a floating frame with its four lowest modes, whose "
-        "geometry is linear, and which says itself how far it may be off."
-    )
-    caption = "v_GY by both methods, and how far the methods are apart"
-    figure = _draw(found, "modal", lines, SIZE_LABEL, caption, LEVELS[:2])
-    return StudySection("Modal model against finite elements", lead, (figure,), (modal_table(found),))
-
-
-def _points(found: Survey) -> StudySection:
-    tables = (point_table(found), motion_table(found), thickness_table(found))
-    lead = f"{soft_sentence(found)} {law_sentence(found)} Plates set off failed a check."
-    return StudySection("Every plate", lead, tables=tuple(table for table in tables if table.rows))
-
-
-def _line(found: Survey, name: str) -> SweepLine:
-    return SweepLine(
-        NAMES[name], [p.size(name) for p in found.points], [p.errors[name] for p in found.points]
-    )
-
-
-def _draw(
-    found: Survey,
-    name: str,
-    lines: list[SweepLine],
-    label: str,
-    caption: str,
-    levels: tuple[float, ...] = (),
-) -> Curve:
-    points = found.points
-    axis = SweepAxis([p.frequency for p in points], [p.passed for p in points], found.sweep.own_frequency)
-    return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels)
+def _start_numbers(point: Point, name: str) -> dict[str, Any]:
+    """A start's v_GY and its departures, by column."""
+    start = point.starts[name]
+    numbers = {
+        "v_gy": start.difference,
+        "v_gy_largest": start.largest,
+        "v_gy_error": start.error,
+        **{f"{quantity}_at_start": start.departure[quantity] for quantity in KEPT},
+        "damping_rate": start.damping,
+        "passed": start.passed,
+        "why": start.why,
+    }
+    return {f"{name}:{column}": number for column, number in numbers.items()}

@@ -1,0 +1,206 @@
+"""Verification: what each start keeps of the rigid body, to rounding, on steel and on plates that bend by centimetres.
+
+The equilibrium of the elastic state is looked at from outside: which rigid acceleration and which force at the corner
+balance the internal forces best, and what they leave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from fem.corner import Exact
+from fem.finite_strain import internal_forces
+from fem.measures import COLUMNS
+from fem.model import PlateModel
+from fem.simulate import Stepper, simulate
+from fem.start import KINDS, RigidStart, TooSoftError, start_fields, to_global
+from meshes import plate_mesh
+from tailslap.command_line import WRONG_INPUT, _status
+
+pytestmark = pytest.mark.verification
+
+START = RigidStart(angle=0.26, omega=0.707, corner_speed=25.053)
+SLOW = RigidStart(angle=0.26, omega=0.1, corner_speed=2.0)
+RELIEVED = ("inertia-relief", "inertia-relief-momenta")
+SOFT = {"youngs_modulus": 2e7}  # first frequency 1.1 Hz
+
+Make = Callable[..., PlateModel]
+
+GIVEN: dict[str, dict[str, Any]] = {
+    "steel": {},
+    "soft": {"plate": SOFT},
+    "soft, exact": {"plate": SOFT, "corner": {"constraint": "exact"}},
+    "soft, friction on a patch": {"plate": SOFT, "corner": {"patch_length": 1.0}, "reaction": "drag"},
+}
+
+
+@pytest.fixture(params=GIVEN)
+def model(request: pytest.FixtureRequest, plate_model: Make) -> PlateModel:
+    """Plates whose corner moves by micrometres and by centimetres."""
+    return plate_model(**GIVEN[request.param])
+
+
+def at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:
+    """A nodal field at the corner, shape (2,)."""
+    corner = model.loop.corner
+    return np.asarray(values[:, corner.nodes] @ corner.weights)
+
+
+def rigid_velocities(model: PlateModel, start: RigidStart) -> np.ndarray:
+    """Velocities [m/s] of the undeformed plate, turning about its corner, which slides along the wall."""
+    body = model.discretisation.positions
+    arm = to_global(start.angle) @ (body - at_corner(model, body)[:, None])
+    return start.omega * np.array([-arm[1], arm[0]]) + np.array([[start.corner_speed], [0.0]])
+
+
+def best_angle(model: PlateModel, positions: np.ndarray) -> float:
+    """Clockwise angle [rad] of the rotation that carries the body onto these positions, by singular values."""
+    masses = model.loop.mass
+    body, place = (
+        field - (field @ masses / masses.sum())[:, None]
+        for field in (model.discretisation.positions, positions)
+    )
+    left, _, right = np.linalg.svd((place * masses) @ body.T)
+    rotation = left @ right
+    return float(-np.arctan2(rotation[1, 0], rotation[0, 0]))
+
+
+class Balance(NamedTuple):
+    """Rigid acceleration of the corner [m/s^2], square of the spin [1/s^2], forces at the corner [N], and what is left
+    of the internal forces, over the largest of them."""
+
+    along: float
+    across: float
+    spin_squared: float
+    tangential: float
+    normal: float
+    left: float
+
+
+def balance(model: PlateModel, positions: np.ndarray) -> Balance:
+    """What balances the internal forces of these positions: m (a + alpha x r - omega^2 r) = f + F at the corner."""
+    masses, corner, none = model.loop.mass, model.loop.corner, np.zeros_like(model.loop.mass)
+    x, y = (positions - at_corner(model, positions)[:, None]) * masses
+    held = none.copy()
+    held[corner.nodes] = corner.weights
+    pairs = ((masses, none), (none, masses), (-y, x), (-x, -y), (-held, none), (none, -held))
+    columns = np.array([np.concatenate(pair) for pair in pairs]).T
+    sizes, forces = np.linalg.norm(columns, axis=0), -internal_forces(model, positions).ravel()
+    found = np.linalg.lstsq(columns / sizes, forces, rcond=None)[0] / sizes
+    left = np.abs(columns @ found - forces).max() / np.abs(forces).max()
+    along, across, _, spin_squared, tangential, normal = map(float, found)
+    return Balance(along, across, spin_squared, tangential, normal, float(left))
+
+
+@pytest.mark.parametrize("kind", ["inertia-relief-momenta", "unstressed"])
+def test_momenta_of_the_rigid_body(model: PlateModel, kind: str) -> None:
+    velocities = start_fields(model, START, kind)[1]
+    expected = rigid_velocities(model, START) @ model.loop.mass
+    np.testing.assert_allclose(velocities @ model.loop.mass, expected, rtol=1e-12)
+
+
+def test_inertia_relief_alone_has_another_momentum(plate_model: Make) -> None:
+    """So that the others do not have the rigid body's by chance: the centre, bent away, turns on a longer arm."""
+    model = plate_model(plate=SOFT)
+    velocities, rigid = start_fields(model, START, "inertia-relief")[1], rigid_velocities(model, START)
+    assert (velocities @ model.loop.mass)[1] / (rigid @ model.loop.mass)[1] > 1.01
+
+
+@pytest.mark.parametrize("kind", ["inertia-relief", "unstressed"])
+def test_speed_of_the_corner_and_spin(model: PlateModel, kind: str) -> None:
+    """The spin by the best rotation half a millisecond earlier and later."""
+    positions, velocities = start_fields(model, START, kind)
+    assert at_corner(model, velocities)[0] == pytest.approx(START.corner_speed, rel=1e-13)
+    before, after = (best_angle(model, positions + time * velocities) for time in (-5e-4, 5e-4))
+    assert (before - after) / 1e-3 == pytest.approx(START.omega, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_angle_of_the_best_rotation(model: PlateModel, kind: str) -> None:
+    assert best_angle(model, start_fields(model, START, kind)[0]) == pytest.approx(START.angle, rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_corner_stays_on_the_wall(model: PlateModel, kind: str) -> None:
+    """On it, or off it by what the spring gives; its velocity across is that of the gap in the first milliseconds."""
+    positions, velocities = start_fields(model, START, kind)
+    (slide, height), rate = at_corner(model, positions), at_corner(model, velocities)[1]
+    assert slide == pytest.approx(0.0, abs=1e-14)
+    hold = model.loop.corner.hold
+    if kind == "unstressed" or isinstance(hold, Exact):
+        assert (height, rate) == (pytest.approx(0.0, abs=1e-14), pytest.approx(0.0, abs=1e-13))
+        return
+    assert height == pytest.approx(-balance(model, positions).normal / hold.stiffness, rel=1e-5)
+    assert rate == pytest.approx(_gap_rate(model, kind), rel=0.05)
+
+
+def _gap_rate(model: PlateModel, kind: str) -> float:
+    """Change [m/s] from 1 to 5 ms of the gap that belongs to the angle, spin and speed of a run."""
+    stepper, gaps, step = Stepper(model), [], model.loop.time_step
+    counts = [round(time / step) for time in (1e-3, 5e-3)]
+    for count in counts:
+        values = stepper.measure(stepper.advance(stepper.start(START, kind), count))
+        row = dict(zip(COLUMNS, values, strict=True))
+        later = RigidStart(row["theta"], row["omega"], row["v_p"])
+        gaps.append(at_corner(model, start_fields(model, later, "inertia-relief")[0])[1])
+    return float(gaps[1] - gaps[0]) / ((counts[1] - counts[0]) * step)
+
+
+@pytest.mark.parametrize("kind", RELIEVED)
+def test_the_elastic_state_is_in_equilibrium(model: PlateModel, kind: str) -> None:
+    """Steel is held to the linear equations, whose error is its strain."""
+    positions, _ = start_fields(model, START, kind)
+    found, steel = balance(model, positions), model.tangent_moduli.c_11 > 1e10
+    assert found.left < (1e-5 if steel else 1e-10)
+    assert found.normal < -3000.0
+    assert abs(found.across) < 1e-5 * abs(found.along)
+    friction = 0.47 if model.loop.friction else 0.0
+    assert found.tangential / found.normal == pytest.approx(friction, abs=1e-6)
+    if kind == "inertia-relief":
+        assert found.spin_squared == pytest.approx(START.omega**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", RELIEVED)
+def test_a_strip_is_in_equilibrium_too(plate_model: Make, kind: str) -> None:
+    """Ten metres long and a tenth wide, of 20 MPa: it bends by six centimetres when it turns slowly."""
+    mesh = plate_mesh(10.0, 0.1, (40, 2), "quad")
+    strip = plate_model(mesh=mesh, plate=SOFT, corner={"constraint": "exact"})
+    positions, velocities = start_fields(strip, SLOW, kind)
+    assert balance(strip, positions).left < 1e-6
+    assert best_angle(strip, positions) == pytest.approx(SLOW.angle, rel=1e-10)
+    if kind == "inertia-relief-momenta":
+        expected = rigid_velocities(strip, SLOW) @ strip.loop.mass
+        np.testing.assert_allclose(velocities @ strip.loop.mass, expected, rtol=1e-12)
+    with pytest.raises(TooSoftError):
+        start_fields(strip, START, kind)
+
+
+def test_a_plate_too_soft_for_its_start_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["--set", "plate.youngs_modulus=", "--set", "plate.first_frequency=0.1 Hz", "--no-pictures"]
+    assert _status(["run", "mash-tl4-sut", *given]) == WRONG_INPUT
+    assert 'allowed is "unstressed"' in capsys.readouterr().err
+
+
+def ripple(model: PlateModel, kind: str) -> float:
+    """Largest difference in a run between the reaction and that of the elastic state in equilibrium at the same angle,
+    spin and speed, over the largest of these."""
+    history = {
+        name: column[:-1] for name, column in simulate(model, START, 0.38, kind, rows=12).history.items()
+    }
+    normal = []
+    for angle, omega, speed in zip(*(history[name] for name in ("theta", "omega", "v_p")), strict=True):
+        positions, _ = start_fields(model, RigidStart(angle, omega, speed), "inertia-relief")
+        normal.append(balance(model, positions).normal)
+    known = np.array(normal)
+    return float(np.abs(history["reaction_normal"] - known).max() / np.abs(known).max())
+
+
+def test_the_reaction_does_not_oscillate(plate_model: Make) -> None:
+    """Without friction: by inertia relief the elastic state follows the motion, unstressed it swings about that."""
+    model = plate_model(plate={"youngs_modulus": 2e9}, elements=(10, 3), corner={"constraint": "exact"})
+    assert max(ripple(model, kind) for kind in RELIEVED) < 2e-3
+    assert ripple(model, "unstressed") > 0.5
