@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/vehicles.py [realistic] [foretold] [slender] [slow] [--scenes N] [--seed 1]
 
-realistic   random vehicles of 4 to 19 m, 10 to 35 m/s, 5 to 30 deg, friction 0.05 to 0.8, all else as mash-tl4-sut has it
+realistic   random vehicles of 4 to 19 m, 10 to 35 m/s, 5 to 30 deg, friction 0.05 to 0.8, the rest as in mash-tl4-sut
 foretold    what `tailslap check` says of flutter against what the first run does, over far wider scenes
 slender     widths of 0.01 to 0.03 of the length, stiffness x 0.1 to 1 000, friction to 1.3, 20 x 6 elements, against a
             finer run with the exact constraint
@@ -247,8 +247,8 @@ def slow(scenes: int, seed: int) -> None:
         row(
             f"    {' '.join(record['changes'])}",
             "reaction within 5 %",
-            f"{record['difference']:.1e}, reaction to "
-            f"{100.0 * record['reaction']:.2g} %, {record['steps']} steps, {record['slide']:.4g} m, {record['seconds']:.0f} s",
+            f"{record['difference']:.1e}, reaction to {100.0 * record['reaction']:.2g} %, {record['steps']} steps, "
+            f"{record['slide']:.4g} m, {record['seconds']:.0f} s",
         )
 
 

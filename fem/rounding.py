@@ -1,8 +1,8 @@
 """What rounding does to the reaction of a stiff plate that moves slowly: an undamped plate sums it up.
 
-Positions are rounded at every step, each node by itself: a random displacement of half a unit in the last place of the
-plate's length. It feeds energy into all modes alike, at a rate that goes with the stiffness, and the corner's spring has
-its share of that energy.
+Positions are rounded at every step, each node by itself: a random displacement of half a unit in the last place of
+the plate's length. It feeds energy into all modes alike, at a rate that goes with the stiffness, and the corner's
+spring has its share of that energy.
 """
 
 from __future__ import annotations
