@@ -30,9 +30,8 @@ def main() -> None:
         ripple = ripple[np.isfinite(ripple)]
         seen = float(np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2)))
         foretold = rounding_noise(outcome.fe_plan.model).ripple(outcome.rigid["t"])
-        print(
-            f"{foretold / seen:5.2f} times: {foretold:.2e} N for {seen:.2e} N, {outcome.run.steps} steps, {' '.join(case)}"
-        )
+        forces = f"{foretold:.2e} N for {seen:.2e} N"
+        print(f"{foretold / seen:5.2f} times: {forces}, {outcome.run.steps} steps, {' '.join(case)}")
 
 
 if __name__ == "__main__":
