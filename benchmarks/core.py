@@ -72,11 +72,11 @@ def conservation() -> None:
         ("undamped, with friction", "1e-4", ()),
         ("friction and damping", "1e-4", ("damping.ratio=0.1",)),
         (
-            "friction, damping, dashpot, bulk, sudden start",
+            "friction, damping, dashpot, bulk, unstressed start",
             "1e-4",
             (
                 *("damping.ratio=0.1", "damping.bulk_viscosity=0.06", "corner.damping_ratio=0.2"),
-                "plate.start=sudden",
+                "plate.start=unstressed",
             ),
         ),
     ):
@@ -88,7 +88,7 @@ def runaway(fe_plan: FePlan, factor: float) -> bool:
     """Whether a disturbed plate runs away at this multiple of the stable step within 20 000 steps."""
     loop = fe_plan.model.loop._replace(time_step=factor * fe_plan.model.stable_time_step)
     stepper = Stepper(type(fe_plan.model)(**{**fe_plan.model.__dict__, "loop": loop}))
-    state = stepper.advance(stepper.start(fe_plan.start, "sudden"), 20_000)
+    state = stepper.advance(stepper.start(fe_plan.start, "unstressed"), 20_000)
     return not np.abs(state.velocities).max() < 1e3
 
 

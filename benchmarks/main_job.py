@@ -96,7 +96,7 @@ def exactness() -> None:
     zero = np.zeros(4)
     forces = []
     for angle, shift in ((0.0, 1.0), (0.26, 0.0), (2.0, 0.0)):
-        state = stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden")
+        state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
         positions = np.ascontiguousarray(to_global(angle) @ body + [[shift], [0.0]])
         positions[1] -= positions[
             1, model.loop.corner.nodes[0]
@@ -106,7 +106,7 @@ def exactness() -> None:
     row(
         "rigid translation and rotation: largest force over E t L", "rounding", f"{max(forces) / 1.06e11:.1e}"
     )
-    positions, velocities = start_fields(model, RigidStart(0.26, 0.707, 25.053), "sudden")
+    positions, velocities = start_fields(model, RigidStart(0.26, 0.707, 25.053), "unstressed")
     energy = 0.5 * float((model.loop.mass * velocities**2).sum())
     v_g = velocities @ model.loop.mass / model.mass
     exact = 0.5 * model.mass * float(v_g @ v_g) + 0.5 * model.mass * (100.0 + 2.438**2) / 12 * 0.707**2

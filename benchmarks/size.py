@@ -76,7 +76,7 @@ def measure(elements: tuple[int, int]) -> None:
         plate = PlateProperties(0.053, 7800.0, 200e9, 0.3)
         model = build_model(mesh, plate, CornerProperties(Drag(0.47)), StepProperties())
     stepper, start = Stepper(model), RigidStart(0.26, 0.707, 25.053)
-    state = stepper.start(start, "sudden")
+    state = stepper.start(start, "unstressed")
     stepper.advance(state, 1)
     step, steps = time_per_step(stepper, state), DURATION / model.loop.time_step
     tell(step_s=step, steps=steps, run_s=step * steps, memory_gib=peak())

@@ -89,7 +89,7 @@ def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
     from fem.start import RigidStart
 
     stepper = make_stepper(count, **choices)
-    state = stepper.start(RigidStart(0.26, 0.707, 25.053), "sudden")
+    state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
     stepper.advance(state, 1)
     return Entry(
         name, count, lambda: update_rates(lambda steps: stepper.advance(state, steps), count)
@@ -105,7 +105,7 @@ def far_corner(count: int, time_step: float) -> list[float]:
 
     stepper = make_stepper(count, bare=True)
     stepper.loop = stepper.loop._replace(time_step=time_step)
-    state = stepper.advance(stepper.start(RigidStart(0.0, 0.707, 25.053), "sudden"), CHECKED_STEPS)
+    state = stepper.advance(stepper.start(RigidStart(0.0, 0.707, 25.053), "unstressed"), CHECKED_STEPS)
     far = (stepper.model.discretisation.positions * [[-1.0], [1.0]]).sum(axis=0).argmax()
     return [float(value) for value in state.positions[:, far]]
 

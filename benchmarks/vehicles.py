@@ -139,7 +139,7 @@ def failed_of(outcome: Any) -> list[str]:
 def against_finer(changes: tuple[str, ...]) -> Record:
     """The scene as it is, and its distance from a run on twice the quadratic elements, held exactly."""
     record = judged((*changes, "plate.elements=[20, 6]"))
-    finer = judged((*changes, "plate.elements=[40, 6]", "plate.element=quad9", "corner.penalty_scale=3"))
+    finer = judged((*changes, "plate.elements=[30, 4]", "plate.element=quad9", "corner.penalty_scale=3"))
     record["from_finer"] = math.inf
     if record.get("values") and finer.get("values"):
         pairs = [(value, finer["values"][name]) for name, value in record["values"].items()]
@@ -202,7 +202,7 @@ def foretell(scenes: int, seed: int) -> None:
 
 def slender(scenes: int, seed: int) -> None:
     """Widths, stiffnesses and frictions on a grid."""
-    grid = itertools.product((0.01, 0.02, 0.03), (0.1, 1.0, 21.5, 1000.0), (0.05, 0.47, 0.9, 1.3))
+    grid = itertools.product((0.01, 0.02, 0.03), (0.1, 1.0, 21.5, 1000.0), (0.05, 0.47, 1.3))
     changes = [
         (
             f"vehicle.width={10.0 * width}",

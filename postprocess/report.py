@@ -81,7 +81,6 @@ class ReportContent:
     scene: str
     version: str
     passed: bool
-    headline: str = ""
     comparison: tuple[ComparisonRow, ...] = ()
     statements: tuple[str, ...] = ()
     checks: tuple[Check, ...] = ()
@@ -95,6 +94,7 @@ class ReportContent:
     inputs: tuple[SceneInput, ...] = ()
     scene_text: str = ""
     paper_source: str = PAPER_SOURCE
+    headline: str = ""
 
 
 def write_report(path: Path, content: ReportContent) -> Path:

@@ -85,8 +85,8 @@ def modal_run(
     model, start, duration = fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t
     began = time.perf_counter()
     finer = modal_plate(model, 2 * modes + MORE_MODES)
-    plate, quiet = with_fewer_modes(finer, modes), relieved_fields(model, start)
-    (state, finer_state) = (modal_start(model, kept, start, quiet) for kept in (plate, finer))
+    plate, relieved = with_fewer_modes(finer, modes), relieved_fields(model, start)
+    (state, finer_state) = (modal_start(model, kept, start, relieved) for kept in (plate, finer))
     setup = time.perf_counter() - began
     motion = integrate(plate, state, duration, steps)
     others = (
@@ -135,7 +135,7 @@ def _estimate(
 ) -> Estimate:
     """The estimate; lowest: frequency of the first mode [rad/s].
 
-    The quiet start solves the linear equations of an elastic state that moves the corner by the share `give` of its
+    Inertia relief solves here the linear equations of an elastic state that moves the corner by the share `give` of its
     travel. The non-linear plate is off that by `give` once more, and rings with it from the start: a displacement of
     give^2, and a velocity larger by frequency times duration.
     """

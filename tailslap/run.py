@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -167,16 +166,14 @@ def confirmed(outcome: Outcome) -> Outcome:
 
 
 def second_run(fe_plan: FePlan) -> SecondRun:
-    """A run of the same plate with the exact constraint, on a mesh twice as fine or, where that is dear, half."""
-    found = SecondRun((0, 0), {}, math.inf)
-    for elements, factor in second_meshes(fe_plan):
+    """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made."""
+    for plate in second_meshes(fe_plan):
         try:
-            other = attempt(on_mesh(fe_plan, elements))
+            other = attempt(on_mesh(fe_plan, plate))
         except InputError:
             continue
-        found = SecondRun(elements, other.difference, factor)
-        break
-    return found
+        return SecondRun(f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}", other.difference)
+    return SecondRun("none", {})
 
 
 def rigid_columns(fe_plan: FePlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

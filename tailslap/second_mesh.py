@@ -7,26 +7,33 @@ from collections.abc import Iterator
 
 from tailslap.decisions import with_tables
 from tailslap.fe_plan import FePlan
-from tailslap.numerical_error import COARSER, FINER
+from tailslap.flexibility import RICHER
 from tailslap.plan import Plan
+from tailslap.scene import Plate
 
 FINER_UP_TO = 400
-"""Elements up to which the second mesh is twice as fine; it costs eight times the run."""
+"""Elements up to which the second mesh is the finer one; above, one of about as many nodes as the first."""
 
 
-def second_meshes(fe_plan: FePlan) -> Iterator[tuple[tuple[int, int], float]]:
-    """Elements along and across to try in turn, each with the factor from the distance to the error."""
-    along, across = fe_plan.plate.counts
-    finer, coarser = ((2 * along, 2 * across), FINER), ((along // 2, across // 2), COARSER)
-    first_finer = math.prod((along, across)) <= FINER_UP_TO or min(coarser[0]) < 2
-    yield from (finer, coarser) if first_finer else (coarser, finer)
+def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
+    """Plates to try in turn: quadratic elements where the run has linear ones, for a mesh that locks may agree with one
+    that locks a little less; else another number of elements."""
+    plate = fe_plan.plate
+    along, across = plate.counts
+    finer, coarser = (2 * along, 2 * across), (max(1, along // 2), max(1, across // 2))
+    few, linear = math.prod(plate.counts) <= FINER_UP_TO, plate.element in RICHER
+    counts = (plate.counts, finer) if few and linear else (finer, coarser) if few else (coarser, finer)
+    for elements in counts:
+        yield plate.model_copy(
+            update={"elements": elements, "element": RICHER.get(plate.element, plate.element)}
+        )
 
 
-def on_mesh(fe_plan: FePlan, elements: tuple[int, int]) -> Plan:
-    """The plan as asked for, on this mesh of the same elements, its corner held exactly; damping is decided anew."""
+def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
+    """The plan as asked for, on the mesh of this plate, its corner held exactly; damping is decided anew."""
     scene = fe_plan.asked.scene
     assert scene.plate is not None
-    changes = {"elements": elements, "element": fe_plan.plate.element}
+    changes = {"elements": plate.elements, "element": plate.element, "distortion": 0.0, "lumping": "exact"}
     corner = {"constraint": "exact", "penalty_scale": 1.0, "damping_ratio": None}
     return with_tables(
         fe_plan.asked,

@@ -116,9 +116,7 @@ def _give(outcome: Outcome) -> str:
 def _error(outcome: Outcome) -> str:
     error, second = outcome.error, outcome.second
     if second is not None:
-        mesh = (
-            f"a second run with {second.elements[0]} x {second.elements[1]} elements and the exact constraint"
-        )
+        mesh = f"a second run ({second.mesh}) with the exact constraint"
         parts = f"{error.second_run:.1e} by {mesh}, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
     else:
         parts = (

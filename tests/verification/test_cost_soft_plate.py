@@ -92,7 +92,7 @@ def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None
     frequency, patch = (5.0, 1.0) if "corner.patch_length=1" in changes else (8.0, 2.0)
     assert fe_plan.first_frequency == pytest.approx(frequency, rel=1e-3)
     assert (soft.corner.patch_length, soft.corner_friction) == (patch, 0.0)
-    assert (soft.plate.start, soft.corner.constraint, soft.damping) == ("quiet", "exact", None)
+    assert (soft.plate.start, soft.corner.constraint, soft.damping) == ("inertia-relief", "exact", None)
 
 
 def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> None:

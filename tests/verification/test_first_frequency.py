@@ -99,7 +99,7 @@ def test_same_run_as_with_the_modulus(outcome: Callable[..., Any]) -> None:
 
 
 def test_reports_say_what_was_resolved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    changes = [item for change in EIGHT for item in ("--set", change)]
+    changes = [item for change in (*EIGHT, "plate.element=quad4") for item in ("--set", change)]
     out = tmp_path / "result"
     assert _status(["run", "paper-table-3", "--out", str(out), "--no-pictures", *changes]) == DONE
     plate = json.loads((out / "summary.json").read_text())["plate"]

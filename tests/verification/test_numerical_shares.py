@@ -44,7 +44,7 @@ def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome: Callable[.
 def test_mesh_that_locks_is_caught(outcome: Callable[..., Any]) -> None:
     """Linear triangles a hundred times too stiff in bending look rigid; quadratic ones show that the plate is not."""
     slender = ("vehicle.width=0.2", "plate.youngs_modulus=20 GPa", "damping.ratio=0.2", "plate.element=tri3")
-    assert "mesh" in failed(outcome("paper-abaqus", *slender))
+    assert "numerical error" in failed(outcome("paper-abaqus", *slender))
 
 
 def test_give_of_a_patch_converges_to_that_of_richer_elements() -> None:

@@ -28,7 +28,7 @@ RIGID_LABELS = {
     MODES: "modal model",
     MESH: "FE, meshes of quad4",
     ROWSUM: "FE, row-sum masses",
-    SUDDEN: "FE, sudden start",
+    SUDDEN: "FE, unstressed start",
     PENALTY: "FE, penalty scales",
     SINGLE: "FE, single precision",
 }

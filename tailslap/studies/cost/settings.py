@@ -15,7 +15,13 @@ RTOLS = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 SAFETY_FACTORS = (0.45, 0.225)
 """Halves of the default, each of the last."""
 
-MESH, STEP, HOLD, ROWSUM, SUDDEN = "mesh", "time step", "exact constraint", "row-sum masses", "sudden start"
+MESH, STEP, HOLD, ROWSUM, SUDDEN = (
+    "mesh",
+    "time step",
+    "exact constraint",
+    "row-sum masses",
+    "unstressed start",
+)
 PENALTY, DAMPING, MODES, ELEMENTS = "penalty", "damping", "modal model", "other elements"
 SINGLE = "single precision"
 """Groups of settings."""
@@ -77,9 +83,17 @@ def _choices() -> list[Setting]:
     ]
     damped = [_one(DAMPING, f"ratio {x:g}", f"damping.ratio={x}") for x in (0.01, 0.1, 0.5)]
     sudden = [
-        _one(SUDDEN, "undamped", "plate.start=sudden"),
-        _one(SUDDEN, "damping 0.2", "plate.start=sudden", "damping.ratio=0.2"),
-        _one(SUDDEN, "dashpot 0.5", "plate.start=sudden", "corner.damping_ratio=0.5"),
+        _one(SUDDEN, "undamped", "plate.start=unstressed", "corner.constraint=penalty"),
+        _one(
+            SUDDEN, "damping 0.2", "plate.start=unstressed", "corner.constraint=penalty", "damping.ratio=0.2"
+        ),
+        _one(
+            SUDDEN,
+            "dashpot 0.5",
+            "plate.start=unstressed",
+            "corner.constraint=penalty",
+            "corner.damping_ratio=0.5",
+        ),
     ]
     rows = [_one("history", "10 rows", "time.rows=10")]
     return [*steps, *springs, *damped, *sudden, *rows, Setting(FE, SINGLE, "stored", single=True)]

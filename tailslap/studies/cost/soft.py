@@ -42,7 +42,11 @@ def soft_changes(plan: Plan) -> tuple[str, ...]:
     """
     scene, corner = plan.scene, plan.scene.corner
     plate = needed_plate(scene)
-    found = [f"plate.youngs_modulus={modulus(plan)!r}", "plate.start=quiet", "corner.constraint=exact"]
+    found = [
+        f"plate.youngs_modulus={modulus(plan)!r}",
+        "plate.start=inertia-relief",
+        "corner.constraint=exact",
+    ]
     found += [f"corner.patch_length={patch(scene)!r}"]
     found += ["plate.first_frequency="] if plate.first_frequency is not None else []
     found += ["corner.friction=0"] if corner.reaction != "none" else []

@@ -88,7 +88,7 @@ def soft_sentences(found: CostSurvey) -> tuple[str, ...]:
         "index of the five quantities); smaller errors are written and drawn as that.",
         "Dashed lines: what one choice adds to the error of the mesh that it is made on, from that mesh with the exact "
         f"constraint, no damping and the step extrapolated to zero, known to {found.mesh_limit.known:.0e}. There the "
-        "plate rings by what its quiet start, which is linear, leaves over: the step has no clean order among it, and "
+        "plate rings by what inertia relief leaves over: the step has no clean order among it, and "
         "modes, which are linear, leave as much, however many.",
     )
 

@@ -83,7 +83,7 @@ def difference(fe_plan: FePlan, steps: int) -> float:
     advance(one, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
     other, force, scratch = room(fe_plan, start)
     advance_bare(other.positions, other.velocities, steps, bare_parameters(loop), force, scratch)
-    return float(np.abs(one.positions - other.positions).max() / fe_plan.plan.body.length)
+    return float(np.abs(one.positions_on_wall - other.positions).max() / fe_plan.plan.body.length)
 
 
 def start_state(fe_plan: FePlan) -> State:
