@@ -48,11 +48,11 @@ class CornerModes(NamedTuple):
 @dataclass(frozen=True)
 class Flutter:
     """rate [1/s]: no mode grows faster; 0 where none reaches the harmless rate. growth: exponent over the run at
-    most. exact: the modes are those of the model itself and not of a coarser one."""
+    most. lowest [rad/s]: elastic frequency of the free plate, 0 where nothing was to be analysed."""
 
     rate: float
     growth: float
-    exact: bool = True
+    lowest: float = 0.0
 
 
 def foresee_flutter(
@@ -67,7 +67,8 @@ def foresee_flutter(
     least, rates = harmless / duration, []
     for angle in np.linspace(start.angle, 0.0, INSTANTS):
         rates.append(_rate(model, modes, angle, slope, viscous, least))
-    return Flutter(max(rates), float(np.trapezoid(rates, dx=duration / (INSTANTS - 1))))
+    growth = float(np.trapezoid(rates, dx=duration / (INSTANTS - 1)))
+    return Flutter(max(rates), growth, math.sqrt(modes.squares[3]))
 
 
 def viscous_rate(model: PlateModel) -> float:

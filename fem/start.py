@@ -38,6 +38,9 @@ class RigidStart:
 SMALL = 1e-5
 """Elastic displacement over the plate's length below which what is not linear in it is rounding."""
 
+FOLLOWS = 0.1
+"""Lag by damping over the elastic displacement up to which the plate is taken to follow its loads with that lag."""
+
 CORRECTIONS = 2
 """Times that the elastic state is found for the spin that the momentum asks for; each leaves the give's share."""
 
@@ -127,7 +130,10 @@ def _relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> Elastic
     if np.abs(linear.elastic).max() >= SMALL * np.ptp(body):
         fields = _changing(model, start, body, at)
     behind = _held_back(model, fields.rate)
-    return fields._replace(elastic=fields.elastic + behind - _at_corner(model, behind))
+    behind = behind - _at_corner(model, behind)
+    if np.abs(behind).max() > FOLLOWS * np.abs(fields.elastic).max():
+        return fields  # it is damped too strongly to follow its loads
+    return fields._replace(elastic=fields.elastic + behind)
 
 
 def _held_back(model: PlateModel, rate: np.ndarray) -> np.ndarray:

@@ -28,6 +28,9 @@ STAND_IN, STAND_INS = 2.0, 2
 """For a mesh too large for all its modes, coarser ones stand in: factor on their rates, and how many are looked at."""
 
 
+OVERDAMPS = 0.5
+"""Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
+
 HEARD = 0.005
 """Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
 
@@ -35,8 +38,9 @@ HEARD = 0.005
 @dataclass(frozen=True)
 class Growth:
     """What the linearised model foretells of friction: the fastest rate [1/s], 0 where none counts; its exponent over
-    the run; the exponent that counts; and whether coarser meshes stood in. And of rounding: the ripple at the end of
-    the run over the reaction at the start, and the rate of damping that keeps it unheard, 0 where it is."""
+    the run; the exponent that counts; whether coarser meshes stood in; the lowest elastic frequency [rad/s]. And of
+    rounding: the ripple at the end of the run over the reaction at the start, and the rate of damping that keeps it
+    unheard, 0 where it is."""
 
     rate: float
     exponent: float
@@ -44,6 +48,12 @@ class Growth:
     stand_in: bool = False
     ripple: float = 0.0
     ripple_rate: float = 0.0
+    lowest: float = 0.0
+
+    @property
+    def overdamps(self) -> bool:
+        """Whether the damping that suppresses it would keep the plate from following its loads."""
+        return CURE * self.rate > OVERDAMPS * self.lowest
 
     @property
     def counts(self) -> bool:
@@ -70,7 +80,7 @@ def _by_friction(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
         return Growth(0.0, 0.0, 0.0)
     if 2 * model.loop.mass.size <= MOST_UNKNOWNS:
         found = foresee_flutter(model, start, duration, viscous, harmless)
-        return Growth(found.rate, found.growth, harmless)
+        return _growth(found, harmless)
     found_by = [
         foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
         for coarse in _coarser_models(plan, plate, MOST_UNKNOWNS)
@@ -78,7 +88,14 @@ def _by_friction(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
     fastest: Flutter | None = max(found_by, key=lambda each: each.rate, default=None)
     if fastest is None:
         return Growth(math.nan, math.nan, harmless, stand_in=True)
-    return Growth(STAND_IN * fastest.rate, STAND_IN * fastest.growth, harmless, stand_in=True)
+    more = replace(fastest, rate=STAND_IN * fastest.rate, growth=STAND_IN * fastest.growth)
+    return replace(_growth(more, harmless), stand_in=True)
+
+
+def _growth(found: Flutter, harmless: float) -> Growth:
+    """What was found; no more than half the exponent that counts is harmless whatever the rate is for a moment."""
+    rate = found.rate if found.growth > 0.5 * harmless else 0.0
+    return Growth(rate, found.growth, harmless, lowest=found.lowest)
 
 
 def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:

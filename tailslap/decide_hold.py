@@ -12,6 +12,9 @@ from tailslap.scene import Plate
 if TYPE_CHECKING:
     from fem.model import PlateModel
 
+SOFTEST = 0.01
+"""Least multiple of the program's spring."""
+
 UNSEEN = 1e-5
 """Deflection of the spring, over the way of the centre, below which it changes no digit that is reported."""
 
@@ -29,6 +32,18 @@ def decide_hold(plan: Plan, plate: Plate, model: PlateModel) -> tuple[Plan, tupl
         return plan, ()
     exact = corner.model_copy(update={"constraint": "exact"})
     return with_tables(plan, corner=exact), (Decision("corner.constraint", "exact", why),)
+
+
+def softened_hold(plan: Plan, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
+    """The plan with the softest spring that is not seen: friction then feeds high modes less. As it is where the scene
+    gives the constraint, or the exact one was chosen."""
+    corner = plan.scene.corner
+    scale = max(SOFTEST, spring_share(plan, model) / UNSEEN)
+    if not corner.constraint_is_open or scale > 0.5:
+        return plan, ()
+    why = "friction would make the plate flutter too fast to be damped without harm; a softer spring feeds it less"
+    softer = corner.model_copy(update={"penalty_scale": scale})
+    return with_tables(plan, corner=softer), (Decision("corner.penalty_scale", scale, why),)
 
 
 def spring_share(plan: Plan, model: PlateModel) -> float:

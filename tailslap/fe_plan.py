@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.decide_damping import Growth, decide_damping, foresee
-from tailslap.decide_hold import decide_hold
+from tailslap.decide_hold import decide_hold, softened_hold
 from tailslap.decide_mesh import decide_mesh
 from tailslap.decisions import Decision, with_tables
 from tailslap.errors import InputError, Missing
@@ -107,6 +107,10 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         model = held(plan, plate, model)
     model = finished(plan, plate, model)
     growth = foresee(plan, plate, model)
+    if growth.overdamps and not hold_decisions:
+        plan, hold_decisions = softened_hold(plan, model)
+        model = finished(plan, plate, held(plan, plate, mesh.model)) if hold_decisions else model
+        growth = foresee(plan, plate, model) if hold_decisions else growth
     plan, damping_decisions = decide_damping(plan, growth, more_damping)
     return FePlan(
         asked=asked,

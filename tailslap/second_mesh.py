@@ -1,4 +1,5 @@
-"""The other mesh of a plate, and the exact constraint, by which a run is judged that statics cannot judge."""
+"""The other mesh of a plate, and the exact constraint in place of the scene's spring, by which a run is judged that
+statics cannot judge."""
 
 from __future__ import annotations
 
@@ -30,13 +31,12 @@ def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
 
 
 def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
-    """The plan as asked for, on the mesh of this plate, its corner held exactly; damping is decided anew."""
+    """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that the scene gives."""
     scene = fe_plan.asked.scene
     assert scene.plate is not None
     changes = {"elements": plate.elements, "element": plate.element, "distortion": 0.0, "lumping": "exact"}
-    corner = {"constraint": "exact", "penalty_scale": 1.0, "damping_ratio": None}
-    return with_tables(
-        fe_plan.asked,
-        plate=scene.plate.model_copy(update=changes),
-        corner=scene.corner.model_copy(update=corner),
-    )
+    corner = scene.corner
+    if not corner.constraint_is_open:
+        exact = {"constraint": "exact", "penalty_scale": 1.0, "damping_ratio": None}
+        corner = corner.model_copy(update=exact)
+    return with_tables(fe_plan.asked, plate=scene.plate.model_copy(update=changes), corner=corner)

@@ -1,0 +1,167 @@
+"""Verification: what the program decides where a scene leaves it open, and that it leaves alone what is given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tailslap.errors import InputError
+from tailslap.fe_plan import FePlan, make_fe_plan
+from tailslap.plan import make_plan
+from tailslap.run import run_scene
+from tailslap.scene_files import read_scene
+from tailslap.verdict import flutter_sentence, verdict_sentence
+
+pytestmark = pytest.mark.verification
+
+SOFT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
+FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")
+
+
+def fe_plan(*changes: str) -> FePlan:
+    return make_fe_plan(make_plan(*read_scene("mash-tl4-sut", ("wall=", *changes))))
+
+
+def decided(*changes: str) -> dict[str, Any]:
+    return {decision.key: decision.value for decision in fe_plan(*changes).decisions}
+
+
+def test_shipped_scene_leaves_nothing_to_decide() -> None:
+    """Linear elements and the penalty spring are good enough for steel, and nothing grows."""
+    assert decided() == {}
+    assert fe_plan().model.loop.elastic_damping is None
+
+
+@pytest.mark.parametrize(
+    ("length", "width"), [("4 m", "1.5 m"), ("10 m", "2438 mm"), ("19 m", "2.7 m"), ("6 m", "6 m")]
+)
+def test_elements_left_out_are_of_one_proportion(length: str, width: str) -> None:
+    plan = fe_plan("plate.elements=", f"vehicle.length={length}", f"vehicle.width={width}")
+    along, across = plan.plate.counts
+    body = plan.plan.body
+    assert 0.8 < (body.length / along) / (body.width / across) < 1.8
+    assert 90 <= along * across <= 150
+
+
+def test_paper_plate_gets_the_paper_mesh() -> None:
+    assert decided("plate.elements=") == {"plate.elements": (20, 6)}
+
+
+def test_mesh_that_locks_gets_quadratic_elements() -> None:
+    """A strip of 10 x 0.1 m: linear elements of its 20 x 6 mesh are many times too stiff in bending."""
+    strip = ("vehicle.width=0.1", "plate.elements=[20, 6]")
+    assert decided(*strip)["plate.element"] == "quad9"
+    linear, quadratic = fe_plan(*strip, "plate.element=quad4"), fe_plan(*strip)
+    assert quadratic.give > 5.0 * linear.give
+    assert linear.plate.element == "quad4"
+    assert not any(decision.key == "plate.element" for decision in linear.decisions)
+
+
+def test_constraint_left_open_is_exact_where_the_spring_would_be_seen() -> None:
+    assert decided(*SOFT)["corner.constraint"] == "exact"
+    assert decided("plate.start=unstressed")["corner.constraint"] == "exact"
+    for given in ("corner.penalty_scale=2", "corner.constraint=penalty", "corner.damping_ratio=0.1"):
+        assert "corner.constraint" not in decided(*SOFT, given)
+        assert fe_plan(*SOFT, given).model.loop.corner.hold.stiffness > 0.0
+
+
+def test_damping_is_decided_unless_the_scene_says_what_it_wants() -> None:
+    rate = decided(*FLUTTERS)["damping.rate"]
+    assert rate > 0.0
+    assert "damping.rate" not in decided(*FLUTTERS, "damping.kind=none")
+    given = fe_plan(*FLUTTERS, "damping.kind=elastic-velocity", "damping.rate=7")
+    assert given.model.loop.elastic_damping.rate == 7.0
+    assert given.decisions == ()
+    lighter = decided(*FLUTTERS, "damping.ratio=0.002")["damping.rate"]
+    assert 0.0 < lighter < rate  # it takes growth off, and is no word on the rest
+    assert decided(*FLUTTERS, "damping.ratio=0.5") == {}
+
+
+def test_check_says_what_will_come() -> None:
+    for changes, words in (
+        (("corner.reaction=none",), "none"),
+        ((), "harmless"),
+        (FLUTTERS, "suppressed"),
+        ((*FLUTTERS, "damping.kind=none"), "EXPECTED"),
+        ((*FLUTTERS, "damping.kind=elastic-velocity", "damping.rate=1"), "EXPECTED"),
+        (("impact.speed=0.25", "plate.youngs_modulus=2e12", "corner.reaction=none"), "suppressed"),
+    ):
+        assert flutter_sentence(fe_plan(*changes)).startswith(words), changes
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        (("damping.rate=5",), "damping.rate"),
+        (("damping.kind=elastic-velocity",), "damping.rate"),
+        (("damping.kind=none", "damping.ratio=0.1"), "damping.ratio"),
+        (("damping.kind=viscous",), "damping.kind"),
+        (("plate.element=tri6", "plate.lumping=row-sum"), "plate.lumping"),
+        (("verify.tolerance=2",), "verify.tolerance"),
+        (("plate.start=loud",), "plate.start"),
+    ],
+)
+def test_keys_that_exclude_each_other(changes: tuple[str, ...], key: str) -> None:
+    with pytest.raises(InputError) as found:
+        read_scene("mash-tl4-sut", changes)
+    assert found.value.key == key
+
+
+def test_earlier_names_of_starts_are_known() -> None:
+    for earlier, now in (("quiet", "inertia-relief"), ("sudden", "unstressed")):
+        plate = read_scene("mash-tl4-sut", (f"plate.start={earlier}",))[0].plate
+        assert plate is not None
+        assert plate.start == now
+
+
+def test_verdict_tells_flexibility_from_numerical_error(outcome: Callable[..., Any]) -> None:
+    stiff, soft = outcome("mash-tl4-sut"), outcome("mash-tl4-sut", "wall=", *SOFT, "corner.patch_length=1")
+    assert verdict_sentence(stiff).startswith(
+        "The rigid motion is confirmed to 2.2e-06; numerical error at most"
+    )
+    assert stiff.passed
+    assert soft.passed
+    softer = outcome("mash-tl4-sut", "wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1")
+    assert softer.passed
+    assert "The flexible plate differs from the rigid motion by 1 %" in verdict_sentence(softer)
+    demanded = outcome(
+        "mash-tl4-sut",
+        "wall=",
+        "plate.youngs_modulus=30 MPa",
+        "corner.patch_length=1",
+        "verify.tolerance=1e-3",
+    )
+    assert [check.name for check in demanded.checks if not check.passed] == ["agreement with rigid"]
+
+
+K102 = (
+    *("vehicle.length=12.243098673690618", "vehicle.width=2.58995038378025", "vehicle.mass=8000"),
+    *("impact.speed=13.878698517657892", "impact.angle=0.6839370480475161", "impact.friction=0.3"),
+    *("impact.restitution=0.2", "plate.thickness=0.05", "plate.youngs_modulus=24359234.755820096"),
+    *("plate.start=unstressed", "corner.reaction=none", "corner.patch_length=2.7923951135100524"),
+    *("damping.ratio=0.027299117020856925", "plate.element=quad4"),
+)
+H66 = (
+    *("vehicle.length=7.009653309110211", "vehicle.width=6.341072061123666", "vehicle.mass=8000"),
+    *("impact.speed=25.60599018560078", "impact.angle=0.16898924044464717", "impact.friction=0.3"),
+    *("impact.restitution=0.2", "plate.thickness=0.05", "plate.youngs_modulus=365367219.27131575"),
+    *("plate.elements=[16, 4]", "plate.start=unstressed", "plate.element=quad4"),
+)
+
+
+@pytest.mark.parametrize(
+    ("scene", "spring"), [(K102, "3.078623534623418"), (H66, "5.9036618384829245")], ids=["k102", "h66"]
+)
+def test_spring_that_rings_with_the_plate_does_not_pass(scene: tuple[str, ...], spring: str) -> None:
+    """Unstressed plates whose penalty spring moved omega by 1e-2, and which once passed every check."""
+    plan = make_plan(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
+    exact = make_plan(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
+    ringing, right = run_scene(plan), run_scene(exact)
+    off = max(abs(value / right.fe[name] - 1.0) for name, value in ringing.fe.items())
+    stated = ringing.error.total
+    assert right.fe_plan.plan.scene.corner.constraint == "exact"
+    assert not ringing.passed or off < 1.5 * stated
+    assert math.isfinite(stated)
