@@ -31,7 +31,7 @@ def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
 
 
 def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
-    """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that the scene gives."""
+    """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that is given."""
     scene = fe_plan.asked.scene
     assert scene.plate is not None
     changes = {"elements": plate.elements, "element": plate.element, "distortion": 0.0, "lumping": "exact"}
