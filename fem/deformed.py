@@ -16,9 +16,9 @@ STEP = 1e-5
 def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     """Highest circular frequency [rad/s] of the tangent stiffness at these positions [m], shape (2, nodes).
 
-    Lanczos on differences of the internal forces themselves, with the corner's spring across the wall.
+    Infinite where the forces of the deformed plate are not finite. Lanczos on differences of the internal forces themselves, with the corner's spring across the wall.
     """
-    from scipy.sparse.linalg import LinearOperator, eigsh
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
     loop = model.loop
     root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
@@ -41,5 +41,10 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
 
     start = np.cos(1.7 * np.arange(positions.size)) + 0.1
     operator = LinearOperator((positions.size, positions.size), matvec=product, dtype=float)
-    (largest,) = eigsh(operator, k=1, which="LA", v0=start, tol=1e-4, return_eigenvectors=False)
+    if not np.isfinite(product(start)).all():
+        return math.inf
+    try:
+        (largest,) = eigsh(operator, k=1, which="LA", v0=start, tol=1e-4, return_eigenvectors=False)
+    except ArpackError:  # forces that leave the finite on the way
+        return math.inf
     return math.sqrt(max(float(largest), 0.0))

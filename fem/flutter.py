@@ -26,7 +26,7 @@ from fem.start import RigidStart, friction_slope, to_global
 MOST_UNKNOWNS = 1200
 """Above this all modes cost more than many a run; a coarser mesh of the same plate then stands in."""
 
-INSTANTS = 5
+INSTANTS = 9
 """Angles between the start and zero at which the model is linearised."""
 
 HARMLESS = 5.0

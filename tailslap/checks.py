@@ -53,7 +53,7 @@ def run_checks(
         checks.append(_oscillation(fe_plan, history, rigid))
     checks.append(error_of(fe_plan, run, differences, second).check)
     checks += _agreement(fe_plan, differences)
-    return (*checks, *practice_checks(fe_plan, history, rigid))
+    return (*checks, *practice_checks(fe_plan, history, rigid, judged=second is not None))
 
 
 def error_of(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CURE = 4.0
 """Rate of the damping over that of the fastest growing mode: above 2 it decays."""
 
-HARMLESS_UNSTRESSED = 0.5
+HARMLESS_UNSTRESSED = 2.0
 """Exponent of growth that an unstressed start stands, whose oscillation is there from the beginning."""
 
 STAND_IN, STAND_INS = 2.0, 2

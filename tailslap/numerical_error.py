@@ -29,7 +29,7 @@ SHARP = 0.1
 EXPLAINED = 2.0
 """Multiples of the plate's give that a difference from the rigid motion may have: it is 0.3 to 2.0 of it."""
 
-HELD = 0.75
+HELD = 0.9
 """Change of the answer over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
 
 FACTOR = 4.0 / 3.0

@@ -1,0 +1,81 @@
+"""What the damping of elastic velocities changes in the answer beside what is stated of it, and what it costs.
+
+    .venv/bin/python benchmarks/damping.py
+
+The first table holds `HELD` of tailslap/numerical_error.py: stated over measured should be above one. The second times
+set-up and loop of the paper's plate, with the damping and without, in turns: median of the ratios, least and largest.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from typing import Any
+
+from vehicles import plan_of
+
+from fem.simulate import Stepper, compile_loop
+from tailslap.decide_damping import foresee
+from tailslap.fe_plan import make_fe_plan
+from tailslap.run import attempt
+
+PATCH = ("plate.youngs_modulus=", "corner.patch_length=1 m")
+CASES = (
+    ((*PATCH, "plate.first_frequency=8 Hz"), (20.0, 100.0, 1000.0)),
+    ((*PATCH, "plate.first_frequency=2 Hz"), (10.0, 30.0)),
+    (("vehicle.width=0.3", "corner.friction=1", "corner.penalty_scale=0.1"), (100.0, 400.0, 900.0)),
+    (("vehicle.length=19", "impact.angle=8 deg", "plate.youngs_modulus=2e9"), (50.0, 500.0)),
+)
+TURNS, STEPS = 15, 3000
+
+
+def bias() -> None:
+    """Stated against measured, a line a rate."""
+    print("case; rate [1/s]; stated; measured: largest change of the five quantities; stated over measured")
+    for changes, rates in CASES:
+        free = attempt(plan_of((*changes, "damping.kind=none")))
+        for rate in rates:
+            damped = attempt(plan_of((*changes, "damping.kind=elastic-velocity", f"damping.rate={rate}")))
+            moved = max(abs(value / free.fe[name] - 1.0) for name, value in damped.fe.items())
+            stated = damped.error.damping
+            print(f"{' '.join(changes)}; {rate:g}; {stated:.1e}; {moved:.1e}; {stated / moved:.1f}")
+
+
+def advance_time(fe_plan: Any) -> float:
+    """Seconds of so many steps."""
+    stepper = Stepper(fe_plan.model)
+    state = stepper.start(fe_plan.start, "inertia-relief")
+    began = time.perf_counter()
+    stepper.advance(state, STEPS)
+    return time.perf_counter() - began
+
+
+def timed(function: Any, *arguments: Any) -> float:
+    """Seconds of one call."""
+    began = time.perf_counter()
+    function(*arguments)
+    return time.perf_counter() - began
+
+
+def cost() -> None:
+    """Loop with it over loop without; milliseconds that foreseeing takes in set-up."""
+    plain, damped = (
+        make_fe_plan(plan_of(c)) for c in ((), ("damping.kind=elastic-velocity", "damping.rate=100"))
+    )
+    for fe_plan in (plain, damped):
+        compile_loop(fe_plan.model, fe_plan.start)
+    pairs = [(advance_time(damped), advance_time(plain)) for _ in range(TURNS)]
+    ratios = [one / other for one, other in pairs]
+    print(f"loop with it over loop without, 120 elements: {spread(ratios)}")
+    extra = [1e3 * timed(foresee, plain.plan, plain.plate, plain.model) for _ in range(TURNS)]
+    print(f"set-up, 120 elements, milliseconds for flutter and rounding: {spread(extra)}")
+
+
+def spread(values: list[float]) -> str:
+    """Median, least and largest."""
+    return f"{statistics.median(values):.3g} ({min(values):.3g} to {max(values):.3g})"
+
+
+if __name__ == "__main__":
+    cost()
+    bias()
