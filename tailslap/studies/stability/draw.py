@@ -152,4 +152,4 @@ def _draw_damping(tables: Tables, dice: _Dice) -> None:
     elif kind == "bulk":
         tables["damping"] = {"bulk_viscosity": 0.06}
     elif kind == "none":
-        tables["damping"] = {"kind": "none"}  # type: ignore[dict-item]
+        tables["damping"] = {"kind": "none"}

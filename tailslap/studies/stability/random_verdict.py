@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -62,13 +62,11 @@ def judge_draw(tables: Tables) -> dict[str, Any]:
     return asdict(replace(_against_reference(tables, outcome), seconds=seconds))
 
 
-def _against_reference(
-    tables: Tables, outcome: Outcome, find: Callable[..., Any] = find_reference
-) -> RandomVerdict:
+def _against_reference(tables: Tables, outcome: Outcome) -> RandomVerdict:
     failed = tuple(check.name for check in outcome.checks if not check.passed)
     plate = outcome.fe_plan.plate
     try:
-        reference = find(tables, plate) if outcome.fe else None
+        reference = find_reference(tables, plate) if outcome.fe else None
     except Exception as error:  # the reference breaks, and with it the program
         return RandomVerdict(WRONG, f"reference broke: {type(error).__name__}: {error}")
     verdict = grade(outcome.difference, failed, reference)

@@ -17,6 +17,7 @@ from tailslap.studies.stability.random_survey import RandomSurvey
 from tailslap.studies.stability.random_verdict import CAUGHT, GOOD, WRONG, RandomVerdict
 from tailslap.studies.stability.random_words import MEANINGS, SHOWN, headline, sentence
 from tailslap.studies.stability.toml_text import toml_text
+from tailslap.studies.stability.write import ADVISED
 
 VERDICT_COLUMNS = tuple(field.name for field in fields(RandomVerdict))
 
@@ -72,7 +73,7 @@ def _write_cells(found: RandomSurvey, path: Path) -> None:
     keys = sorted({key for row in drawn.values() for key in row})
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(("number", *VERDICT_COLUMNS, "what could be changed", *keys))
+        writer.writerow(("number", *VERDICT_COLUMNS, ADVISED, *keys))
         for number, verdict in found.verdicts.items():
             values = [drawn[number].get(key, "") for key in keys]
             writer.writerow((number, *asdict(verdict).values(), _advised(verdict), *values))
@@ -118,6 +119,6 @@ def _numbers(verdict: RandomVerdict) -> tuple[str, ...]:
 
 def _causes(found: RandomSurvey) -> StudySection:
     rows = tuple((name, advice([name]), str(count)) for name, count in caught_by(found))
-    columns = ("check", "what could be changed", "cells")
+    columns = ("check", ADVISED, "cells")
     tables = (StudyTable(columns, rows, texts=2, note="A cell may fail several checks."),) if rows else ()
     return StudySection("Caught by", tables=tables)
