@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from postprocess.comparison import largest
 from tailslap.errors import InputError
 from tailslap.plan import make_plan
 from tailslap.run import MORE_DAMPING, Outcome, attempt, damping_is_open, rings
@@ -24,6 +25,9 @@ MOST_SECONDS = 20.0
 
 CALMING = 0.05
 """Stiffness-proportional damping of the reference that is tried last."""
+
+SWAYED = (5e-4, 0.1)
+"""What damping and ringing may change in a reference: a part of its own, and a share of its flexibility."""
 
 DEMANDED = {
     *("tail-slap reached", "finite numbers", "time step", "energy balance", "momentum balance"),
@@ -86,7 +90,9 @@ def trustworthy(outcome: Outcome) -> bool:
     """Whether the answer can be taken for the truth about the plate."""
     failed = {check.name for check in outcome.checks if not check.passed}
     finite = bool(outcome.difference) and all(map(math.isfinite, outcome.difference.values()))
-    return finite and not failed & DEMANDED
+    error = outcome.error
+    swayed = error.damping + error.ringing > SWAYED[0] + SWAYED[1] * largest(outcome.difference)
+    return finite and not failed & DEMANDED and not swayed
 
 
 def _calm(tables: Tables) -> Outcome:

@@ -54,7 +54,8 @@ def _confirmed(tables: Tables, outcome: Outcome, tolerance: float) -> Verdict:
     """Flexible if its own error is small beside the difference and the difference survives refinement, else wrong."""
     found, effort = _worst(outcome.difference), (outcome.run.steps, outcome.run.time_loop_s)
     own, seen = outcome.error.total, "no refined model came to an answer"
-    if not own <= tolerance + SURVIVES * found:
+    # Statics bounds error and flexibility alike: with a bound that is wide, both are.
+    if not own <= tolerance + SURVIVES * max(found, outcome.error.flexibility):
         return Verdict(WRONG, f"its own numerical error is {own:.1e}", found, math.nan, *effort)
     for change in REFINEMENTS:
         try:
