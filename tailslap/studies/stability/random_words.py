@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from tailslap.studies.stability.random_survey import RandomSurvey
-from tailslap.studies.stability.random_verdict import GOOD, UNJUDGED, WRONG, WRONG_FROM, RandomVerdict
+from tailslap.studies.stability.random_verdict import (
+    GOOD,
+    REFUSED,
+    UNJUDGED,
+    WRONG,
+    WRONG_FROM,
+    RandomVerdict,
+)
 
 MEANINGS = {
     "right": "every check passed, and the five quantities are those of a refined model of the same plate",
@@ -15,8 +22,8 @@ MEANINGS = {
     "wrong": "every check passed, and the five quantities are off",
 }
 
-SHOWN = (WRONG, GOOD, UNJUDGED)
-"""Verdicts whose cells are listed."""
+SHOWN = (WRONG, GOOD, UNJUDGED, REFUSED)
+"""Verdicts whose cells are listed; what is drawn is valid by itself, so that a refusal needs its reason."""
 
 
 def headline(found: RandomSurvey) -> str:

@@ -102,14 +102,22 @@ def _verdicts(found: RandomSurvey) -> StudySection:
 
 
 def _cells(found: RandomSurvey) -> StudySection:
-    columns = ("cell", "verdict", "failed checks", "distance", "wrong from", "own estimate", "flexibility")
+    columns = (
+        "cell",
+        "verdict",
+        "failed checks, or refused by",
+        "distance",
+        "wrong from",
+        "own estimate",
+        "flexibility",
+    )
     rows = tuple(
         (f"{number:04d}", verdict.kind, verdict.failed or "none", *_numbers(verdict))
         for number, verdict in found.of_kind(*SHOWN).items()
     )
     lead = "" if rows else "There are none."
     tables = (StudyTable(columns, rows, texts=3),) if rows else ()
-    return StudySection("Cells that are wrong, good but failed, or unjudged", lead, tables=tables)
+    return StudySection("Cells that are wrong, good but failed, unjudged, or refused", lead, tables=tables)
 
 
 def _numbers(verdict: RandomVerdict) -> tuple[str, ...]:
