@@ -162,9 +162,7 @@ def _oscillation(
     reaction = rigid["reaction_normal"][np.isfinite(rigid["reaction_normal"])]
     scale = float((reaction**2).max() / reaction[0] ** 2) * fe_plan.elastic_energy
     undamped = fe_plan.model.loop.elastic_damping is None
-    limit = OSCILLATES * math.exp(
-        2.0 * fe_plan.growth.harmless if undamped and fe_plan.growth.counts else 0.0
-    )
+    limit = OSCILLATES * math.exp(fe_plan.growth.harmless if undamped else 0.0)
     meaning = (
         "largest kinetic energy of the oscillation over the elastic energy of the plate under its reaction, which an "
         "unstressed start begins without: theory allows 1, and growth by friction too slow to be damped"

@@ -103,7 +103,9 @@ def _hourglass(fe_plan: FePlan, history: Columns, judged: bool) -> Iterable[Chec
     )
     stored = (strain + energy).max()
     little = stored < NEXT_TO_NOTHING * history["kinetic_energy"][0]
-    why = f"both are below {NEXT_TO_NOTHING:g} of the energy at the start" if little else "the second run tells"
+    why = (
+        f"both are below {NEXT_TO_NOTHING:g} of the energy at the start" if little else "the second run tells"
+    )
     yield Check.at_most(
         "hourglass share",
         energy.max() / stored,

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError, Interrupted
+from tailslap.numerical_error import NumericalError
 from tailslap.plan import make_plan
 from tailslap.scene_files import read_scene
 from tailslap.studies.journal import Journal
@@ -72,7 +73,18 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.Monke
     monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
     soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
-    assert "changes it by" in soft_spring["reason"]
+    assert "its own numerical error" in soft_spring["reason"]
+    monkeypatch.setattr("tailslap.run.error_of", lambda *arguments: NumericalError(*7 * [0.0]))
+    unaware = verdict("stiffness", 1e-4, "penalty", 0.01)
+    assert unaware["kind"] == "wrong"
+    assert "changes it by" in unaware["reason"]
+
+
+def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed() -> None:
+    scene = read_scene("paper-table-3", ("plate.elements=",))[0]
+    tables = base_tables(scene)
+    tables["plate"]["youngs_modulus"] *= 1e-4
+    assert judge(tables, 1e-3)["kind"] == "flexible"
 
 
 def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -194,6 +206,7 @@ def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
     assert page.count("<svg") == 2  # the map, and what its colours mean
     assert "passed every check, and is not right" in page
     assert "Wrong and not caught" in page
+    assert "a smaller time.safety_factor" in page
     assert "failed</span>" in page
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5
 

@@ -8,8 +8,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from tailslap.errors import InputError
+from tailslap.flexibility import RICHER
 from tailslap.plan import make_plan
 from tailslap.run import Outcome, run_scene
+from tailslap.scene import Plate
 from tailslap.scene_files import validate
 from tailslap.studies.stability.axes import Tables
 
@@ -49,12 +51,15 @@ def judge(tables: Tables, tolerance: float) -> dict[str, Any]:
 
 
 def _confirmed(tables: Tables, outcome: Outcome, tolerance: float) -> Verdict:
-    """Flexible if the difference survives refinement, else wrong."""
+    """Flexible if its own error is small beside the difference and the difference survives refinement, else wrong."""
     found, effort = _worst(outcome.difference), (outcome.run.steps, outcome.run.time_loop_s)
-    seen = "no refined model came to an answer"
+    own, seen = outcome.error.total, "no refined model came to an answer"
+    # Statics bounds error and flexibility alike: with a bound that is wide, both are.
+    if not own <= tolerance + SURVIVES * max(found, outcome.error.flexibility):
+        return Verdict(WRONG, f"its own numerical error is {own:.1e}", found, math.nan, *effort)
     for change in REFINEMENTS:
         try:
-            refined = _run(change(copy.deepcopy(tables)))
+            refined = _run(change(copy.deepcopy(tables), outcome.fe_plan.plate))
         except InputError:
             continue
         finer, failed = _worst(refined.difference), {c.name for c in refined.checks if not c.passed}
@@ -68,30 +73,32 @@ def _confirmed(tables: Tables, outcome: Outcome, tolerance: float) -> Verdict:
     return Verdict(WRONG, seen, found, math.nan, *effort)
 
 
-def _finer(tables: Tables) -> Tables:
-    """Twice the elements each way, half the time step, four times the corner's spring."""
-    along, across = tables["plate"]["elements"]
-    tables["plate"]["elements"] = (2 * along, 2 * across)
-    time = tables.setdefault("time", {})
+def _finer(tables: Tables, plate: Plate) -> Tables:
+    """Twice the elements each way, half the time step, four times the corner's spring; plate: as the run had it."""
+    along, across = plate.counts
+    tables["plate"] |= {"elements": (2 * along, 2 * across), "element": plate.element}
+    time, corner = tables.setdefault("time", {}), tables.setdefault("corner", {})
     time["safety_factor"] = 0.5 * time.get("safety_factor", 0.9)
-    corner = tables.setdefault("corner", {})
-    if corner.get("constraint", "penalty") == "penalty":
+    if corner.keys() & {"penalty_scale", "damping_ratio"} or corner.get("constraint") == "penalty":
         corner["penalty_scale"] = 4.0 * corner.get("penalty_scale", 1.0)
     return tables
 
 
-def _finer_and_damped(tables: Tables) -> Tables:
+def _finer_and_damped(tables: Tables, plate: Plate) -> Tables:
     """The same, with damping enough to keep the finer model from fluttering."""
     damping = tables.setdefault("damping", {})
     damping["ratio"] = max(0.05, damping.get("ratio", 0.0))
-    return _finer(tables)
+    return _finer(tables, plate)
 
 
-def _richer(tables: Tables) -> Tables:
-    """Quadratic elements and the exact constraint."""
-    plate, corner = tables["plate"], tables.setdefault("corner", {})
-    plate["element"] = "tri6" if plate.get("element", "quad4").startswith("tri") else "quad9"
-    plate.pop("hourglass", None)
+def _richer(tables: Tables, plate: Plate) -> Tables:
+    """Quadratic elements and the exact constraint, on finer elements where they were quadratic already."""
+    model, corner = tables["plate"], tables.setdefault("corner", {})
+    along, across = plate.counts
+    times = 1 if plate.element in RICHER else 2
+    model["elements"] = (times * along, times * across)
+    model["element"] = "tri6" if plate.element.startswith("tri") else "quad9"
+    model.pop("hourglass", None)
     for key in ("penalty_scale", "damping_ratio"):
         corner.pop(key, None)
     corner["constraint"] = "exact"

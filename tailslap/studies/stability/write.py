@@ -13,9 +13,10 @@ from postprocess.curves import Curve
 from postprocess.map_plots import MapAxis, draw_legend, draw_map
 from postprocess.study_page import StudyContent, StudySection, StudyTable, write_study_page
 from postprocess.summary import write_summary
+from tailslap.studies.stability.advice import advice
 from tailslap.studies.stability.axes import Axis, Cell
 from tailslap.studies.stability.survey import Survey
-from tailslap.studies.stability.verdict import WRONG, Verdict
+from tailslap.studies.stability.verdict import CAUGHT, WRONG, Verdict
 from tailslap.studies.stability.words import MEANINGS, caught_alone, failed_checks, headline, refusals
 
 COLOUR_MEANINGS = {
@@ -28,6 +29,7 @@ COLOUR_MEANINGS = {
 """What the colours of the maps mean, in few words."""
 
 COLUMNS = tuple(field.name for field in fields(Verdict))
+ADVISED = "what could be changed"
 
 
 def write_map(found: Survey, folder: Path) -> None:
@@ -58,10 +60,11 @@ def summary(found: Survey) -> dict[str, Any]:
 def _write_cells(found: Survey, path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(("first", "first_value", "second", "second_value", *COLUMNS))
+        writer.writerow(("first", "first_value", "second", "second_value", *COLUMNS, ADVISED))
         for cell, verdict in found.verdicts.items():
             x, y = cell.values
-            writer.writerow((cell.first, repr(x), cell.second, repr(y), *asdict(verdict).values()))
+            told = advice(verdict.reason.split(", ")) if verdict.kind == CAUGHT else ""
+            writer.writerow((cell.first, repr(x), cell.second, repr(y), *asdict(verdict).values(), told))
 
 
 def _content(found: Survey) -> StudyContent:
@@ -106,12 +109,18 @@ def _map(found: Survey, across: Axis, up: Axis) -> Curve:
 
 def _causes(found: Survey) -> StudySection:
     alone = caught_alone(found)
-    caught = tuple((name, str(count), str(alone.get(name, 0))) for name, count in failed_checks(found))
+    caught = tuple(
+        (name, advice([name]), str(count), str(alone.get(name, 0))) for name, count in failed_checks(found)
+    )
     refused = tuple((words, str(count)) for words, count in refusals(found))
     wrong = tuple((c.key, v.reason) for c, v in found.verdicts.items() if v.kind == WRONG)
     tables = (
         StudyTable(
-            ("check", "cells", "alone"), caught, title="Caught by", note="A cell may fail several checks."
+            ("check", ADVISED, "cells", "alone"),
+            caught,
+            texts=2,
+            title="Caught by",
+            note="A cell may fail several checks.",
         ),
         StudyTable(("refused by", "cells"), refused, title="Refused by"),
         StudyTable(("cell", "why"), wrong, texts=2, title="Wrong and not caught"),

@@ -1,0 +1,63 @@
+"""What a run will cost, from the scene alone: rough, but it needs no mesh."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tailslap.decide_mesh import ELEMENTS
+from tailslap.plan import Plan
+from tailslap.scene import Plate
+from tailslap.studies.stability.axes import Tables
+
+STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.5, "tri6": 3.5}
+"""Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
+
+UPDATES_PER_SECOND = {"quad4": 1e7, "quad4-reduced": 2e7, "quad9": 3e6, "tri3": 1e7, "tri6": 3e6}
+"""Cells of the mesh that the time loop updates in a second, on the safe side."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Steps to the tail-slap, and seconds that they take."""
+
+    steps: float
+    seconds: float
+
+
+def expected_effort(plan: Plan) -> Effort:
+    """Expected effort of a run; an open mesh counts as the program's first, of quadratic elements."""
+    body, plate = plan.body, plan.scene.plate
+    assert plate is not None
+    element = plate.element if "element" in plate.model_fields_set else "quad9"
+    across_all = ELEMENTS * body.width / body.length
+    along, across = plate.elements or (math.sqrt(ELEMENTS * body.length / body.width), math.sqrt(across_all))
+    short = min(body.length / along, body.width / max(across, 2.0)) * (1.0 - plate.distortion)
+    crossings = plan.motion.strike.t * _wave_speed(plan, plate) / short
+    ratio = (plan.scene.damping.ratio if plan.scene.damping else None) or 0.0
+    steps = max(1000.0, STEPS_A_CROSSING[element] * crossings / (math.hypot(1.0, ratio) - ratio))
+    return Effort(steps, steps * along * across / UPDATES_PER_SECOND[element])
+
+
+def _wave_speed(plan: Plan, plate: Plate) -> float:
+    body = plan.body
+    area = body.length * body.width * plate.thickness
+    density = plate.density or body.mass / area
+    if plate.youngs_modulus is not None:
+        return math.sqrt(plate.youngs_modulus / density / (1.0 - plate.poissons_ratio**2))
+    slenderness = body.width / body.length
+    # A stubby plate shears: its modulus is higher than a beam's of that frequency.
+    shear = math.sqrt(1.0 + 8.0 * slenderness**2)
+    return (plate.first_frequency or 0.0) * body.length / (_BEAM * slenderness) * shear
+
+
+_BEAM = 22.3733 / (2.0 * math.pi * math.sqrt(12.0))
+"""First frequency of a free beam times its length squared, over wave speed and height."""
+
+
+def beam_frequency(tables: Tables) -> float:
+    """First frequency [Hz] of a slender plate with these tables' modulus."""
+    vehicle, plate = tables["vehicle"], tables["plate"]
+    length, width = vehicle["length"], vehicle["width"]
+    density = plate.get("density") or vehicle["mass"] / (length * width * plate["thickness"])
+    return float(_BEAM * math.sqrt(plate["youngs_modulus"] / density) * width / length**2)

@@ -1,0 +1,261 @@
+"""Verification: random scenes are drawn alike every time, judged by a refined model, and can be run again."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from postprocess.report import Check
+from tailslap.errors import InputError
+from tailslap.plan import make_plan
+from tailslap.run import run_scene
+from tailslap.scene_files import read_scene, scene_of_text, validate
+from tailslap.studies.stability import random_verdict
+from tailslap.studies.stability.advice import ADVICE, advice
+from tailslap.studies.stability.axes import Tables, base_tables
+from tailslap.studies.stability.draw import ELEMENTS, draw
+from tailslap.studies.stability.effort import expected_effort
+from tailslap.studies.stability.random_survey import RandomSurvey, random_survey
+from tailslap.studies.stability.random_verdict import KINDS, RandomVerdict, grade, judge_draw
+from tailslap.studies.stability.random_words import lines
+from tailslap.studies.stability.random_write import flat, write_cell, write_random
+from tailslap.studies.stability.reference import (
+    MOST_ELEMENTS,
+    Reference,
+    find_reference,
+    reference_counts,
+    reference_tables,
+)
+from tailslap.studies.stability.toml_text import toml_text
+
+pytestmark = pytest.mark.verification
+
+BASE = base_tables(read_scene("mash-tl4-sut")[0])
+DRAWN = [draw(BASE, 1, number) for number in range(90)]
+
+
+def test_a_draw_is_known_by_seed_and_number() -> None:
+    assert draw(BASE, 1, 7) == DRAWN[7]
+    assert draw(BASE, 2, 7) != DRAWN[7] != DRAWN[8]
+
+
+@pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
+def test_draws_are_scenes_that_can_be_planned_and_afforded(scene: str) -> None:
+    base = base_tables(read_scene(scene)[0])
+    for number in range(20):
+        assert expected_effort(make_plan(validate(draw(base, 3, number)))).steps <= 400_000
+
+
+def test_a_third_starts_unstressed_and_the_others_share_the_rest() -> None:
+    starts = [tables["plate"]["start"] for tables in DRAWN]
+    assert {name: starts.count(name) for name in starts} == {
+        "unstressed": 30,
+        "inertia-relief": 30,
+        "inertia-relief-momenta": 30,
+    }
+
+
+def test_every_choice_of_the_scene_is_drawn() -> None:
+    def seen(table: str, key: str) -> set[Any]:
+        return {tables.get(table, {}).get(key, "open") for tables in DRAWN}
+
+    assert seen("plate", "element") == {"open", *ELEMENTS}
+    assert seen("corner", "constraint") == {"open", "penalty", "exact"}
+    assert seen("corner", "reaction") == {"drag", "none", "signed"}
+    assert seen("plate", "lumping") == {"open", "row-sum"}
+    assert seen("material", "law") == {"open", "neo-hookean"}
+    assert seen("damping", "kind") == {"open", "none"}
+    for table, key in (("plate", "elements"), ("damping", "ratio"), ("damping", "bulk_viscosity")):
+        assert "open" in seen(table, key)
+        assert len(seen(table, key)) > 1
+    for key in ("patch_length", "penalty_scale", "damping_ratio"):
+        assert len(seen("corner", key)) > 5
+    assert len(seen("plate", "first_frequency")) > 10
+
+
+def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tailslap.studies.stability.draw.MOST_STEPS", 10)
+    monkeypatch.setattr("tailslap.studies.stability.draw.MOST_TRIES", 5)
+    with pytest.raises(InputError, match="none of 5 draws"):
+        draw(BASE, 1, 0)
+
+
+def test_a_draw_read_from_its_file_is_the_same_scene() -> None:
+    for tables in DRAWN:
+        assert scene_of_text(toml_text(tables, "x"))[0] == validate(tables)
+
+
+def five(value: float) -> dict[str, float]:
+    return {"t": value, "v_gx": 0.0, "v_gy": -value, "omega": 0.5 * value, "slide": value}
+
+
+@pytest.mark.parametrize(
+    ("found", "failed", "truth", "kind"),
+    [
+        (0.10, (), 0.11, "right"),
+        (0.10, (), 0.13, "right"),
+        (0.10, (), 0.05, "wrong"),
+        (0.0021, (), 0.0005, "wrong"),
+        (0.0010, (), 0.0005, "right"),
+        (0.10, ("reaction against rigid",), 0.105, "reaction only"),
+        (0.10, ("reaction against rigid",), 0.12, "caught"),
+        (0.10, ("mesh", "mean residual"), 0.105, "good but failed"),
+        (0.10, ("mesh",), 0.12, "caught"),
+        (0.10, ("mesh",), 0.5, "caught"),
+        (0.10, (), None, "unjudged"),
+        (0.10, ("mesh",), None, "unjudged"),
+        (None, ("tail-slap reached",), None, "caught"),
+        (None, (), None, "wrong"),
+        (float("nan"), (), 0.1, "wrong"),
+        (float("inf"), ("finite numbers",), 0.1, "caught"),
+    ],
+)
+def test_verdicts(found: float | None, failed: tuple[str, ...], truth: float | None, kind: str) -> None:
+    reference = None if truth is None else Reference(five(truth), "quad9", 1.0)
+    verdict = grade({} if found is None else five(found), failed, reference)
+    assert (verdict.kind, verdict.failed) == (kind, ", ".join(failed))
+
+
+def test_the_distance_is_that_of_the_quantity_that_is_farthest_off() -> None:
+    verdict = grade(five(0.01) | {"omega": 0.5}, (), Reference(five(0.01), "quad9", 1.0))
+    assert verdict.distance == pytest.approx(0.495)
+    assert verdict.allowed == pytest.approx(1e-3 + 0.25 * 0.01)
+
+
+def small(**plate: Any) -> Tables:
+    """A cell that runs at once, of a plate soft enough to matter."""
+    scene = read_scene("paper-table-3", ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa"))[0]
+    tables = base_tables(scene)
+    tables["plate"] |= plate
+    return tables
+
+
+def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
+    tables = small(element="quad4-reduced", hourglass=0.1, distortion=0.1, start="unstressed")
+    tables["corner"] |= {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
+    tables["damping"], tables["material"] = {"ratio": 0.3}, {"law": "neo-hookean"}
+    plate = validate(tables).plate
+    assert plate is not None
+    refined = validate(reference_tables(tables, plate, 1.5))
+    assert refined.plate is not None
+    assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
+    assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
+    assert refined.material == validate(tables).material
+    assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
+    calmed = validate(reference_tables(tables, plate, 1.5, 0.05))
+    assert calmed.damping is not None
+    assert calmed.damping.ratio == 0.05
+
+
+def test_a_refined_mesh_has_its_limit() -> None:
+    assert reference_counts((10, 4), 1.5) == (15, 6)
+    along, across = reference_counts((40, 12), 1.5)
+    assert along * across <= 1.1 * MOST_ELEMENTS
+
+
+def test_a_right_cell_and_a_spring_too_soft() -> None:
+    assert judge_draw(small(element="quad9"))["kind"] == "right"
+    soft = small()
+    soft["corner"]["penalty_scale"] = 0.01
+    assert judge_draw(soft)["kind"] == "caught"
+
+
+def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
+    soft = small()
+    soft["corner"]["penalty_scale"] = 0.01
+    assert judge_draw(soft)["kind"] == "wrong"
+
+
+def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert judge_draw(small(element="hexagon"))["kind"] == "refused"
+    monkeypatch.setattr(random_verdict, "find_reference", lambda *arguments: None)
+    assert judge_draw(small())["kind"] == "unjudged"
+
+    def breaks(*arguments: Any) -> None:
+        raise ZeroDivisionError("boom")
+
+    monkeypatch.setattr(random_verdict, "find_reference", breaks)
+    assert judge_draw(small())["failed"] == "reference broke: ZeroDivisionError: boom"
+    monkeypatch.setattr("tailslap.run.run_checks", breaks)
+    broken = judge_draw(small())
+    assert (broken["kind"], broken["failed"]) == ("wrong", "broke: ZeroDivisionError: boom")
+
+
+def test_a_reference_that_fails_a_check_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+    tables = small()
+    plate = validate(tables).plate
+    assert plate is not None
+    found = find_reference(tables, plate)
+    assert found is not None
+    assert found.model == "quad9 15 x 5"
+    monkeypatch.setattr("tailslap.checks._reached", failing)
+    assert find_reference(tables, plate) is None
+
+
+def failing(run: Any) -> Check:
+    """The first check, failed by a run that is otherwise sound."""
+    return Check.at_most("tail-slap reached", 1.0, 0.0, "made to fail")
+
+
+def survey_of(*kinds: str) -> RandomSurvey:
+    plan = make_plan(*read_scene("mash-tl4-sut"))
+    failed = {"caught": "mesh, time step", "good but failed": "mesh"}
+    verdicts = {n: RandomVerdict(kind, failed.get(kind, ""), 0.1, 0.01) for n, kind in enumerate(kinds)}
+    return RandomSurvey(plan, 1, dict(enumerate(DRAWN[: len(kinds)])), verdicts, 1.0)
+
+
+def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: Path) -> None:
+    found = survey_of(*KINDS)
+    write_random(found, tmp_path)
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"report.html", "cells.csv", "summary.json", "cell-0002.toml", "cell-0006.toml"}
+    assert json.loads((tmp_path / "summary.json").read_text())["counts"] == dict.fromkeys(KINDS, 1)
+    with (tmp_path / "cells.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == list(KINDS)
+    assert "time.safety_factor" in rows[KINDS.index("caught")]["what could be changed"]
+    assert float(rows[0]["vehicle.length"]) == flat(DRAWN[0])["vehicle.length"]
+    page = (tmp_path / "report.html").read_text()
+    assert "unjudged" in page
+    assert "failed</span>" in page
+    assert "WRONG  cell 0006" in "\n".join(lines(found))
+
+
+def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
+    found = survey_of("wrong")
+    found.tables[0] = small()
+    path = write_cell(found, 0, found.verdicts[0], tmp_path)
+    assert run_scene(make_plan(*read_scene(str(path)))).fe
+
+
+def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def judged(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        for key in parts:
+            journal.add(key, random_verdict.asdict(RandomVerdict("right")))
+
+    monkeypatch.setattr("tailslap.studies.stability.random_survey.run_parts", judged)
+    plan = make_plan(*read_scene("mash-tl4-sut"))
+    found = random_survey(plan, 4, 1, tmp_path / "out", 1)
+    assert found.tables == dict(enumerate(DRAWN[:4]))
+    assert found.counts["right"] == 4
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
+def test_every_check_has_advice(start: str) -> None:
+    tables = small(start=start)
+    tables["verify"] = {"tolerance": 1e-3}
+    names = {check.name for check in run_scene(make_plan(validate(tables))).checks}
+    assert names <= set(ADVICE)
+
+
+def test_advice_says_each_thing_once() -> None:
+    assert advice(["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
+    assert advice(["penetration", "time step"]).endswith("; a smaller time.safety_factor")
