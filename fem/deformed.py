@@ -16,7 +16,8 @@ STEP = 1e-5
 def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     """Highest circular frequency [rad/s] of the tangent stiffness at these positions [m], shape (2, nodes).
 
-    Infinite where the forces of the deformed plate are not finite. Lanczos on differences of the internal forces themselves, with the corner's spring across the wall.
+    Lanczos on differences of the internal forces themselves, with the corner's spring across the wall. Infinite where
+    the forces are not finite.
     """
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
