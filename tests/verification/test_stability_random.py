@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from tailslap.studies.stability.reference import (
     find_reference,
     reference_counts,
     reference_tables,
+    trustworthy,
 )
 from tailslap.studies.stability.toml_text import toml_text
 
@@ -186,20 +188,26 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
     assert (broken["kind"], broken["failed"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
-def test_a_reference_that_fails_a_check_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reference_that_fails_a_check_or_is_swayed_by_its_damping_is_not_trusted() -> None:
+    outcome = run_scene(make_plan(validate(small())))
+    assert trustworthy(outcome)
+    unbalanced = Check.at_most("energy balance", 1.0, 0.0, "made to fail")
+    ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
+    assert not trustworthy(replace(outcome, checks=(unbalanced,)))
+    assert trustworthy(replace(outcome, checks=(ringing,)))
+    assert not trustworthy(replace(outcome, error=replace(outcome.error, damping=0.1)))
+    assert not trustworthy(replace(outcome, difference={}))
+
+
+def test_where_no_reference_is_trusted_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     tables = small()
     plate = validate(tables).plate
     assert plate is not None
     found = find_reference(tables, plate)
     assert found is not None
     assert found.model == "quad9 15 x 5"
-    monkeypatch.setattr("tailslap.checks._reached", failing)
+    monkeypatch.setattr("tailslap.studies.stability.reference.MOST_SECONDS", 0.0)
     assert find_reference(tables, plate) is None
-
-
-def failing(run: Any) -> Check:
-    """The first check, failed by a run that is otherwise sound."""
-    return Check.at_most("tail-slap reached", 1.0, 0.0, "made to fail")
 
 
 def survey_of(*kinds: str) -> RandomSurvey:
