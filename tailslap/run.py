@@ -20,7 +20,7 @@ from tailslap.plan import Plan
 from tailslap.practice import history_metrics
 from tailslap.progress import announced, progress_bar
 from tailslap.rigid import COMPARED, stage_two_numbers
-from tailslap.second_mesh import on_mesh, second_meshes
+from tailslap.second_mesh import damped_alike, on_mesh, second_meshes
 
 if TYPE_CHECKING:
     from fem.simulate import Run
@@ -166,10 +166,16 @@ def confirmed(outcome: Outcome) -> Outcome:
 
 
 def second_run(fe_plan: FePlan) -> SecondRun:
-    """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made."""
+    """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made.
+
+    It has the damping of the first run, or where it rings with that, what the program chooses for it.
+    """
     for plate in second_meshes(fe_plan):
+        plan = on_mesh(fe_plan, plate)
         try:
-            other = attempt(on_mesh(fe_plan, plate))
+            other = attempt(damped_alike(plan, fe_plan))
+            if rings(other) and damping_is_open(fe_plan):
+                other = attempt(plan)
         except InputError:
             continue
         return SecondRun(f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}", other.difference)

@@ -10,7 +10,7 @@ from tailslap.decisions import with_tables
 from tailslap.fe_plan import FePlan
 from tailslap.flexibility import RICHER
 from tailslap.plan import Plan
-from tailslap.scene import Plate
+from tailslap.scene import Damping, Plate
 
 FINER_UP_TO = 400
 """Elements up to which the second mesh is the finer one; above, one of about as many nodes as the first."""
@@ -40,3 +40,15 @@ def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
         exact = {"constraint": "exact", "penalty_scale": 1.0, "damping_ratio": None}
         corner = corner.model_copy(update=exact)
     return with_tables(fe_plan.asked, plate=scene.plate.model_copy(update=changes), corner=corner)
+
+
+def damped_alike(plan: Plan, fe_plan: FePlan) -> Plan:
+    """The plan with the elastic velocities damped as in this run."""
+    damping = fe_plan.model.loop.elastic_damping
+    if damping is not None:
+        kind = {"kind": "elastic-velocity", "rate": damping.rate}
+    elif plan.scene.damping is None:
+        kind = {"kind": "none", "rate": None}
+    else:
+        return plan
+    return with_tables(plan, damping=(plan.scene.damping or Damping()).model_copy(update=kind))
