@@ -19,14 +19,17 @@ def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
     return tuple(_rows(scene, source.given, source.changed, ""))
 
 
-def resolved_inputs(scene: Scene, source: Source, plate: Plate) -> tuple[SceneInput, ...]:
-    """The same, with the modulus that the first frequency has given the plate."""
+def resolved_inputs(
+    scene: Scene, source: Source, plate: Plate, chosen: frozenset[str] = frozenset()
+) -> tuple[SceneInput, ...]:
+    """The same, with the modulus that the first frequency has given the plate; chosen: keys that it filled in."""
     rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
     origin = "from plate.first_frequency"
     known = scene.plate is not None and scene.plate.youngs_modulus is not None
-    return tuple(
-        row if known or row.key != "plate.youngs_modulus" else replace(row, origin=origin) for row in rows
-    )
+    origins = dict.fromkeys(chosen, "chosen by the program")
+    if not known:
+        origins["plate.youngs_modulus"] = origin
+    return tuple(replace(row, origin=origins.get(row.key, row.origin)) for row in rows)
 
 
 def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], prefix: str) -> list[SceneInput]:

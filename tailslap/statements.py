@@ -58,9 +58,9 @@ def _picked(outcome: Outcome) -> str:
 
 
 def _constraint(plan: Plan) -> str:
-    reaction = plan.scene.corner.reaction
+    reaction, hold = plan.scene.corner.reaction, HOLDS[plan.scene.corner.constraint]
     return (
-        "The corner is held on the wall by a two-sided slider, in the FE model by a penalty spring, with "
+        f"The corner is held on the wall by a two-sided slider, in the FE model by {hold}, with "
         f'{REACTIONS[reaction]} (reaction "{reaction}"). It is not unilateral contact: a real wall can only push.'
     )
 
@@ -84,6 +84,8 @@ def _plate_mass(outcome: Outcome) -> str:
         "Stages 1 and 3 use the vehicle's."
     )
 
+
+HOLDS = {"penalty": "a penalty spring", "exact": "an exact constraint"}
 
 STARTS = {
     "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "

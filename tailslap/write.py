@@ -99,9 +99,13 @@ def _content(outcome: Outcome, pictures: bool) -> ReportContent:
         pictures=tuple(Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures),
         cost=tuple(Result(name, value, COST_UNITS.get(name, "")) for name, value in cost(outcome).items()),
         left_out=tuple(LeftOut(part, why) for part, why in left_out(plan.scene, pictures)),
-        inputs=resolved_inputs(plan.scene, plan.source, outcome.fe_plan.plate),
+        inputs=resolved_inputs(plan.scene, plan.source, outcome.fe_plan.plate, _chosen(outcome)),
         scene_text=plan.source.text,
     )
+
+
+def _chosen(outcome: Outcome) -> frozenset[str]:
+    return frozenset(decision.key for decision in outcome.fe_plan.decisions)
 
 
 def _results(numbers: dict[str, float]) -> tuple[Result, ...]:
