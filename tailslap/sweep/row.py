@@ -62,6 +62,7 @@ def outcome_columns(outcome: Outcome) -> dict[str, Any]:
         **_named("fe", outcome.fe),
         **_named("difference", outcome.difference),
         "give": float(outcome.fe_plan.give),
+        "numerical_error": float(outcome.error.total),
         **{check_column(check.name): float(check.value) for check in outcome.checks},
         **_named("cost", {name: value for name, value in spent.items() if name != "pictures_s"}),
     }

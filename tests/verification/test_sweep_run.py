@@ -233,6 +233,11 @@ def test_killed_in_mid_sweep_and_resumed(
     assert table(place) == undisturbed
 
 
+def known(row: dict[str, Any]) -> dict[str, Any]:
+    """A row without what it does not have: a table of part of the runs may lack a check's column."""
+    return {name: value for name, value in row.items() if value is not None}
+
+
 def test_interrupted_and_resumed(
     scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
 ) -> None:
@@ -246,7 +251,7 @@ def test_interrupted_and_resumed(
         said.strip()
         == f"tailslap: interrupted; {len(kept)} of {RUNS} rows are kept; the same command resumes"
     )
-    assert kept == [undisturbed[row["run"]] for row in kept]
+    assert [known(row) for row in kept] == [known(undisturbed[row["run"]]) for row in kept]
     done = perform(definition_of(scene), place, cluster)
     assert done.effort.runs == RUNS - len(kept) > 0
     assert table(place) == undisturbed
