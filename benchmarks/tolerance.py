@@ -5,7 +5,7 @@
 Scenes differ in size, stiffness, thickness, speed, angle, friction, restitution and reaction; half have a corner
 patch. The error of each answer is measured against what the tolerance speaks of: the exact rigid motion, or a far
 finer model of the flexible plate. `--sensitivity` prints error over give instead, from which the constants of
-`tailslap/tolerance/choose.py` are taken (with another seed than the check).
+`tailslap/flexibility.py` are taken (with another seed than the check).
 """
 
 from __future__ import annotations

@@ -27,7 +27,6 @@ HARMLESS_UNSTRESSED = 2.0
 STAND_IN, STAND_INS = 2.0, 2
 """For a mesh too large for all its modes, coarser ones stand in: factor on their rates, and how many are looked at."""
 
-
 OVERDAMPS = 0.5
 """Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
 
@@ -37,10 +36,10 @@ HEARD = 0.005
 
 @dataclass(frozen=True)
 class Growth:
-    """What the linearised model foretells of friction: the fastest rate [1/s], 0 where none counts; its exponent over
-    the run; the exponent that counts; whether coarser meshes stood in; the lowest elastic frequency [rad/s]. And of
-    rounding: the ripple at the end of the run over the reaction at the start, and the rate of damping that keeps it
-    unheard, 0 where it is."""
+    """What the linearised model foretells of friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh
+    could be analysed; its exponent over the run; the exponent that counts; whether coarser meshes stood in; the lowest
+    elastic frequency [rad/s]. And of rounding: the ripple at the end of the run over the reaction at the start, and
+    the rate of damping that keeps it unheard, 0 where it is."""
 
     rate: float
     exponent: float
@@ -114,7 +113,9 @@ def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[Pl
 
 def suppressing_rate(growth: Growth) -> float:
     """Rate [1/s] of the damping of elastic velocities that suppresses what is foreseen."""
-    return max(CURE * growth.rate, growth.ripple_rate)
+    return max(
+        growth.ripple_rate, CURE * growth.rate
+    )  # in this order a rate that is not known, NaN, asks for none
 
 
 def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Plan, tuple[Decision, ...]]:

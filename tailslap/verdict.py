@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from postprocess.comparison import largest
@@ -49,6 +50,8 @@ def flutter_sentence(fe_plan: FePlan) -> str:
     growth, damping = fe_plan.growth, fe_plan.plan.scene.damping
     judged = ", judged on coarser meshes" if growth.stand_in else ""
     needed = suppressing_rate(growth)
+    if math.isnan(growth.rate):
+        return "not analysed: no coarser mesh makes a model; the run's own checks watch for it"
     if not needed > 0.0 and not growth.counts:
         return "none: without friction nothing grows"
     if not needed > 0.0:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from tailslap.decide_damping import decide_damping, suppressing_rate
 from tailslap.errors import InputError
 from tailslap.fe_plan import FePlan, make_fe_plan
 from tailslap.plan import make_plan
@@ -91,6 +93,15 @@ def test_check_says_what_will_come() -> None:
         (("impact.speed=0.25", "plate.youngs_modulus=2e12", "corner.reaction=none"), "suppressed"),
     ):
         assert flutter_sentence(fe_plan(*changes)).startswith(words), changes
+
+
+def test_what_could_not_be_analysed_is_not_called_harmless() -> None:
+    known = fe_plan()
+    unknown = replace(known, growth=replace(known.growth, rate=math.nan, exponent=math.nan, stand_in=True))
+    assert flutter_sentence(unknown).startswith("not analysed")
+    assert decide_damping(unknown.plan, unknown.growth)[1] == ()
+    rings = replace(unknown.growth, ripple_rate=3.0)
+    assert suppressing_rate(rings) == 3.0
 
 
 @pytest.mark.parametrize(
