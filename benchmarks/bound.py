@@ -31,8 +31,8 @@ import numba
 import numpy as np
 
 from fem.compiled import FAST_MATH
-from fem.internal_force import subtract_internal_forces
-from fem.simulate import Stepper
+from fem.explicit.internal_force import subtract_internal_forces
+from fem.explicit.simulate import Stepper
 
 CHAIN = 16
 """Multiply-adds one after the other on a number: few enough that several vectors of numbers are under way at once."""

@@ -13,11 +13,11 @@ import time
 import numpy as np
 from main_job import outcome, row, timed, worst
 
-from fem.simulate import Stepper, simulate
-from tailslap.fe_plan import FePlan
-from tailslap.plan import make_plan
+from fem.explicit.simulate import Stepper, simulate
+from tailslap.planning.fe_plan import FePlan
+from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 
 ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
 MODULI = np.geomspace(20e9, 20e12, 7)
@@ -169,7 +169,7 @@ def point_and_patch() -> None:
 
 def run_scene_give(*changes: str) -> float:
     """Give of the plate without a run."""
-    from tailslap.fe_plan import make_fe_plan
+    from tailslap.planning.fe_plan import make_fe_plan
 
     return make_fe_plan(make_plan(*read_scene("paper-abaqus", changes))).give
 

@@ -2,8 +2,9 @@
 
     .venv/bin/python benchmarks/damping.py
 
-The first table holds `HELD` of tailslap/numerical_error.py: stated over measured should be above one. The second times
-set-up and loop of the paper's plate, with the damping and without, in turns: median of the ratios, least and largest.
+The first table holds `HELD` of tailslap/verification/numerical_error.py: stated over measured should be above one.
+The second times set-up and loop of the paper's plate, with the damping and without, in turns: median of the ratios,
+least and largest.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from typing import Any
 
 from vehicles import plan_of
 
-from fem.simulate import Stepper, compile_loop
-from tailslap.decide_damping import foresee
-from tailslap.fe_plan import make_fe_plan
+from fem.explicit.simulate import Stepper, compile_loop
+from tailslap.planning.decide_damping import foresee
+from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.run import attempt
 
 PATCH = ("plate.youngs_modulus=", "corner.patch_length=1 m")

@@ -19,11 +19,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.simulate import Stepper, simulate
-from fem.start import RigidStart, start_fields, to_global
-from tailslap.plan import make_plan
+from fem.explicit.simulate import Stepper, simulate
+from fem.start.start import RigidStart, start_fields, to_global
+from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 
 SIZES = ((4.0, 1.5), (10.0, 2.438), (19.0, 2.7))
 FRICTIONS = (0.05, 0.2, 0.47, 0.8)

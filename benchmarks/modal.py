@@ -12,13 +12,13 @@ import time
 
 from main_job import row
 
-from fem.modes import free_modes
-from fem.simulate import Run, simulate
-from tailslap.fe_plan import FePlan, make_fe_plan
+from fem.explicit.simulate import Run, simulate
+from fem.modal.modes import free_modes
 from tailslap.modal import MODES, ModalRun, modal_run
-from tailslap.plan import make_plan
-from tailslap.rigid import COMPARED
-from tailslap.scene_files import read_scene
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.planning.rigid import COMPARED
+from tailslap.scene.files import read_scene
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}
 SOFT = ("plate.youngs_modulus=", "plate.first_frequency=20 Hz")

@@ -13,15 +13,15 @@ import json
 from pathlib import Path
 from typing import Any
 
-from postprocess.figures import style
-from postprocess.map_plots import MapAxis, draw_cells, write_meanings
-from postprocess.precision_plots import draw_panel
-from tailslap.scene_files import read_scene
-from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
+from postprocess.figures.map_plots import MapAxis, draw_cells, write_meanings
+from postprocess.figures.precision_plots import draw_panel
+from postprocess.figures.style import style
+from tailslap.scene.files import read_scene
 from tailslap.studies.cost.points import Point
+from tailslap.studies.cost.report.diagrams import flexible_diagram, rigid_diagram
 from tailslap.studies.cost.settings import Setting
 from tailslap.studies.stability.axes import stability_axes
-from tailslap.studies.stability.write import COLOUR_MEANINGS
+from tailslap.studies.stability.report.write import COLOUR_MEANINGS
 
 DOCS = Path(__file__).parents[1] / "docs"
 DPI = 150

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.simulate import Run, Stepper, simulate
-from postprocess.comparison import relative_difference
-from tailslap.fe_plan import FePlan, make_fe_plan
-from tailslap.plan import make_plan
-from tailslap.rigid import COMPARED, stage_two_numbers
-from tailslap.scene_files import read_scene
+from fem.explicit.simulate import Run, Stepper, simulate
+from postprocess.comparison.comparison import relative_difference
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.scene.files import read_scene
 from tailslap.studies.cost.single import SingleStepper
 
 SCENE = "paper-abaqus"

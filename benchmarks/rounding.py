@@ -1,4 +1,4 @@
-"""Ripple of the reaction by rounding: predicted by `fem.rounding` beside what undamped runs show at their end.
+"""Ripple of the reaction by rounding: what `fem.stability.rounding` predicts, beside what undamped runs end with.
 
 .venv/bin/python benchmarks/rounding.py
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from vehicles import plan_of
 
-from fem.rounding import rounding_noise
+from fem.stability.rounding import rounding_noise
 from tailslap.run import attempt
 
 CASES = (

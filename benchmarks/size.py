@@ -64,10 +64,10 @@ def peak() -> float:
 
 def measure(elements: tuple[int, int]) -> None:
     """One size, in this process: set-up, steps, then inertia relief, the hungriest, last."""
-    from fem.corner import Drag
-    from fem.model import CornerProperties, PlateProperties, StepProperties, build_model
-    from fem.simulate import Stepper
-    from fem.start import RigidStart
+    from fem.contact.corner import Drag
+    from fem.discretisation.model import CornerProperties, PlateProperties, StepProperties, build_model
+    from fem.explicit.simulate import Stepper
+    from fem.start.start import RigidStart
     from meshes import plate_mesh
 
     with stage("mesh_s"):

@@ -5,7 +5,7 @@
 Scenes differ in size, stiffness, thickness, speed, angle, friction, restitution and reaction; half have a corner
 patch. The error of each answer is measured against what the tolerance speaks of: the exact rigid motion, or a far
 finer model of the flexible plate. `--sensitivity` prints error over give instead, from which the constants of
-`tailslap/flexibility.py` are taken (with another seed than the check).
+`tailslap/planning/flexibility.py` are taken (with another seed than the check).
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
 
 def run(changes: tuple[str, ...]) -> Any:
     """The scene's outcome."""
-    from tailslap.plan import make_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.run import run_scene
-    from tailslap.scene_files import read_scene
+    from tailslap.scene.files import read_scene
 
     return run_scene(make_plan(*read_scene(SCENE, changes)))
 
@@ -78,10 +78,10 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     doubts = [check.name for check in found.checks if not check.passed]
     if not doubts:
         return found.fe, doubts
-    from tailslap.fe_plan import make_fe_plan
     from tailslap.modal import modal_run
-    from tailslap.plan import make_plan
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.planning.plan import make_plan
+    from tailslap.scene.files import read_scene
 
     undamped = make_fe_plan(make_plan(*read_scene(SCENE, (*changes, *mesh))))
     return modal_run(undamped, tolerance=1.0).values, doubts

@@ -34,8 +34,8 @@ Record = dict[str, Any]
 
 def plan_of(changes: tuple[str, ...]) -> Any:
     """The plan of the scene with these changes, its wall long enough."""
-    from tailslap.plan import make_plan
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.plan import make_plan
+    from tailslap.scene.files import read_scene
 
     return make_plan(*read_scene(SCENE, ("wall=", *changes)))
 
@@ -79,8 +79,8 @@ def wide_changes(seed: int, number: int) -> tuple[str, ...]:
 
 def beyond(outcome: Any) -> float:
     """What the largest difference from the rigid motion has over what the plate's give explains."""
-    from postprocess.comparison import largest
-    from tailslap.flexibility import sensitivity
+    from postprocess.comparison.comparison import largest
+    from tailslap.planning.flexibility import sensitivity
 
     fe_plan = outcome.fe_plan
     explained = sensitivity(fe_plan.plan.start.angle) * max(fe_plan.give, fe_plan.other_give)
@@ -89,7 +89,7 @@ def beyond(outcome: Any) -> float:
 
 def judged(changes: tuple[str, ...]) -> Record:
     """The scene run as the program decides."""
-    from postprocess.comparison import largest
+    from postprocess.comparison.comparison import largest
     from tailslap.errors import InputError
     from tailslap.run import run_scene
 
@@ -121,7 +121,7 @@ def foretold(changes: tuple[str, ...]) -> Record:
     """What is foreseen, and whether the first run rings."""
     from tailslap.errors import InputError
     from tailslap.run import attempt, rings
-    from tailslap.verdict import flutter_sentence
+    from tailslap.verification.verdict import flutter_sentence
 
     try:
         outcome = attempt(plan_of(changes))

@@ -87,7 +87,7 @@ def implements(generic: Callable[..., Any], *kinds: type, inline: str = "never")
 def cache_folder() -> Path:
     """Folder of the compiled code: under $NUMBA_CACHE_DIR, else under the user's cache folder."""
     digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
     return Path(base) / digest.hexdigest()[:16]

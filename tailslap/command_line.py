@@ -19,7 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import tailslap
 from tailslap.errors import InputError, Interrupted
 from tailslap.studies import study
-from tailslap.sweep import sweep
+from tailslap.sweep.command import sweep
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
@@ -57,15 +57,15 @@ def run(
     name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool, tolerance: float | None
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
-    from tailslap.fe_plan import needed_plate
-    from tailslap.result_folder import result_folder
+    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.results.result_folder import result_folder
 
     plan = _plan(name, changes)
     needed_plate(plan.scene)
     place = out or Path("results") / plan.scene.name
     with result_folder(place) as folder:
+        from tailslap.report.write import write_results
         from tailslap.run import run_scene
-        from tailslap.write import write_results
 
         if tolerance is None:
             outcome = run_scene(plan)
@@ -74,7 +74,7 @@ def run(
 
             outcome = run_to_tolerance(name, changes, tolerance)
         outcome = write_results(outcome, folder, not no_pictures)
-    from tailslap.tables import print_outcome
+    from tailslap.report.tables import print_outcome
 
     print_outcome(outcome, place)
     return DONE if outcome.passed else CHECK_FAILED
@@ -86,7 +86,7 @@ def run(
 @click.option("--units", type=click.Choice(["si", "us"]), default="si", help="Units of the printed numbers.")
 def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int:
     """The rigid-body method alone."""
-    from tailslap.rigid import rigid_answer, rigid_lines
+    from tailslap.planning.rigid import rigid_answer, rigid_lines
 
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
@@ -103,11 +103,11 @@ commands.add_command(sweep)
 @scene_arguments
 def check(name: str, changes: tuple[str, ...]) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    from tailslap.tables import chosen_lines, fe_part, rigid_part
+    from tailslap.report.tables import chosen_lines, fe_part, rigid_part
 
     plan = _plan(name, changes)
     if plan.scene.plate:
-        from tailslap.fe_plan import make_fe_plan
+        from tailslap.planning.fe_plan import make_fe_plan
 
         fe_plan = make_fe_plan(plan)
         lines = rigid_part(fe_plan.plan) + fe_part(fe_plan) + chosen_lines(fe_plan)
@@ -123,16 +123,16 @@ def check(name: str, changes: tuple[str, ...]) -> int:
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-modes]")
 def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> int:
     """Natural frequencies of the plate, with pictures."""
-    from tailslap.fe_plan import make_fe_plan, needed_plate
-    from tailslap.result_folder import result_folder
+    from tailslap.planning.fe_plan import make_fe_plan, needed_plate
+    from tailslap.results.result_folder import result_folder
 
     plan = _plan(name, changes)
     needed_plate(plan.scene)
     place = out or Path("results") / f"{plan.scene.name}-modes"
     with result_folder(place) as folder:
         from tailslap.modes.answer import find_modes
-        from tailslap.modes.words import modes_lines
-        from tailslap.modes.write import write_modes
+        from tailslap.modes.report.words import modes_lines
+        from tailslap.modes.report.write import write_modes
 
         answer = find_modes(make_fe_plan(plan), count)
         write_modes(answer, folder)
@@ -158,9 +158,9 @@ def modal(
     name: str, changes: tuple[str, ...], modes: int, steps: int, tolerance: float, as_json: bool
 ) -> int:
     """Run a scene with a few modes of the plate."""
-    from tailslap.fe_plan import make_fe_plan
     from tailslap.modal import modal_run
-    from tailslap.modal_words import modal_answer, modal_lines
+    from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.report.modal_text import modal_answer, modal_lines
 
     fe_plan = make_fe_plan(_plan(name, changes))
     found = modal_run(fe_plan, modes, tolerance, steps)
@@ -172,7 +172,7 @@ def modal(
 @commands.command()
 def scenes() -> int:
     """List the scenes that come with the program."""
-    from tailslap.scene_files import shipped_scenes, title
+    from tailslap.scene.files import shipped_scenes, title
 
     shipped = shipped_scenes()
     width = max(map(len, shipped))
@@ -187,9 +187,9 @@ def scenes() -> int:
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
     from tailslap.paper.answer import answer
-    from tailslap.paper.terminal import print_paper
-    from tailslap.paper.write import write_paper
-    from tailslap.result_folder import result_folder
+    from tailslap.paper.report.terminal import print_paper
+    from tailslap.paper.report.write import write_paper
+    from tailslap.results.result_folder import result_folder
 
     place = out or Path("results") / "paper"
     with result_folder(place) as folder:
@@ -200,8 +200,8 @@ def paper(out: Path | None, as_json: bool) -> int:
 
 
 def _plan(name: str, changes: tuple[str, ...]) -> Any:
-    from tailslap.plan import make_plan
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.plan import make_plan
+    from tailslap.scene.files import read_scene
 
     return make_plan(*read_scene(name, changes))
 

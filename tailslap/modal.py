@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.comparison import relative_difference
-from postprocess.report import Check
+from postprocess.comparison.comparison import relative_difference
+from postprocess.pages.report import Check
 from tailslap.errors import InputError
-from tailslap.fe_plan import FePlan
-from tailslap.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.fe_plan import FePlan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
 
 if TYPE_CHECKING:
-    from fem.modal_run import ModalMotion
+    from fem.modal.modal_run import ModalMotion
 
 MODES, STEPS, TOLERANCE = 4, 100, 1e-5
 """Elastic modes, time steps to the tail-slap, and relative error allowed, unless the caller says otherwise."""
@@ -73,13 +73,13 @@ class ModalRun:
 def modal_run(
     fe_plan: FePlan, modes: int = MODES, tolerance: float = TOLERANCE, steps: int = STEPS
 ) -> ModalRun:
-    """Run the plan's plate with its lowest elastic modes; compare `fem.simulate.simulate`, which runs all of it.
+    """Run the plan's plate with its lowest elastic modes; `fem.explicit.simulate` runs all of it.
 
     steps: to the rigid tail-slap. Raises InputError for what the modal model does not have.
     """
-    from fem.modal_model import modal_plate, with_fewer_modes
-    from fem.modal_run import integrate, modal_start
-    from fem.start import relieved_fields
+    from fem.modal.modal_model import modal_plate, with_fewer_modes
+    from fem.modal.modal_run import integrate, modal_start
+    from fem.start.start import relieved_fields
 
     _admit(fe_plan, modes)
     model, start, duration = fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t
@@ -114,7 +114,7 @@ def modal_run(
 
 def _admit(fe_plan: FePlan, modes: int) -> None:
     """InputError for what the modal model does not have."""
-    from fem.modes import most_modes
+    from fem.modal.modes import most_modes
 
     scene, plate = fe_plan.plan.scene, fe_plan.plate
     most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)

@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.comparison import relative_difference
-from postprocess.metrics import Metrics
-from postprocess.report import Check
-from tailslap.checks import SPOILT, energy_error, error_of, friction_by_ringing, run_checks
+from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.metrics import Metrics
+from postprocess.pages.report import Check
 from tailslap.errors import InputError
-from tailslap.fe_plan import FePlan, make_fe_plan
-from tailslap.numerical_error import NumericalError, SecondRun, needs_second_run
-from tailslap.plan import Plan
-from tailslap.practice import history_metrics
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.plan import Plan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.progress import announced, progress_bar
-from tailslap.rigid import COMPARED, stage_two_numbers
-from tailslap.second_mesh import damped_alike, on_mesh, second_meshes
+from tailslap.verification.checks import SPOILT, energy_error, error_of, friction_by_ringing, run_checks
+from tailslap.verification.crash_practice import history_metrics
+from tailslap.verification.numerical_error import NumericalError, SecondRun, needs_second_run
+from tailslap.verification.second_mesh import damped_alike, on_mesh, second_meshes
 
 if TYPE_CHECKING:
-    from fem.simulate import Run
+    from fem.explicit.simulate import Run
     from tailslap.tolerance.choose import Choice
 
 
@@ -86,7 +86,7 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
     """A single run, compared with the rigid motion; more_damping: factor on the damping that the program chooses."""
     began = time.perf_counter()
     with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
-        from fem.simulate import compile_loop
+        from fem.explicit.simulate import compile_loop
 
         fe_plan = make_fe_plan(plan, more_damping)
         compile_loop(fe_plan.model, fe_plan.start, plan.scene.time.threads)
@@ -96,8 +96,8 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
 
 def _simulated(fe_plan: FePlan) -> Run:
     """The run of the model. Raises InputError for a start that the plate cannot have."""
-    from fem.simulate import simulate
-    from fem.start import TooSoftError
+    from fem.explicit.simulate import simulate
+    from fem.start.start import TooSoftError
 
     scene, start = fe_plan.plan.scene, fe_plan.plate.start
     try:

@@ -8,13 +8,19 @@ from typing import Any
 
 import pytest
 
-from fem.corner import Drag, Signed
-from fem.elements import ELEMENT_KINDS
-from fem.model import CornerProperties, PlateModel, PlateProperties, StepProperties, build_model
+from fem.contact.corner import Drag, Signed
+from fem.discretisation.elements import ELEMENT_KINDS
+from fem.discretisation.model import (
+    CornerProperties,
+    PlateModel,
+    PlateProperties,
+    StepProperties,
+    build_model,
+)
 from meshes import distorted, plate_mesh
-from tailslap.plan import make_plan
+from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.beam_theory import (
+from fem.modal.beam_theory import (
     Beam,
     euler_bernoulli_frequencies,
     longitudinal_frequencies,
     timoshenko_frequencies,
 )
-from fem.mode_kinds import mode_kinds
-from fem.modes import FreeModes, free_modes, most_modes
+from fem.modal.mode_kinds import mode_kinds
+from fem.modal.modes import FreeModes, free_modes, most_modes
 from tailslap.errors import InputError
-from tailslap.fe_model import plate_density
-from tailslap.fe_plan import FePlan
+from tailslap.planning.fe_model import plate_density
+from tailslap.planning.fe_plan import FePlan
 
 BENDING = ("bending", "shear")
 """Kinds that bend the plate as a beam; they are numbered together, as Timoshenko's frequencies are."""
@@ -28,7 +28,7 @@ BENDING = ("bending", "shear")
 class Mode:
     """An elastic mode: number from 1, frequency [Hz], kind, number among its like.
 
-    The shares of energy that make it that kind (`fem.mode_kinds`). theory, slender [Hz]: beam theory with shear and
+    The shares of energy that make it that kind (`mode_kinds`). theory, slender [Hz]: beam theory with shear and
     rotary inertia, and without; for longitudinal modes `theory` is n c / (2 L). None: no beam does that.
     """
 
@@ -50,7 +50,7 @@ class Mode:
 
 @dataclass(frozen=True)
 class ModesAnswer:
-    """The modes in rising frequency; shapes as in `fem.modes.FreeModes`, and the beam they are held against."""
+    """The modes in rising frequency; shapes as in `fem.modal.modes.FreeModes`, and the beam they are held against."""
 
     fe_plan: FePlan
     found: FreeModes

@@ -17,7 +17,7 @@ import click
 from tailslap.errors import InputError
 
 if TYPE_CHECKING:
-    from tailslap.plan import Plan
+    from tailslap.planning.plan import Plan
 
 
 def study_names() -> list[str]:
@@ -40,8 +40,8 @@ def study_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def with_elements(plan: Plan, changes: tuple[str, ...]) -> tuple[str, ...]:
     """The changes, with the elements that the program chooses where the scene leaves them out."""
-    from tailslap.decide_mesh import decide_mesh
-    from tailslap.fe_plan import needed_plate
+    from tailslap.planning.decide_mesh import decide_mesh
+    from tailslap.planning.fe_plan import needed_plate
 
     plate = needed_plate(plan.scene)
     if plate.elements is not None:

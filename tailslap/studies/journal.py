@@ -13,8 +13,8 @@ from typing import Any, TextIO
 
 import tailslap
 from tailslap.errors import InputError, Interrupted
-from tailslap.manifest import whole_file
-from tailslap.result_folder import resolved
+from tailslap.results.manifest import whole_file
+from tailslap.results.result_folder import resolved
 
 
 class Journal:

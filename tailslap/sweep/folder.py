@@ -4,7 +4,7 @@
     journal.jsonl   a line a finished run, see journal.py
     sweep.parquet   the table, written when the sweep ends or is interrupted
     report.html, summary.json
-    .tailslap-result.json  the manifest of the last three, see tailslap/manifest.py
+    .tailslap-result.json  the manifest of the last three, see tailslap/results/manifest.py
 
 One process at a time works in it: the lock goes with the process, however that ends.
 """
@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from tailslap.errors import InputError
-from tailslap.manifest import demand_ours, whole_file
+from tailslap.results.manifest import demand_ours, whole_file
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.journal import NAME as JOURNAL
 

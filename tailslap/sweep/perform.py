@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from tailslap.sweep.cluster import connected
+from tailslap.sweep.complete import Effort, Sweep
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.dispatch import Compute, Dispatcher, SchedulerLostError, WorkersLostError
 from tailslap.sweep.folder import sweep_folder
@@ -22,40 +21,6 @@ LOST, INTERRUPTED = 3, 130
 
 PATIENCE_S = 60.0
 """Seconds without any worker of this machine after which a sweep ends: Dask restarts one in two or three."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """What making runs took: how many, on how many threads, wall time [s] and the sum of the runs' own times [s]."""
-
-    runs: int = 0
-    threads: int = 0
-    wall_s: float = 0.0
-    runs_s: float = 0.0
-
-    @property
-    def rate(self) -> float:
-        """Runs a second."""
-        return self.runs / self.wall_s if self.runs else 0.0
-
-    @property
-    def overhead_s(self) -> float:
-        """What a run costs a thread beyond its own time [s]."""
-        return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """A sweep that is complete: how many rows have each status, and what the last call's runs took."""
-
-    definition: Definition
-    statuses: Mapping[str, int]
-    effort: Effort
-
-    @property
-    def failures(self) -> int:
-        """Runs that failed a check or ended in an error."""
-        return self.statuses[FAILED] + self.statuses[ERROR]
 
 
 class StoppedError(Exception):
@@ -85,7 +50,7 @@ def perform(
                 effort = _make_missing(definition, journal, cluster, workers, compute)
                 write_table(folder, definition, journal)
             done = Sweep(definition, {name: journal.statuses[name] for name in STATUSES}, effort)
-            from tailslap.sweep.write import write_sweep
+            from tailslap.sweep.report.write import write_sweep
 
             write_sweep(done, folder)
             return done

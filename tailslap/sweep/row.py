@@ -41,16 +41,16 @@ def broken_row(run: int, reason: str) -> dict[str, Any]:
 
 
 def _outcome(text: str, changes: tuple[str, ...]) -> Outcome:
-    from tailslap.plan import make_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.run import run_scene
-    from tailslap.scene_files import scene_of_text
+    from tailslap.scene.files import scene_of_text
 
     return run_scene(make_plan(*scene_of_text(text, changes)))
 
 
 def outcome_columns(outcome: Outcome) -> dict[str, Any]:
     """Columns of a run that came to its end, SI; those of the tail-slap are missing where it was not reached."""
-    from tailslap.summary import cost
+    from tailslap.report.summary import cost
 
     failed = [check.name for check in outcome.checks if not check.passed]
     spent = cost(outcome)

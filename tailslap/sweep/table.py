@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.comparison import KEYS
-from tailslap.manifest import listed_file
+from postprocess.comparison.comparison import KEYS
+from tailslap.results.manifest import listed_file
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.folder import TABLE
 from tailslap.sweep.journal import Journal

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from tailslap.errors import InputError
 
+MOST_RUNS = 1_000_000
+"""Runs of one sweep; above it a mistyped range is likelier than patience."""
+
 ALLOWED = (
     "allowed is KEY=VALUES, with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, like corner.friction=0:0.6:13; "
     "with --sample, a:b or log:a:b or a list"

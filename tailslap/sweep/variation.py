@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.report import SceneInput
+from postprocess.pages.report import SceneInput
 from tailslap.errors import InputError
 from tailslap.sweep.values import Choices, Span
 

@@ -49,6 +49,6 @@ def finished(row: dict[str, Any]) -> Finished:
 
 def make_ready() -> str:
     """Import what runs need, once a worker; returns the version of this program."""
-    for module in ("fem.simulate", "tailslap.fe_plan", "tailslap.run"):
+    for module in ("fem.explicit.simulate", "tailslap.planning.fe_plan", "tailslap.run"):
         importlib.import_module(module)
     return tailslap.__version__

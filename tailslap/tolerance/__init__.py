@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 def run_to_tolerance(name: str, changes: tuple[str, ...], tolerance: float) -> Outcome:
     """Pick a setting for the scene with its changes, run it, and judge the result. Raises InputError."""
-    from tailslap.plan import make_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.run import run_scene
-    from tailslap.scene_files import read_scene
+    from tailslap.scene.files import read_scene
     from tailslap.tolerance.choose import choose
     from tailslap.tolerance.judge import judged
 

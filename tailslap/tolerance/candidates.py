@@ -7,17 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from tailslap.decide_damping import Growth
 from tailslap.errors import InputError, Verbatim
-from tailslap.fe_model import make_model, resolved_plate
-from tailslap.fe_plan import FePlan, needed_plate
-from tailslap.flexibility import centre_travel, rigid_start, share_given
-from tailslap.plan import Plan
-from tailslap.scene import Scene
+from tailslap.planning.decide_damping import Growth
+from tailslap.planning.fe_model import make_model, resolved_plate
+from tailslap.planning.fe_plan import FePlan, needed_plate
+from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Scene
 from tailslap.tolerance.ladder import Rung, ladder, seconds
 
 if TYPE_CHECKING:
-    from fem.model import PlateModel
+    from fem.discretisation.model import PlateModel
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from tailslap.errors import InputError, Verbatim
-from tailslap.flexibility import sensitivity
-from tailslap.plan import Plan
+from tailslap.planning.flexibility import sensitivity
+from tailslap.planning.plan import Plan
 from tailslap.tolerance.candidates import Candidate, answered, candidate, coarsest, constraints
 from tailslap.tolerance.ladder import Rung, ladder
 

@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from postprocess.comparison import largest
-from postprocess.report import Check
+from postprocess.comparison.comparison import largest
+from postprocess.pages.report import Check
 from tailslap.errors import InputError
-from tailslap.plan import Plan, make_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 from tailslap.tolerance.candidates import answered, candidate
 from tailslap.tolerance.choose import RIGID, Choice
 from tailslap.tolerance.ladder import Rung

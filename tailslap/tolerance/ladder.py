@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tailslap.scene import MOST_ELEMENTS, Scene
+from tailslap.scene.schema import MOST_ELEMENTS, Scene
 
 ACROSS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
 """Elements across the width; along the length as many as make them about square."""

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene, shipped_scenes, title
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene, shipped_scenes, title
 
 pytestmark = pytest.mark.validation
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tailslap.checks import run_checks
-from tailslap.flexibility import sensitivity
-from tailslap.numerical_error import SecondRun
+from tailslap.planning.flexibility import sensitivity
+from tailslap.verification.checks import run_checks
+from tailslap.verification.numerical_error import SecondRun
 
 pytestmark = pytest.mark.verification
 

@@ -281,20 +281,6 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path: Path) ->
     assert not list(tmp_path.rglob("*"))
 
 
-def test_packages_keep_to_themselves() -> None:
-    """solver and postprocess never import fem; the four know neither scene nor command line."""
-    root = Path(__file__).parents[2]
-    allowed = {"solver": (), "meshes": (), "fem": (), "postprocess": ()}
-    names = {*allowed, "tailslap"}
-    for package in allowed:
-        for source in (root / package).glob("**/*.py"):
-            for line in source.read_text().splitlines():
-                words = line.split()
-                if words[:1] in (["import"], ["from"]) and len(words) > 1:
-                    top = words[1].split(".")[0]
-                    assert top not in names - {package}, f"{source.name}: {line}"
-
-
 @pytest.mark.parametrize(
     "command", [*sorted(commands.commands), *(f"study {name}" for name in study_names())]
 )

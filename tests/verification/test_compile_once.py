@@ -13,8 +13,8 @@ import pytest
 
 from fem import compiled
 from fem.compiled import has_code, one_process_compiles
-from fem.simulate import Stepper
-from fem.time_loop import advance
+from fem.explicit.simulate import Stepper
+from fem.explicit.time_loop import advance
 
 pytestmark = pytest.mark.verification
 

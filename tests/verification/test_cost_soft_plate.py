@@ -9,15 +9,15 @@ from typing import Any
 
 import pytest
 
-from tailslap.fe_plan import make_fe_plan
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import error_from, measure
+from tailslap.studies.cost.report.write import write_cost
 from tailslap.studies.cost.settings import MODAL, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.cost.survey import ROUNDING, summed_up
-from tailslap.studies.cost.write import write_cost
 
 pytestmark = pytest.mark.verification
 

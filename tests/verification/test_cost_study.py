@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from postprocess.grid_convergence import grid_convergence
-from tailslap.plan import make_plan
+from postprocess.comparison.grid_convergence import grid_convergence
+from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 from tailslap.studies.cost import survey as survey_module
 from tailslap.studies.cost.measure import error_from, measure
 from tailslap.studies.cost.points import Point, cheapest, front

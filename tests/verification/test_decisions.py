@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from tailslap.decide_damping import decide_damping, suppressing_rate
 from tailslap.errors import InputError
-from tailslap.fe_plan import FePlan, make_fe_plan
-from tailslap.plan import make_plan
+from tailslap.planning.decide_damping import decide_damping, suppressing_rate
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
-from tailslap.scene_files import read_scene
-from tailslap.verdict import flutter_sentence, verdict_sentence
+from tailslap.scene.files import read_scene
+from tailslap.verification.verdict import flutter_sentence, verdict_sentence
 
 pytestmark = pytest.mark.verification
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.elastic_damping import SUMS, ElasticDamping, damp, damped_time_step
-from fem.measures import COLUMNS
-from fem.simulate import Stepper, simulate
-from fem.start import RigidStart
+from fem.explicit.elastic_damping import SUMS, ElasticDamping, damp, damped_time_step
+from fem.explicit.measures import COLUMNS
+from fem.explicit.simulate import Stepper, simulate
+from fem.start.start import RigidStart
 
 pytestmark = pytest.mark.verification
 
@@ -96,7 +96,7 @@ def test_threads_compute_the_same(plate_model: Callable[..., Any]) -> None:
 
 def test_free_mode_decays_at_half_the_rate(plate_model: Callable[..., Any]) -> None:
     """A free plate in its lowest mode: the energy falls by exp(-c t), the frequency being far above c."""
-    from fem.modes import free_modes
+    from fem.modal.modes import free_modes
 
     rate = 20.0
     model = plate_model(corner={"penalty_scale": 1e-12}, elastic_rate=rate)

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.deformed import deformed_frequency
-from fem.elements import ELEMENT_KINDS, discretise, hourglass_control
-from fem.internal_force import scratch_for, subtract_internal_forces
-from fem.materials import MATERIALS, neo_hookean, st_venant_kirchhoff
-from fem.measures import _hourglass_energy, _strain_energy
-from fem.patch import corner_weights
-from fem.simulate import simulate
-from fem.start import RigidStart, to_global
+from fem.constitutive.materials import MATERIALS, neo_hookean, st_venant_kirchhoff
+from fem.contact.support_patch import corner_weights
+from fem.discretisation.elements import ELEMENT_KINDS, discretise, hourglass_control
+from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.explicit.measures import _hourglass_energy, _strain_energy
+from fem.explicit.simulate import simulate
+from fem.stability.deformed import deformed_frequency
+from fem.start.start import RigidStart, to_global
 from meshes import distorted, plate_mesh
 
 pytestmark = pytest.mark.verification
@@ -187,9 +187,9 @@ def test_a_point_gives_without_bound_and_a_patch_converges(outcome: Callable[...
 
 def make_give(*changes: str) -> float:
     """Give of a model that is only built."""
-    from tailslap.fe_plan import make_fe_plan
-    from tailslap.plan import make_plan
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.planning.plan import make_plan
+    from tailslap.scene.files import read_scene
 
     return make_fe_plan(make_plan(*read_scene("paper-table-3", changes))).give
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.corner import Corner, Drag, Penalty, Signed, add_corner_reaction
-from fem.elements import discretise
-from fem.mass import exact_inertia_masses, row_sum_masses
-from fem.simulate import Stepper
-from fem.start import RigidStart
-from fem.stiffness import Spectrum
+from fem.contact.corner import Corner, Drag, Penalty, Signed, add_corner_reaction
+from fem.discretisation.elements import discretise
+from fem.discretisation.mass import exact_inertia_masses, row_sum_masses
+from fem.discretisation.stiffness import Spectrum
+from fem.explicit.simulate import Stepper
+from fem.start.start import RigidStart
 from meshes import plate_mesh
 
 pytestmark = pytest.mark.verification
@@ -88,7 +88,7 @@ def test_kinetic_energy_of_rigid_motion_is_exact(plate_model: Callable[..., Any]
 
 
 def _columns() -> tuple[str, ...]:
-    from fem.measures import COLUMNS
+    from fem.explicit.measures import COLUMNS
 
     return COLUMNS
 

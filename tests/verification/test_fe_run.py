@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.fields import nodal_spin
-from fem.measures import COLUMNS
-from fem.simulate import Stepper, simulate
-from fem.start import RigidStart, start_fields
-from fem.time_loop import State
+from fem.discretisation.fields import nodal_spin
+from fem.explicit.measures import COLUMNS
+from fem.explicit.simulate import Stepper, simulate
+from fem.explicit.time_loop import State
+from fem.start.start import RigidStart, start_fields
 
 pytestmark = pytest.mark.verification
 

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.corner import DampedPenalty, Drag, Exact, Penalty
-from fem.materials import NeoHookean
-from fem.simulate import Stepper
-from fem.start import RigidStart
-from fem.time_loop import copy_state
+from fem.constitutive.materials import NeoHookean
+from fem.contact.corner import DampedPenalty, Drag, Exact, Penalty
+from fem.explicit.simulate import Stepper
+from fem.explicit.time_loop import copy_state
+from fem.start.start import RigidStart
 from meshes import distorted, plate_mesh
 from tailslap.command_line import _status
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
 from tailslap.studies import study_names
 from tailslap.studies.features import costs as costs_module
 from tailslap.studies.features import loops as loops_module
@@ -33,9 +33,9 @@ from tailslap.studies.features.machine_code import MachineCode, count, program_c
 from tailslap.studies.features.parts import PLAIN, fe_plan_of, parts_of, plain_scene
 from tailslap.studies.features.processes import COMMANDS, find_processes, parse_imports
 from tailslap.studies.features.proof import COSTS, FREE, UNSETTLED, Proof, prove
+from tailslap.studies.features.report.words import conclusion, headline, statements
+from tailslap.studies.features.report.write import write_costs
 from tailslap.studies.features.timing import Ratio, ratio, spread, take_turns
-from tailslap.studies.features.words import conclusion, headline, statements
-from tailslap.studies.features.write import write_costs
 
 pytestmark = pytest.mark.verification
 

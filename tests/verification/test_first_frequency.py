@@ -15,10 +15,10 @@ import scipy.linalg
 
 from tailslap.command_line import DONE, _status
 from tailslap.errors import InputError
-from tailslap.fe_plan import make_fe_plan
-from tailslap.inputs import resolved_inputs
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene, validate
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene, validate
+from tailslap.scene.inputs import resolved_inputs
 
 pytestmark = pytest.mark.verification
 

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from postprocess.comparison import relative_difference
+from postprocess.comparison.comparison import relative_difference
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
-from tailslap.plan import Plan, make_plan
-from tailslap.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.plan import Plan, make_plan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.run import run_scene
-from tailslap.scene_files import read_scene, validate
+from tailslap.scene.files import read_scene, validate
 from tailslap.studies.flexibility import survey as survey_module
 from tailslap.studies.flexibility.levels import (
     ABOVE_ALL,
@@ -42,6 +42,8 @@ from tailslap.studies.flexibility.measure import (
     thickness_tables,
 )
 from tailslap.studies.flexibility.points import Point, convergence_index, make_point
+from tailslap.studies.flexibility.report.words import headline, main_sentence
+from tailslap.studies.flexibility.report.write import write_flexibility
 from tailslap.studies.flexibility.statements import kept_sentence, statements
 from tailslap.studies.flexibility.survey import Survey, samples, start_samples, summed_up, survey
 from tailslap.studies.flexibility.sweep import (
@@ -53,8 +55,6 @@ from tailslap.studies.flexibility.sweep import (
     run_tables,
     three_meshes,
 )
-from tailslap.studies.flexibility.words import headline, main_sentence
-from tailslap.studies.flexibility.write import write_flexibility
 
 pytestmark = pytest.mark.verification
 

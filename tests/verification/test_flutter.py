@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.corner import Exact
-from fem.flutter import FACTOR, INSTANTS, corner_modes, foresee_flutter, growing_modes, highest_mode
-from fem.measures import COLUMNS
-from fem.simulate import Stepper
-from fem.start import RigidStart, friction_slope, to_global
-from fem.stiffness import stiffness_matrix
-from tailslap.decide_damping import CURE
-from tailslap.fe_plan import make_fe_plan
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene
+from fem.contact.corner import Exact
+from fem.discretisation.stiffness import stiffness_matrix
+from fem.explicit.measures import COLUMNS
+from fem.explicit.simulate import Stepper
+from fem.stability.flutter import FACTOR, INSTANTS, corner_modes, foresee_flutter, growing_modes, highest_mode
+from fem.start.start import RigidStart, friction_slope, to_global
+from tailslap.planning.decide_damping import CURE
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
 
 pytestmark = pytest.mark.verification
 

@@ -9,11 +9,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from postprocess.map_plots import COLOURS, PLACE, SIZE, MapAxis, draw_cells, draw_legend
-from postprocess.map_ticks import places, round_ticks, tick_texts
-from tailslap.scene_files import read_scene
+from postprocess.figures.map_plots import COLOURS, PLACE, SIZE, MapAxis, draw_cells, draw_legend
+from postprocess.figures.map_ticks import places, round_ticks, tick_texts
+from tailslap.scene.files import read_scene
 from tailslap.studies.stability.axes import stability_axes
-from tailslap.studies.stability.write import COLOUR_MEANINGS
+from tailslap.studies.stability.report.write import COLOUR_MEANINGS
 
 pytestmark = pytest.mark.verification
 

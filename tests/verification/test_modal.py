@@ -14,18 +14,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.modal_model import ModalPlate, modal_plate, with_fewer_modes
-from fem.modal_motion import MEASURED, accelerate, measure_rows
-from fem.modal_motion import reaction as corner_reaction
-from fem.modal_run import ModalMotion, integrate, modal_start
-from fem.start import RigidStart, relieved_fields, to_global
+from fem.modal.modal_model import ModalPlate, modal_plate, with_fewer_modes
+from fem.modal.modal_motion import MEASURED, accelerate, measure_rows
+from fem.modal.modal_motion import reaction as corner_reaction
+from fem.modal.modal_run import ModalMotion, integrate, modal_start
+from fem.start.start import RigidStart, relieved_fields, to_global
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
-from tailslap.fe_plan import FePlan, make_fe_plan
 from tailslap.modal import ModalRun, modal_run
-from tailslap.plan import make_plan
-from tailslap.rigid import COMPARED
-from tailslap.scene_files import read_scene
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.planning.rigid import COMPARED
+from tailslap.scene.files import read_scene
 
 pytestmark = pytest.mark.verification
 

@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.beam_theory import (
+from fem.modal.beam_theory import (
     Beam,
     euler_bernoulli_frequencies,
     longitudinal_frequencies,
     timoshenko_frequencies,
 )
-from fem.mode_kinds import mode_kinds
-from fem.modes import FreeModes, free_modes, most_modes
+from fem.modal.mode_kinds import mode_kinds
+from fem.modal.modes import FreeModes, free_modes, most_modes
 from meshes import plate_mesh
-from postprocess.mode_plots import draw_mode, mesh_edges
+from postprocess.figures.mode_plots import draw_mode, mesh_edges
 from tailslap.command_line import DONE, WRONG_INPUT, _status
-from tailslap.manifest import NAME as MANIFEST
+from tailslap.results.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
 

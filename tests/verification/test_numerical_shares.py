@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.fields import nodal_spin
-from tailslap.checks import SPOILT
-from tailslap.fe_plan import make_fe_plan
-from tailslap.flexibility import comparable_plate
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene
+from fem.discretisation.fields import nodal_spin
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.flexibility import comparable_plate
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
+from tailslap.verification.checks import SPOILT
 
 pytestmark = pytest.mark.verification
 

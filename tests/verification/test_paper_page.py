@@ -15,13 +15,13 @@ import pytest
 from test_command_line import imported
 from test_postprocess_report import Page
 
-from postprocess.paper_page import LINES, MARKS, Column, Row, Table, draw_figures, glued, prose
+from postprocess.pages.paper_page import LINES, MARKS, Column, Row, Table, draw_figures, glued, prose
 from tailslap.command_line import _status
-from tailslap.manifest import NAME as MANIFEST
 from tailslap.paper.answer import Answer, answer
-from tailslap.paper.content import all_numbers, sections
 from tailslap.paper.figures import FIGURES, figures, marks
-from tailslap.paper.findings import findings
+from tailslap.paper.report.content import all_numbers, sections
+from tailslap.paper.report.findings import findings
+from tailslap.results.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
 

@@ -11,14 +11,14 @@ import pytest
 
 from solver import plane_motion
 from tailslap.paper.answer import Answer, answer
-from tailslap.paper.content import sections
 from tailslap.paper.earlier import earlier_methods
 from tailslap.paper.forces import force_result
 from tailslap.paper.method import TRUCK, beside
 from tailslap.paper.printed import INPUTS, ForceRow
+from tailslap.paper.report.content import sections
+from tailslap.paper.report.terminal import print_paper
+from tailslap.paper.report.text import cells, fixed, percent
 from tailslap.paper.table_3 import instant
-from tailslap.paper.terminal import print_paper
-from tailslap.paper.text import cells, fixed, percent
 
 pytestmark = pytest.mark.verification
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from postprocess.colour_scale import colour_scale
-from postprocess.view import round_positions, view_of_plate
+from postprocess.contours.colour_scale import colour_scale
+from postprocess.contours.view import round_positions, view_of_plate
 
 pytestmark = pytest.mark.verification
 

@@ -10,9 +10,9 @@ import pyvista
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
-from postprocess import canvas, contours
-from postprocess.contours import SIZE, WALL, WALL_EDGE, ContourField, draw_contours
-from postprocess.view import view_of_plate
+from postprocess.contours import canvas, contours
+from postprocess.contours.contours import SIZE, WALL, WALL_EDGE, ContourField, draw_contours
+from postprocess.contours.view import view_of_plate
 
 pytestmark = pytest.mark.verification
 

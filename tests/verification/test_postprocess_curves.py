@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from postprocess.curves import Curve, draw_histories, power_of_ten, thinned
+from postprocess.figures.curves import Curve, draw_histories, power_of_ten, thinned
 
 pytestmark = pytest.mark.verification
 

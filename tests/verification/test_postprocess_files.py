@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.histories import read_history, write_history
-from postprocess.summary import write_summary
+from postprocess.files.histories import read_history, write_history
+from postprocess.files.summary import write_summary
 
 pytestmark = pytest.mark.verification
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from postprocess.metrics import Metrics, compare_histories
+from postprocess.comparison.metrics import Metrics, compare_histories
 
 pytestmark = pytest.mark.verification
 

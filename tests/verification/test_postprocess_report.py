@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from postprocess.comparison import comparison_rows
-from postprocess.curves import Curve
-from postprocess.metrics import Metrics
-from postprocess.numbers import number, padded, signed
-from postprocess.report import (
+from postprocess.comparison.comparison import comparison_rows
+from postprocess.comparison.metrics import Metrics
+from postprocess.figures.curves import Curve
+from postprocess.pages.numbers import number, padded, signed
+from postprocess.pages.report import (
     Check,
     LeftOut,
     Picture,

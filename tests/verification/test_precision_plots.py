@@ -11,9 +11,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
 
-from postprocess.figures import style
-from postprocess.label_spots import Box
-from postprocess.precision_plots import Diagram, Series, draw_panel, draw_precision
+from postprocess.figures.label_spots import Box
+from postprocess.figures.precision_plots import Diagram, Series, draw_panel, draw_precision
+from postprocess.figures.style import style
 
 pytestmark = pytest.mark.verification
 

@@ -12,8 +12,8 @@ import pytest
 
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.manifest import NAME
-from tailslap.result_folder import demand_place, result_folder
+from tailslap.results.manifest import NAME
+from tailslap.results.result_folder import demand_place, result_folder
 
 pytestmark = pytest.mark.verification
 

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError, Interrupted
-from tailslap.manifest import NAME
-from tailslap.result_folder import result_folder
+from tailslap.results.manifest import NAME
+from tailslap.results.result_folder import result_folder
 
 pytestmark = pytest.mark.verification
 

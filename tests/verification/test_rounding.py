@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.rounding import rounding_noise
-from fem.simulate import Stepper, simulate
-from fem.start import RigidStart
-from tailslap.plan import make_plan
+from fem.explicit.simulate import Stepper, simulate
+from fem.stability.rounding import rounding_noise
+from fem.start.start import RigidStart
+from tailslap.planning.plan import make_plan
 from tailslap.run import attempt
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 
 pytestmark = pytest.mark.verification
 

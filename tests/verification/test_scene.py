@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from tailslap.errors import InputError
-from tailslap.plan import make_plan
-from tailslap.scene import Scene
-from tailslap.scene_files import read_scene, shipped_scenes
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene, shipped_scenes
+from tailslap.scene.schema import Scene
 
 pytestmark = pytest.mark.verification
 

@@ -10,20 +10,17 @@ from typing import Any
 
 import pytest
 
-from postprocess.report import Check
+from postprocess.pages.report import Check
 from tailslap.errors import InputError
-from tailslap.plan import make_plan
+from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
-from tailslap.scene_files import read_scene, scene_of_text, validate
+from tailslap.scene.files import read_scene, scene_of_text, validate
 from tailslap.studies.stability import random_verdict
-from tailslap.studies.stability.advice import ADVICE, advice
 from tailslap.studies.stability.axes import Tables, base_tables
 from tailslap.studies.stability.draw import ELEMENTS, draw
 from tailslap.studies.stability.effort import expected_effort
 from tailslap.studies.stability.random_survey import RandomSurvey, random_survey
 from tailslap.studies.stability.random_verdict import KINDS, RandomVerdict, grade, judge_draw
-from tailslap.studies.stability.random_words import lines
-from tailslap.studies.stability.random_write import flat, write_cell, write_random
 from tailslap.studies.stability.reference import (
     MOST_ELEMENTS,
     Reference,
@@ -32,6 +29,9 @@ from tailslap.studies.stability.reference import (
     reference_tables,
     trustworthy,
 )
+from tailslap.studies.stability.report.advice import ADVICE, advice
+from tailslap.studies.stability.report.random_words import lines
+from tailslap.studies.stability.report.random_write import flat, write_cell, write_random
 from tailslap.studies.stability.toml_text import toml_text
 
 pytestmark = pytest.mark.verification

@@ -16,16 +16,16 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError, Interrupted
-from tailslap.numerical_error import NumericalError
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
 from tailslap.studies.journal import Journal
 from tailslap.studies.parallel import run_parts
 from tailslap.studies.stability.axes import Cell, base_tables, cell_tables, cells, stability_axes
+from tailslap.studies.stability.report.words import failed_checks, headline, refusals
+from tailslap.studies.stability.report.write import write_map
 from tailslap.studies.stability.survey import Survey
 from tailslap.studies.stability.verdict import Verdict, judge
-from tailslap.studies.stability.words import failed_checks, headline, refusals
-from tailslap.studies.stability.write import write_map
+from tailslap.verification.numerical_error import NumericalError
 
 pytestmark = pytest.mark.verification
 

@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fem.corner import Exact
-from fem.finite_strain import internal_forces
-from fem.measures import COLUMNS
-from fem.model import PlateModel
-from fem.simulate import Stepper, simulate
-from fem.start import KINDS, RigidStart, TooSoftError, start_fields, to_global
+from fem.contact.corner import Exact
+from fem.discretisation.model import PlateModel
+from fem.explicit.measures import COLUMNS
+from fem.explicit.simulate import Stepper, simulate
+from fem.start.finite_strain import internal_forces
+from fem.start.start import KINDS, RigidStart, TooSoftError, start_fields, to_global
 from meshes import plate_mesh
 from tailslap.command_line import WRONG_INPUT, _status
 

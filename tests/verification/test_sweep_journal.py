@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError
-from tailslap.manifest import NAME as MANIFEST
-from tailslap.manifest import demand_ours, listed_file
-from tailslap.result_folder import result_folder
+from tailslap.results.manifest import NAME as MANIFEST
+from tailslap.results.manifest import demand_ours, listed_file
+from tailslap.results.result_folder import result_folder
 from tailslap.sweep.definition import Definition, make_definition
 from tailslap.sweep.folder import sweep_folder
 from tailslap.sweep.journal import NAME, open_journal

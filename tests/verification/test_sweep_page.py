@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.comparison import KEYS
-from postprocess.sweep_page import Spread, SweepContent, Trouble, VariedKey, write_sweep_page
-from postprocess.sweep_plots import SweepRows, Varied, _edges, _scale, draw_sweep
-from tailslap.sweep.perform import Effort
+from postprocess.comparison.comparison import KEYS
+from postprocess.figures.sweep_plots import SweepRows, Varied, _edges, _scale, draw_sweep
+from postprocess.pages.sweep_page import Spread, SweepContent, Trouble, VariedKey, write_sweep_page
+from tailslap.sweep.complete import Effort
 from tailslap.sweep.progress import clock, sweep_progress
+from tailslap.sweep.report.words import shown, values_words
 from tailslap.sweep.variation import Variation
-from tailslap.sweep.words import shown, values_words
 
 pytestmark = pytest.mark.verification
 

@@ -24,10 +24,10 @@ import pytest
 import tailslap
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.manifest import NAME as MANIFEST
-from tailslap.plan import make_plan
+from tailslap.planning.plan import make_plan
+from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.run import run_scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 from tailslap.sweep import cluster as cluster_module
 from tailslap.sweep.definition import Definition, make_definition
 from tailslap.sweep.dispatch import Dispatcher, SchedulerLostError

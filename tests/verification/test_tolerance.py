@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError
-from tailslap.flexibility import sensitivity
-from tailslap.plan import make_plan
+from tailslap.planning.flexibility import sensitivity
+from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 from tailslap.tolerance import run_to_tolerance
 from tailslap.tolerance.choose import LIMIT, RIGID, Choice, choose
 from tailslap.tolerance.judge import judged

@@ -21,9 +21,9 @@ from scipy import stats
 import tailslap.studies
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.manifest import NAME as MANIFEST
-from tailslap.plan import make_plan
-from tailslap.scene_files import read_scene
+from tailslap.planning.plan import make_plan
+from tailslap.results.manifest import NAME as MANIFEST
+from tailslap.scene.files import read_scene
 from tailslap.studies import study_names
 from tailslap.studies.uncertainty.indices import sobol_indices
 from tailslap.studies.uncertainty.model import peak_forces, with_values

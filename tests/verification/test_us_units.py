@@ -10,10 +10,10 @@ import pytest
 
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.plan import make_plan
-from tailslap.rigid import rigid_answer, rigid_lines
-from tailslap.scene_files import read_scene
-from tailslap.us_units import converted, shown
+from tailslap.planning.plan import make_plan
+from tailslap.planning.rigid import rigid_answer, rigid_lines
+from tailslap.scene.files import read_scene
+from tailslap.scene.us_units import converted, shown
 
 pytestmark = pytest.mark.verification
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from postprocess.grid_convergence import CAUTIOUS_FACTOR, SAFETY_FACTOR, grid_convergence
-from tailslap.rigid import COMPARED
+from postprocess.comparison.grid_convergence import CAUTIOUS_FACTOR, SAFETY_FACTOR, grid_convergence
+from tailslap.planning.rigid import COMPARED
 
 MOST_ORDER = 2.0
 """Order of linear elements, of loads that jump and of central differences; a higher observed order is luck."""

@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from postprocess.comparison import relative_difference
+from postprocess.comparison.comparison import relative_difference
 from solver import integrate_odes, plane_motion
 from tailslap.errors import InputError
-from tailslap.plan import Plan, make_plan
-from tailslap.rigid import COMPARED, stage_two_numbers
-from tailslap.scene_files import read_scene
+from tailslap.planning.plan import Plan, make_plan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.scene.files import read_scene
 from tailslap.studies.cost.settings import EXACT, MODAL, ODE, Setting
 
 MOST_REPEATS, LEAST_REPEATS, PATIENCE = 7, 2, 1.0
@@ -78,8 +78,8 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
 
 def _modal(plan: Plan, setting: Setting) -> Record:
     """Integration and set-up, of which meshing and assembling are a part; not the runs of its own estimate."""
-    from tailslap.fe_plan import make_fe_plan
     from tailslap.modal import modal_run
+    from tailslap.planning.fe_plan import make_fe_plan
 
     setups: list[float] = []
     loops: list[float] = []
@@ -96,7 +96,7 @@ def _modal(plan: Plan, setting: Setting) -> Record:
 
 
 def _finite_elements(plan: Plan, setting: Setting) -> Record:
-    from tailslap.fe_plan import make_fe_plan
+    from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.run import compare
     from tailslap.tolerance.ladder import NANOSECONDS
 
@@ -124,7 +124,7 @@ def _finite_elements(plan: Plan, setting: Setting) -> Record:
 
 
 def _simulated(fe_plan: Any, setting: Setting, rows: int, share: float = 1.0) -> Any:
-    from fem.simulate import Stepper, simulate
+    from fem.explicit.simulate import Stepper, simulate
 
     stepper: Any = Stepper
     if setting.single:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from postprocess.grid_convergence import GridConvergence
-from tailslap.plan import Plan
+from postprocess.comparison.grid_convergence import GridConvergence
+from tailslap.planning.plan import Plan
 from tailslap.studies.cost.limits import Limit
 from tailslap.studies.cost.settings import EXACT, Setting
 

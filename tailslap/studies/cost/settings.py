@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tailslap.scene import Scene
+from tailslap.scene.schema import Scene
 
 EXACT, ODE, MODAL, FE = "exact", "ode", "modal", "fe"
 """Kinds of method: the exact rigid solution, SciPy's integrators of the rigid equations, the plate by a few modes,

@@ -10,10 +10,10 @@ import dataclasses
 
 import numpy as np
 
-from fem.model import PlateModel
-from fem.simulate import Stepper
-from fem.start import RigidStart
-from fem.time_loop import State
+from fem.discretisation.model import PlateModel
+from fem.explicit.simulate import Stepper
+from fem.explicit.time_loop import State
+from fem.start.start import RigidStart
 
 
 def single(values: np.ndarray) -> np.ndarray:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tailslap.fe_model import resolved_plate
-from tailslap.fe_plan import needed_plate
-from tailslap.plan import Plan
-from tailslap.scene import Scene
+from tailslap.planning.fe_model import resolved_plate
+from tailslap.planning.fe_plan import needed_plate
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Scene
 from tailslap.studies.cost.settings import DAMPING, FE, MODAL, MODES, PENALTY, STEP, Setting
 
 FREQUENCY, PATCH = 8.0, 0.2

@@ -8,11 +8,11 @@ import time
 from itertools import pairwise
 from pathlib import Path
 
-from postprocess.grid_convergence import GridConvergence, grid_convergence
-from tailslap.plan import Plan, make_plan
+from postprocess.comparison.grid_convergence import GridConvergence, grid_convergence
+from tailslap.planning.plan import Plan, make_plan
+from tailslap.planning.rigid import COMPARED
 from tailslap.progress import progress_bar
-from tailslap.rigid import COMPARED
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import Record, error_from, measure, rigid_truth
 from tailslap.studies.cost.points import CostSurvey, Point

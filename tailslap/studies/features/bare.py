@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.compiled import compiled, inlined
-from fem.corner import Penalty
-from fem.elements import ElementTable
-from fem.internal_force import at_lane, point_of
-from fem.lanes import LANES, balance, clear_idle, gather, lane_count, scatter, subtract_first
-from fem.materials import stress
-from fem.time_loop import LoopParameters, drift
+from fem.constitutive.materials import stress
+from fem.contact.corner import Penalty
+from fem.discretisation.elements import ElementTable
+from fem.explicit.internal_force import at_lane, point_of
+from fem.explicit.simd_blocks import LANES, balance, clear_idle, gather, lane_count, scatter, subtract_first
+from fem.explicit.time_loop import LoopParameters, drift
 
 
 class BareParameters(NamedTuple):

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from tailslap.fe_plan import FePlan, make_fe_plan
-from tailslap.plan import Plan, make_plan
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced, progress_bar
 from tailslap.studies.features.loops import Loop, bare_loop, difference, program_loop, rows_of_history
 from tailslap.studies.features.machine_code import MachineCode, bare_code, program_code

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.internal_force import scratch_for
-from fem.simulate import Stepper
-from fem.time_loop import State, advance, copy_state
-from tailslap.fe_plan import FePlan
+from fem.explicit.internal_force import scratch_for
+from fem.explicit.simulate import Stepper
+from fem.explicit.time_loop import State, advance, copy_state
+from tailslap.planning.fe_plan import FePlan
 from tailslap.studies.features.bare import advance_bare, bare_parameters
 from tailslap.studies.features.parts import Part
 from tailslap.studies.features.timing import seconds

@@ -10,8 +10,8 @@ from typing import Any
 import numba
 
 from fem.compiled import FAST_MATH
-from fem.time_loop import advance
-from tailslap.fe_plan import FePlan
+from fem.explicit.time_loop import advance
+from tailslap.planning.fe_plan import FePlan
 from tailslap.studies.features.bare import advance_bare, bare_parameters
 from tailslap.studies.features.loops import room, start_state, without_control
 

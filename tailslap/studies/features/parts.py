@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from tailslap.errors import InputError
-from tailslap.fe_plan import FePlan, make_fe_plan, needed_plate
-from tailslap.plan import Plan, make_plan
-from tailslap.scene import Corner, Damping, Material, Scene, Wall
+from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
+from tailslap.planning.plan import Plan, make_plan
+from tailslap.scene.schema import Corner, Damping, Material, Scene, Wall
 
 PLAIN, AGAIN, BARE = "plain", "plain again", "bare loop"
 """The loop without parts, the same a second time, and the loop that has no code for them."""

@@ -33,10 +33,10 @@ def command(
     workers: int | None,
 ) -> int:
     """Rigid to soft plates: how far the five quantities, reaction and stored energy are from the rigid values."""
-    from tailslap.fe_plan import needed_plate
-    from tailslap.plan import make_plan
-    from tailslap.result_folder import demand_place, result_folder
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.planning.plan import make_plan
+    from tailslap.results.result_folder import demand_place, result_folder
+    from tailslap.scene.files import read_scene
     from tailslap.studies.flexibility.survey import survey
     from tailslap.studies.flexibility.sweep import frequencies
 
@@ -47,10 +47,10 @@ def command(
     demand_place(place)
     found = survey(plan, sweep, place, workers)
     with result_folder(place) as folder:
-        from tailslap.studies.flexibility.write import write_flexibility
+        from tailslap.studies.flexibility.report.write import write_flexibility
 
         write_flexibility(found, folder)
-    from tailslap.studies.flexibility.terminal import print_flexibility
+    from tailslap.studies.flexibility.report.terminal import print_flexibility
 
     print_flexibility(found, place)
     return 0 if any(point.passed for point in found.points) else 1

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.comparison import relative_difference
+from postprocess.comparison.comparison import relative_difference
 from tailslap.errors import InputError
-from tailslap.fe_plan import make_fe_plan
-from tailslap.plan import make_plan
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene_files import validate
+from tailslap.scene.files import validate
 from tailslap.studies.flexibility.sweep import STARTS, Section
 from tailslap.studies.stability.axes import Tables
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from postprocess.comparison import relative_difference
-from postprocess.grid_convergence import SAFETY_FACTOR, grid_convergence
-from tailslap.rigid import COMPARED
+from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.grid_convergence import SAFETY_FACTOR, grid_convergence
+from tailslap.planning.rigid import COMPARED
 from tailslap.studies.flexibility.measure import KEPT, Record, farthest
 from tailslap.studies.flexibility.sweep import STARTS
 

@@ -6,9 +6,9 @@ import math
 
 from tailslap.studies.flexibility.levels import STRAIGHT
 from tailslap.studies.flexibility.points import Point
+from tailslap.studies.flexibility.report.words import FROM, MAIN, hertz, per_cent
 from tailslap.studies.flexibility.survey import Survey
 from tailslap.studies.flexibility.sweep import STARTS
-from tailslap.studies.flexibility.words import FROM, MAIN, hertz, per_cent
 
 RELIEF = STARTS[0]
 START = FROM[RELIEF].capitalize()

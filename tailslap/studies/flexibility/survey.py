@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tailslap.fe_plan import FePlan
-from tailslap.plan import Plan
-from tailslap.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.fe_plan import FePlan
+from tailslap.planning.plan import Plan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.studies.flexibility.levels import (
     Level,
     PowerLaw,

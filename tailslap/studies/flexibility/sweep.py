@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tailslap.errors import InputError
-from tailslap.fe_model import LEAST_STEPS, plate_density
-from tailslap.fe_plan import FePlan, make_fe_plan, needed_plate
-from tailslap.plan import Plan
-from tailslap.scene import Scene
+from tailslap.planning.fe_model import LEAST_STEPS, plate_density
+from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Scene
+from tailslap.scene.units import Quantity
 from tailslap.studies.stability.axes import Tables, base_tables
-from tailslap.units import Quantity
 
 STARTS = ("inertia-relief", "inertia-relief-momenta", "unstressed")
 """The starts that are run, whatever the scene's own; the first with meshes, modal model and thicknesses beside it."""

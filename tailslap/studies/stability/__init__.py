@@ -13,7 +13,7 @@ import click
 from tailslap.studies import study_arguments
 
 if TYPE_CHECKING:
-    from tailslap.plan import Plan
+    from tailslap.planning.plan import Plan
 
 
 @click.command("stability")
@@ -50,10 +50,10 @@ def command(
     workers: int | None,
 ) -> int:
     """Map of stiff and extreme cases: right, flexible, refused, caught, or wrong; exit 1 if a cell is wrong."""
-    from tailslap.fe_plan import needed_plate
-    from tailslap.plan import make_plan
-    from tailslap.result_folder import demand_place
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.planning.plan import make_plan
+    from tailslap.results.result_folder import demand_place
+    from tailslap.scene.files import read_scene
 
     plan = make_plan(*read_scene(name, changes))
     needed_plate(plan.scene)
@@ -65,26 +65,26 @@ def command(
 
 
 def _map(plan: Plan, points: int, tolerance: float, place: Path, workers: int | None) -> int:
-    from tailslap.result_folder import result_folder
+    from tailslap.results.result_folder import result_folder
+    from tailslap.studies.stability.report.words import lines
     from tailslap.studies.stability.survey import survey
-    from tailslap.studies.stability.words import lines
 
     found = survey(plan, points, tolerance, place, workers)
     with result_folder(place) as folder:
-        from tailslap.studies.stability.write import write_map
+        from tailslap.studies.stability.report.write import write_map
 
         write_map(found, folder)
     return _told(lines(found), place, found.counts["wrong"])
 
 
 def _random(plan: Plan, count: int, seed: int, place: Path, workers: int | None) -> int:
-    from tailslap.result_folder import result_folder
+    from tailslap.results.result_folder import result_folder
     from tailslap.studies.stability.random_survey import random_survey
-    from tailslap.studies.stability.random_words import lines
+    from tailslap.studies.stability.report.random_words import lines
 
     found = random_survey(plan, count, seed, place, workers)
     with result_folder(place) as folder:
-        from tailslap.studies.stability.random_write import write_random
+        from tailslap.studies.stability.report.random_write import write_random
 
         write_random(found, folder)
     return _told(lines(found), place, found.counts["wrong"])

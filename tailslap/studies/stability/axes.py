@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.scene import Scene
+from tailslap.scene.schema import Scene
 
 Tables = dict[str, dict[str, Any]]
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tailslap.errors import InputError
-from tailslap.plan import make_plan
-from tailslap.scene_files import validate
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import validate
 from tailslap.studies.stability.axes import Tables
 from tailslap.studies.stability.effort import beam_frequency, expected_effort
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tailslap.decide_mesh import ELEMENTS
-from tailslap.plan import Plan
-from tailslap.scene import Plate
+from tailslap.planning.decide_mesh import ELEMENTS
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Plate
 from tailslap.studies.stability.axes import Tables
 
 STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.5, "tri6": 3.5}

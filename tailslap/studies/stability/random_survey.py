@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from tailslap.plan import Plan
+from tailslap.planning.plan import Plan
 from tailslap.studies.journal import Journal
 from tailslap.studies.parallel import run_parts
 from tailslap.studies.stability.axes import Tables, base_tables

@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from postprocess.comparison import largest
+from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
-from tailslap.plan import make_plan
+from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene_files import validate
+from tailslap.scene.files import validate
 from tailslap.studies.stability.axes import Tables
 from tailslap.studies.stability.reference import Reference, find_reference
-from tailslap.verdict import OF_THE_REACTION
+from tailslap.verification.verdict import OF_THE_REACTION
 
 RIGHT, REACTION_ONLY, GOOD, CAUGHT, REFUSED, UNJUDGED, WRONG = KINDS = (
     *("right", "reaction only", "good but failed", "caught", "refused", "unjudged", "wrong"),

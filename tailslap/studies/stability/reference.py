@@ -8,12 +8,12 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from postprocess.comparison import largest
+from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
-from tailslap.plan import make_plan
+from tailslap.planning.plan import make_plan
 from tailslap.run import MORE_DAMPING, Outcome, attempt, damping_is_open, rings
-from tailslap.scene import Plate
-from tailslap.scene_files import validate
+from tailslap.scene.files import validate
+from tailslap.scene.schema import Plate
 from tailslap.studies.stability.axes import Tables
 from tailslap.studies.stability.effort import expected_effort
 

@@ -8,11 +8,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from tailslap.errors import InputError
-from tailslap.flexibility import RICHER
-from tailslap.plan import make_plan
+from tailslap.planning.flexibility import RICHER
+from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene import Plate
-from tailslap.scene_files import validate
+from tailslap.scene.files import validate
+from tailslap.scene.schema import Plate
 from tailslap.studies.stability.axes import Tables
 
 RIGHT, FLEXIBLE, REFUSED, CAUGHT, WRONG = KINDS = ("right", "flexible", "refused", "caught", "wrong")

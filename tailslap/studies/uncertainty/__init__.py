@@ -39,21 +39,21 @@ def command(
     fixed: tuple[str, ...],
 ) -> int:
     """Spread of the peak force over ranges of the inputs, and its Sobol indices."""
-    from tailslap.plan import make_plan
-    from tailslap.result_folder import result_folder
-    from tailslap.scene_files import read_scene
+    from tailslap.planning.plan import make_plan
+    from tailslap.results.result_folder import result_folder
+    from tailslap.scene.files import read_scene
     from tailslap.studies.uncertainty.ranges import study_ranges
 
     plan = make_plan(*read_scene(name, changes))
     varied = study_ranges(name, changes, ranges, fixed)
     place = out or Path("results") / f"{plan.scene.name}-uncertainty"
     with result_folder(place) as folder:
+        from tailslap.studies.uncertainty.report.write import write_spread
         from tailslap.studies.uncertainty.spread import find_spread
-        from tailslap.studies.uncertainty.write import write_spread
 
         spread = find_spread(plan, varied, samples)
         write_spread(spread, folder)
-    from tailslap.studies.uncertainty.terminal import print_spread
+    from tailslap.studies.uncertainty.report.terminal import print_spread
 
     print_spread(spread, place)
     return 0

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import RectangularBody, corner_impulse, strike_force, tail_slap
-from tailslap.scene import Scene, Start
+from tailslap.scene.schema import Scene, Start
 
 Array = NDArray[np.float64]
 

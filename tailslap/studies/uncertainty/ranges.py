@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from postprocess.report import SceneInput
+from postprocess.pages.report import SceneInput
 from tailslap.errors import InputError, Verbatim
-from tailslap.inputs import scene_inputs
-from tailslap.scene import Scene
-from tailslap.scene_files import read_scene
+from tailslap.scene.files import read_scene
+from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.schema import Scene
 from tailslap.studies.uncertainty.tolerances import default_limits
 
 STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitution")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tailslap.progress import progress_bar
-from tailslap.scene import Scene
+from tailslap.scene.schema import Scene
 from tailslap.studies.uncertainty.model import Array, peak_forces
 from tailslap.studies.uncertainty.ranges import Range
 

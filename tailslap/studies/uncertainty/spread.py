@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tailslap.errors import InputError, Verbatim
-from tailslap.inputs import scene_inputs
-from tailslap.plan import Plan, make_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced
+from tailslap.scene.inputs import scene_inputs
 from tailslap.studies.uncertainty.indices import Indices, sobol_indices
 from tailslap.studies.uncertainty.model import Array, with_values
 from tailslap.studies.uncertainty.ranges import Range, used_keys

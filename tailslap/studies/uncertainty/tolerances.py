@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tailslap.scene import Scene
+from tailslap.scene.schema import Scene
 
 MILE_PER_HOUR, DEGREE, POUND = 0.44704, 0.017453292519943295, 0.45359237
 

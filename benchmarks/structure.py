@@ -1,0 +1,118 @@
+"""The structure of the sources in figures: lines of code, what reports, modules per folder, import circles.
+
+    .venv/bin/python benchmarks/structure.py [--files]
+
+Lines of code are those without docstrings, comments and blank lines. What reports: `postprocess`, and modules named
+report, or in a folder of that name. An import circle counts lazy and type-only imports. With --files, each file.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+import tokenize
+from collections import Counter
+from collections.abc import Iterator
+from io import StringIO
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
+SKIPPED = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
+DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def sources(root: Path = ROOT) -> list[Path]:
+    """The modules of the five packages."""
+    return [path for package in PACKAGES for path in sorted((root / package).rglob("*.py"))]
+
+
+def code_lines(text: str) -> int:
+    """Lines without docstrings, comments and blank lines."""
+    described: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, DOCUMENTED) and node.body and ast.get_docstring(node, clean=False) is not None:
+            described |= set(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(StringIO(text).readline):
+        if token.type not in SKIPPED:
+            lines |= set(range(token.start[0], token.end[0] + 1))
+    return len(lines - described)
+
+
+def reports(path: Path) -> bool:
+    """Whether a module turns numbers into text, tables, pages or pictures."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return parts[0] == "postprocess" or bool({"report", "reports"} & set(parts))
+
+
+def module_name(path: Path) -> str:
+    """Dotted name of a module or package."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(path: Path, names: set[str]) -> Iterator[str]:
+    """Modules of the five packages that a module imports anywhere: at its head, within functions, for types."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in names)
+        elif isinstance(node, ast.ImportFrom) and node.module in names:
+            below = {f"{node.module}.{alias.name}" for alias in node.names}
+            yield from below & names or {node.module}
+
+
+def circles(root: Path = ROOT) -> list[list[str]]:
+    """Groups of modules that import each other, however indirectly (Tarjan's components of more than one)."""
+    paths = {module_name(path): path for path in sources(root)}
+    graph = {name: set(imports(path, set(paths))) - {name} for name, path in paths.items()}
+    reach = {name: _reached(graph, name) for name in graph}
+    groups = {frozenset(other for other in reach[name] if name in reach[other]) for name in graph}
+    return sorted(sorted(group) for group in groups if len(group) > 1)
+
+
+def _reached(graph: dict[str, set[str]], start: str) -> set[str]:
+    found, left = set(), [start]
+    while left:
+        for name in graph[left.pop()] - found:
+            found.add(name)
+            left.append(name)
+    return found
+
+
+def flat(root: Path = ROOT) -> Counter[str]:
+    """Modules by folder."""
+    return Counter(str(path.parent.relative_to(root)) for path in sources(root) if path.name != "__init__.py")
+
+
+def main() -> None:
+    """Print the figures."""
+    lines = {path: code_lines(path.read_text(encoding="utf-8")) for path in sources()}
+    total = sum(lines.values())
+    if "--files" in sys.argv:
+        for path, count in lines.items():
+            print(f"{count:5d}  {'report' if reports(path) else '      '}  {path.relative_to(ROOT)}")
+    for package in PACKAGES:
+        print(
+            f"{package:<12} {sum(n for path, n in lines.items() if path.is_relative_to(ROOT / package)):6d} lines"
+        )
+    reporting = sum(n for path, n in lines.items() if reports(path))
+    print(
+        f"{'together':<12} {total:6d} lines, {reporting} of them report ({100.0 * reporting / total:.1f} %)"
+    )
+    name, most = flat().most_common(1)[0]
+    print(f"most modules in one folder: {most} in {name}")
+    print(f"import circles: {len(circles())}")
+    for circle in circles():
+        print("   ", ", ".join(circle))
+
+
+if __name__ == "__main__":
+    main()

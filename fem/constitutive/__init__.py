@@ -1,0 +1,1 @@
+"""Materials: stress and energy density from the deformation gradient."""

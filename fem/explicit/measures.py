@@ -1,0 +1,150 @@
+"""What is read off the plate at an instant: momenta, rotation, reactions, energies; compiled.
+
+Velocities at instant n are the mean of those half a step before and after; with the kinetic energy as
+m v_before . v_after / 2 and works by the trapezoidal rule, central differences keep the energy of a linear model
+to rounding, so that what the ledger shows is the model's error and not the bookkeeping's.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fem.compiled import compiled
+from fem.constitutive.materials import energy_density
+from fem.contact.corner import add_corner_reaction, hold_energy, weighted
+from fem.explicit.elastic_damping import SUMS, damp
+from fem.explicit.internal_force import subtract_internal_forces
+
+COLUMNS = (
+    "theta",
+    "omega",
+    "v_gx",
+    "v_gy",
+    "slide",
+    "v_p",
+    "reaction_normal",
+    "reaction_tangential",
+    "kinetic_energy",
+    "strain_energy",
+    "contact_energy",
+    "friction_work",
+    "damping_work",
+    "vibration_energy",
+    "normal_impulse",
+    "normal_impulse_magnitude",
+    "gap",
+    "hourglass_energy",
+)
+"""Columns of a row, SI. `vibration_energy` is the kinetic energy that is not rigid motion's; the impulses are
+those of the normal reaction and of its magnitude: they part where the reaction rings through zero."""
+
+
+@compiled
+def measure(state, loop, viscosity, hourglass, reference, force, scratch, row):
+    """Fill `row` (COLUMNS) with what the state holds at its instant; the state is left as it is.
+
+    reference: positions in the body frame [m], shape (2, nodes); the plate's angle is that of the rigid
+    rotation that carries them onto the positions with the least mass-weighted square of distance.
+    """
+    positions, velocities, sums, origin = state
+    half = 0.5 * loop.time_step
+    force[:] = 0.0
+    subtract_internal_forces(
+        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+    )
+    damping_power = damp(
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, np.empty(SUMS), force
+    )
+    normal, tangential, slip, later_slip, _ = add_corner_reaction(
+        positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+    )
+    theta, omega, v_x, v_y, kinetic, vibration = _motion(positions, velocities, force, loop, reference)
+    row[0], row[1], row[2], row[3] = theta, omega, v_x, v_y
+    row[4], row[5] = origin[0] + weighted(positions[0], loop.corner), 0.5 * (slip + later_slip)
+    row[6], row[7] = normal, tangential
+    row[8], row[9] = kinetic, _strain_energy(positions, loop.table, loop.material)
+    row[10] = hold_energy(loop.corner.hold, weighted(positions[1], loop.corner))
+    row[11], row[12] = sums[0] + half * tangential * slip, sums[1] + half * damping_power
+    row[13] = vibration
+    row[14], row[15] = sums[2] + half * normal, sums[3] + half * abs(normal)
+    row[16] = weighted(positions[1], loop.corner)
+    row[17] = 0.0
+    if hourglass is not None:
+        row[17] = _hourglass_energy(positions, loop.table, hourglass)
+
+
+@compiled
+def _motion(positions, velocities, force, loop, reference):
+    """Angle, spin, centre's velocity, kinetic energy of the ledger, kinetic energy beside the rigid motion."""
+    mass, half = loop.mass, 0.5 * loop.time_step
+    total = c_x = c_y = b_x = b_y = v_x = v_y = kinetic = 0.0
+    for i in range(mass.size):
+        m = mass[i]
+        d_x, d_y = half * force[0, i] / m, half * force[1, i] / m
+        u_x, u_y = velocities[0, i] + d_x, velocities[1, i] + d_y
+        total += m
+        c_x += m * positions[0, i]
+        c_y += m * positions[1, i]
+        b_x += m * reference[0, i]
+        b_y += m * reference[1, i]
+        v_x += m * u_x
+        v_y += m * u_y
+        kinetic += 0.5 * m * (u_x * u_x + u_y * u_y - d_x * d_x - d_y * d_y)
+    c_x, c_y, b_x, b_y = c_x / total, c_y / total, b_x / total, b_y / total
+    v_x, v_y = v_x / total, v_y / total
+    cosine = sine = spin = inertia = 0.0
+    for i in range(mass.size):
+        m = mass[i]
+        x, y = positions[0, i] - c_x, positions[1, i] - c_y
+        r_x, r_y = reference[0, i] - b_x, reference[1, i] - b_y
+        u_x = velocities[0, i] + half * force[0, i] / m - v_x
+        u_y = velocities[1, i] + half * force[1, i] / m - v_y
+        cosine += m * (r_x * x + r_y * y)
+        sine += m * (r_x * y - r_y * x)
+        spin += m * (x * u_y - y * u_x)
+        inertia += m * (x * x + y * y)
+    omega, vibration = spin / inertia, 0.0
+    for i in range(mass.size):
+        u_x = velocities[0, i] + half * force[0, i] / mass[i] - v_x + omega * (positions[1, i] - c_y)
+        u_y = velocities[1, i] + half * force[1, i] / mass[i] - v_y - omega * (positions[0, i] - c_x)
+        vibration += 0.5 * mass[i] * (u_x * u_x + u_y * u_y)
+    return -math.atan2(sine, cosine), omega, v_x, v_y, kinetic, vibration
+
+
+@compiled
+def _strain_energy(positions, table, material):
+    nodes, congruent = len(table.per_element), table.weights.shape[1] == 1
+    energy = 0.0
+    for element in range(table.connectivity.shape[1]):
+        column = 0 if congruent else element
+        for point in range(table.weights.shape[0]):
+            f_11 = f_12 = f_21 = f_22 = 0.0
+            for a in range(nodes):
+                node = table.connectivity[a, element]
+                g_1 = table.gradients[(point * nodes + a) * 2, column]
+                g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
+                f_11 += positions[0, node] * g_1
+                f_12 += positions[0, node] * g_2
+                f_21 += positions[1, node] * g_1
+                f_22 += positions[1, node] * g_2
+            e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
+            e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
+            g_12 = f_11 * f_12 + f_21 * f_22
+            energy += table.weights[point, column] * energy_density(material, e_11, e_22, g_12)
+    return energy
+
+
+@compiled
+def _hourglass_energy(positions, table, hourglass):
+    energy = 0.0
+    for element in range(table.connectivity.shape[1]):
+        column = 0 if hourglass.stiffness.size == 1 else element
+        q_1 = q_2 = 0.0
+        for a in range(len(table.per_element)):
+            node = table.connectivity[a, element]
+            q_1 += hourglass.vectors[a, column] * positions[0, node]
+            q_2 += hourglass.vectors[a, column] * positions[1, node]
+        energy += 0.5 * hourglass.stiffness[column] * (q_1 * q_1 + q_2 * q_2)
+    return energy

@@ -1,0 +1,203 @@
+"""The run: from a model and a start to histories and the state at the tail-slap."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.compiled import has_code, one_process_compiles
+from fem.contact.corner import add_corner_reaction
+from fem.discretisation.model import PlateModel
+from fem.explicit.elastic_damping import SUMS, damp
+from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.explicit.measures import COLUMNS, measure
+from fem.explicit.time_loop import State, advance, copy_state
+from fem.stability.deformed import deformed_frequency
+from fem.start.start import RigidStart, start_fields
+
+LOOKS = 4
+"""Instants of a run at which the stable time step is looked at again, in the deformed plate."""
+
+GLANCES = 50
+"""Instants of a run at which it is asked whether it is spoilt."""
+
+OVERTIME = 1.5
+"""Multiples of the expected duration after which a run that has not struck is given up."""
+
+
+@dataclass(frozen=True)
+class Strike:
+    """The tail-slap: `values` by name (t and COLUMNS), positions [m] and velocities [m/s], shape (2, nodes)."""
+
+    values: dict[str, float]
+    positions: np.ndarray
+    velocities: np.ndarray
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run gives. `strike` is None if the side did not reach the wall, or the numbers left the finite."""
+
+    history: dict[str, np.ndarray]
+    strike: Strike | None
+    steps: int
+    time_loop_s: float
+    highest_frequency: float  # [rad/s], the largest at a few instants of the run
+
+
+class Stepper:
+    """The compiled loop with its parameters and its room to work in; the state is the caller's.
+
+    threads: 1, or more for large meshes; numbers repeat to the bit for the same number.
+    """
+
+    def __init__(self, model: PlateModel, threads: int = 1) -> None:
+        self.model, self.loop = model, model.loop
+        self._reference = model.discretisation.positions
+        self._parts = (self.loop.viscosity, self.loop.hourglass)
+        self._force = np.zeros_like(self._reference)
+        self._scratch = scratch_for(self.loop.table)
+        self._team = None
+        if threads > 1:
+            from fem.explicit.parallel import Team
+
+            self._team = Team(self.loop, self._scratch, threads)
+
+    @property
+    def has_code(self) -> bool:
+        """Whether this process has the machine code of the step."""
+        state = State(self._reference, self._reference, np.zeros(4), np.zeros(1))
+        return has_code(advance, state, 1, self.loop, *self._parts, self._force, self._scratch)
+
+    def start(self, start: RigidStart, kind: str) -> State:
+        """State at t = 0, its velocities set back by half a step."""
+        positions, velocities = start_fields(self.model, start, kind)
+        positions, velocities = np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
+        loop, state = self.loop, State(positions, velocities, np.zeros(4), np.zeros(1))
+        self._react(state)
+        state.velocities[:] -= 0.5 * loop.time_step * self._force / loop.mass
+        normal, tangential, damping = self._react(state)
+        # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
+        friction = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
+        state.sums[:] = -0.5 * loop.time_step * np.array([friction, damping, normal, abs(normal)])
+        return state
+
+    def _react(self, state: State) -> tuple[float, float, float]:
+        """Put all forces into the room for them; returns the normal and the tangential reaction [N], and the power
+        [W] of the elastic damping with the velocities half a step back."""
+        loop, force, motion = self.loop, self._force, np.zeros(SUMS)
+        positions, velocities, *_ = state
+        force[:] = 0.0
+        subtract_internal_forces(
+            positions, velocities, *self._parts, force, loop.table, loop.material, self._scratch
+        )
+        damping = damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
+        normal, tangential, *_ = add_corner_reaction(
+            positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+        )
+        return normal, tangential, damping
+
+    def advance(self, state: State, steps: int) -> State:
+        """The state this many steps later; the one given stays as it is."""
+        later = copy_state(state)
+        if self._team:
+            self._team.advance(later, steps)
+        else:
+            advance(later, steps, self.loop, *self._parts, self._force, self._scratch)
+        return later
+
+    def measure(self, state: State) -> np.ndarray:
+        """Values of COLUMNS at the state's instant."""
+        row = np.empty(len(COLUMNS))
+        measure(state, self.loop, *self._parts, self._reference, self._force, self._scratch, row)
+        return row
+
+    def nodal_velocities(self, state: State) -> np.ndarray:
+        """Velocities [m/s] at the state's instant, shape (2, nodes)."""
+        later = self.advance(state, 1)
+        return 0.5 * (state.velocities + later.velocities)
+
+
+def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None:
+    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
+    stepper = Stepper(model, threads)
+    with nullcontext() if stepper.has_code else one_process_compiles():
+        state = stepper.start(start, "unstressed")
+        stepper.measure(stepper.advance(state, 0))
+
+
+def simulate(
+    model: PlateModel,
+    start: RigidStart,
+    duration: float,
+    kind: str = "inertia-relief",
+    rows: int = 400,
+    threads: int = 1,
+    progress: Callable[[float], None] = lambda share: None,
+    spoilt: Callable[[dict[str, float]], bool] = lambda row: False,
+    make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
+) -> Run:
+    """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
+
+    duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
+    spoilt: told a row of the history now and then, by its names; when it says so, the run is given up there.
+    """
+    stepper, time_step = make_stepper(model, threads), model.loop.time_step
+    stride = max(1, round(duration / time_step / rows))
+    last = OVERTIME * duration / time_step
+    began = time.perf_counter()
+    state, step = stepper.start(start, kind), 0
+    table, strike, seen = [(0.0, *stepper.measure(state))], None, []
+    while strike is None and step < last and np.isfinite(table[-1]).all():
+        later = stepper.advance(state, stride)
+        row = (time_step * (step + stride), *stepper.measure(later))
+        if row[1] <= 0.0:
+            strike, step = _locate(stepper, state, step)
+            row = (strike.values["t"], *(strike.values[name] for name in COLUMNS))
+        else:
+            if len(table) % (rows // LOOKS) == 0:
+                seen.append(later.positions)
+            state, step = later, step + stride
+        table.append(row)
+        progress(min(1.0, row[0] / duration))
+        if len(table) % max(1, rows // GLANCES) == 0 and spoilt(dict(zip(("t", *COLUMNS), row, strict=True))):
+            break
+    elapsed = time.perf_counter() - began
+    history = dict(zip(("t", *COLUMNS), np.array(table).T, strict=True))
+    finite = [
+        positions for positions in (*seen[: LOOKS - 1], state.positions) if np.isfinite(positions).all()
+    ]
+    frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
+    return Run(history, strike, step, elapsed, frequency)
+
+
+def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
+    """Strike at angle zero, and the number of steps to just beyond it.
+
+    Steps on singly to one step past the first angle <= 0, and interpolates by the polynomial, cubic where four
+    instants are there, that gives everything as a function of the angle.
+    """
+    found = [(step, state, stepper.measure(state))]
+    while len(found) < 2 or found[-2][2][0] > 0.0:
+        step, state = step + 1, stepper.advance(state, 1)
+        found = [*found[-3:], (step, state, stepper.measure(state))]
+    steps, states, rows = zip(*found, strict=True)
+    weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
+    values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
+    values |= {"t": float(weights @ np.array(steps)) * stepper.loop.time_step, "theta": 0.0}
+    positions = np.tensordot(weights, [state.positions_on_wall for state in states], 1)
+    velocities = np.tensordot(weights, [stepper.nodal_velocities(state) for state in states], 1)
+    return Strike(values, positions, velocities), step
+
+
+def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:
+    """Weights of the values at `nodes` in the interpolating polynomial at `at`."""
+    difference = nodes[:, None] - nodes[None, :]
+    np.fill_diagonal(difference, 1.0)
+    numerator = at - np.tile(nodes, (nodes.size, 1))
+    np.fill_diagonal(numerator, 1.0)
+    return np.asarray((numerator / difference).prod(axis=1))

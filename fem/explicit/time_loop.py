@@ -1,0 +1,110 @@
+"""Explicit central differences: the compiled loop. Output is not part of it.
+
+State between steps: positions at instant n, velocities at n - 1/2, and what has been summed up so far. A step is:
+forces at n, then velocities to n + 1/2, then positions to n + 1.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.compiled import compiled, inlined
+from fem.contact.corner import Corner, add_corner_reaction
+from fem.discretisation.elements import ElementTable
+from fem.explicit.elastic_damping import SUMS, damp, gained
+from fem.explicit.internal_force import subtract_forces_of
+from fem.explicit.simd_blocks import lane_count
+
+
+class LoopParameters(NamedTuple):
+    """Everything that stays as it is during a run; a part that is None is compiled out of the loop."""
+
+    table: ElementTable
+    material: Any
+    mass: np.ndarray
+    corner: Corner
+    friction: Any
+    viscosity: Any
+    hourglass: Any
+    elastic_damping: Any
+    time_step: float
+    span: float  # [m], by which the origin follows the corner along the wall
+
+
+class State(NamedTuple):
+    """Where the plate is, and what has been summed up on the way.
+
+    positions [m] and velocities half a step back [m/s], shape (2, nodes). sums, shape (4,): friction work and
+    damping work done on the plate [J]; impulse of the normal reaction and of its magnitude [N s]. origin [m], shape
+    (1,): place along the wall that the positions are counted from. It follows the plate: far from it a coordinate
+    keeps fewer digits of the strain, and a stiff plate sums up their rounding over millions of steps.
+    """
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    sums: np.ndarray
+    origin: np.ndarray
+
+    @property
+    def positions_on_wall(self) -> np.ndarray:
+        """Positions in the wall's frame [m], shape (2, nodes)."""
+        return self.positions + np.array([[self.origin[0]], [0.0]])
+
+
+def copy_state(state: State) -> State:
+    """A state of its own, for the loop advances in place."""
+    return State(*(array.copy() for array in state))
+
+
+@compiled
+def advance(state, steps, loop, viscosity, hourglass, force, scratch):
+    """Advance the state in place by this many steps. `force` and `scratch` are room to work in."""
+    positions, velocities, _, _ = state
+    lanes, nodes = lane_count(loop.table.connectivity, scratch.lattice), loop.mass.size
+    motion = np.zeros(SUMS)
+    for _ in range(steps):
+        force[:] = 0.0
+        power = subtract_forces_of(
+            0, lanes, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+        )
+        power -= damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
+        react(state, loop, power, force)
+        state.sums[1] += loop.time_step * gained(
+            loop.elastic_damping, motion, state, loop.time_step, 0, nodes, force
+        )
+        drift(positions, velocities, force, loop.mass, loop.time_step, follow(state, loop), 0, nodes)
+
+
+@inlined
+def react(state, loop, lost, force):
+    """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums."""
+    positions, velocities, sums, _ = state
+    time_step = loop.time_step
+    normal, tangential, slip, later_slip, dashpot_power = add_corner_reaction(
+        positions, velocities, loop.mass, time_step, loop.corner, loop.friction, force
+    )
+    sums[0] += 0.5 * time_step * tangential * (slip + later_slip)
+    sums[1] += time_step * (dashpot_power - lost)
+    sums[2] += time_step * normal
+    sums[3] += time_step * abs(normal)
+
+
+@inlined
+def follow(state, loop):
+    """Move the origin along with the corner; returns by how much [m] the positions are to be set back."""
+    x = state.positions[0, loop.corner.nodes[0]]
+    shift = loop.span if x >= loop.span else -loop.span if x <= -loop.span else 0.0
+    state.origin[0] += shift
+    return shift
+
+
+@compiled
+def drift(positions, velocities, force, mass, time_step, shift, begin, end):
+    for i in range(2):
+        x, v, f, m = positions[i, begin:end], velocities[i, begin:end], force[i, begin:end], mass[begin:end]
+        back = shift if i == 0 else 0.0
+        for node in range(m.size):
+            v[node] += time_step * f[node] / m[node]
+            x[node] += time_step * v[node] - back

@@ -1,0 +1,122 @@
+"""The modal model of the plate: a floating frame, its lowest elastic modes, and the flexibility of the others.
+
+The equations are derived in docs/modal.md. The frame moves with the plate's mass centre and turns so that elastic
+motion has no moment about it (Tisserand's condition): the modes of the free plate fulfil it by themselves. The modes
+left out follow their loads at once. There are three loads: the reaction along x and along y, and the squared spin,
+which pulls every mass outwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.contact.corner import Exact, Penalty
+from fem.discretisation.model import PlateModel
+from fem.modal.modes import free_modes
+from fem.start.elastic import elastic_solver
+
+
+class ModalModel(NamedTuple):
+    """Everything that stays as it is during a run; SI, body frame.
+
+    arm: from the mass centre to the corner [m], shape (2,). squares: squared frequencies [1/s^2], shape (modes,).
+    corner: shapes at the corner [1/sqrt(kg)], shape (2, modes). growth: half the change of the rotary inertia by a
+    coordinate of one [sqrt(kg) m], shape (modes,). turning: angular momentum of coordinate k against the rate of l,
+    shape (modes, modes), antisymmetric. flexibility: work of load i on what load j does to the modes left out,
+    shape (3, 3): along x and y at the corner [m/N], and by the squared spin [m s^2], [kg m^2 s^2].
+    hold: give of the corner's hold [m/N], 0 for the exact constraint. friction: a law of `fem.contact.corner`, or None.
+    """
+
+    mass: float
+    inertia: float
+    arm: np.ndarray
+    squares: np.ndarray
+    corner: np.ndarray
+    growth: np.ndarray
+    turning: np.ndarray
+    flexibility: np.ndarray
+    hold: float
+    friction: Any
+
+
+@dataclass(frozen=True)
+class ModalPlate:
+    """The model, and the shapes of its modes weighted with the masses [sqrt(kg)], shape (modes, 2, nodes)."""
+
+    model: ModalModel
+    weighted: np.ndarray
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Of the modes kept [rad/s], shape (modes,)."""
+        return np.asarray(np.sqrt(self.model.squares))
+
+
+def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
+    """The modal model with the lowest `count` elastic modes.
+
+    Raises ValueError for a count the mesh does not have, a dashpot at the corner, and damping of the plate.
+    """
+    loop, modes = plate.loop, free_modes(plate, count)
+    if not isinstance(loop.corner.hold, Penalty | Exact):
+        raise ValueError("the modal model has no dashpot at the corner")
+    if loop.viscosity is not None:
+        raise ValueError("the modal model has no damping of the plate")
+    masses, positions = loop.mass, plate.discretisation.positions
+    body = positions - (positions @ masses / masses.sum())[:, None]
+    loads = _loads(masses, body, loop.corner)
+    solve = elastic_solver(plate.stiffness, masses, body)
+    fields = np.array([solve(load.ravel()).reshape(2, -1) for load in loads])
+    shares = np.tensordot(modes.shapes, loads, ((1, 2), (1, 2)))  # of the loads in the modes, (modes, 3)
+    squares, weighted = modes.frequencies**2, modes.shapes * masses
+    turning = weighted[:, 0] @ modes.shapes[:, 1].T
+    model = ModalModel(
+        mass=float(masses.sum()),
+        inertia=float(masses @ (body**2).sum(axis=0)),
+        arm=_at(body, loop.corner),
+        squares=squares,
+        corner=np.ascontiguousarray(shares[:, :2].T),
+        growth=np.ascontiguousarray(shares[:, 2]),
+        turning=np.ascontiguousarray(turning - turning.T),
+        flexibility=np.tensordot(loads, fields, ((1, 2), (1, 2))) - shares.T @ (shares / squares[:, None]),
+        hold=0.0 if isinstance(loop.corner.hold, Exact) else 1.0 / loop.corner.hold.stiffness,
+        friction=loop.friction,
+    )
+    return ModalPlate(model, weighted)
+
+
+def with_fewer_modes(modal: ModalPlate, count: int) -> ModalPlate:
+    """The model with only its first `count` modes: the others' flexibility joins that of the modes left out."""
+    model = modal.model
+    shares = np.column_stack([model.corner[:, count:].T, model.growth[count:]])
+    fewer = model._replace(
+        squares=model.squares[:count].copy(),
+        corner=model.corner[:, :count].copy(),
+        growth=model.growth[:count].copy(),
+        turning=model.turning[:count, :count].copy(),
+        flexibility=model.flexibility + shares.T @ (shares / model.squares[count:, None]),
+    )
+    return ModalPlate(fewer, modal.weighted[:count])
+
+
+def _loads(masses: np.ndarray, body: np.ndarray, corner: Any) -> np.ndarray:
+    """Forces of the three loads on the nodes, shape (3, 2, nodes), each in equilibrium.
+
+    The reaction's with the inertia of the rigid motion that it causes; centrifugal forces balance as they are.
+    """
+    total, inertia = masses.sum(), masses @ (body**2).sum(axis=0)
+    arm, loads = _at(body, corner), []
+    for direction, moment in ((np.array([1.0, 0.0]), -arm[1]), (np.array([0.0, 1.0]), arm[0])):
+        turning = np.array([-body[1], body[0]]) * (moment / inertia)
+        load = -masses * (direction[:, None] / total + turning)
+        load[:, corner.nodes] += np.outer(direction, corner.weights)
+        loads.append(load)
+    return np.array([*loads, masses * body])
+
+
+def _at(field: np.ndarray, corner: Any) -> np.ndarray:
+    """A nodal field's value at the corner, shape (2,)."""
+    return np.asarray(field[:, corner.nodes] @ corner.weights)

@@ -1,0 +1,88 @@
+"""Natural frequencies and shapes of the free plate in its plane.
+
+    K phi = w^2 M phi        K the model's stiffness, M its lumped masses
+
+The largest eigenvalues of the elastic inverse are found, on motions that are mass-orthogonal to the rigid ones:
+shift-invert with the shift at zero. The three rigid modes are not in that space; they are known exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.start.elastic import elastic_solver, rigid_motions
+
+
+@dataclass(frozen=True)
+class FreeModes:
+    """Elastic modes by rising frequency, and the rigid ones.
+
+    frequencies [rad/s], shape (modes,); shapes [1/sqrt(kg)], body frame, shape (modes, 2, nodes), of unit modal
+    mass. rigid: two translations and the turn, likewise, shape (3, 2, nodes); rigid_frequencies [rad/s], shape
+    (3,): what the stiffness gives for them, which is rounding.
+    """
+
+    frequencies: np.ndarray
+    shapes: np.ndarray
+    rigid: np.ndarray
+    rigid_frequencies: np.ndarray
+
+
+def most_modes(nodes: int) -> int:
+    """How many elastic modes can be asked for on a mesh of so many nodes: Lanczos cannot give all."""
+    return 2 * nodes - 4
+
+
+def free_modes(model: Any, count: int) -> FreeModes:
+    """The lowest `count` elastic modes of a `PlateModel`. Raises ValueError for a count it cannot give."""
+    return plate_modes(model.stiffness, model.loop.mass, model.discretisation.positions, count)
+
+
+def plate_modes(stiffness: Any, masses: np.ndarray, positions: np.ndarray, count: int) -> FreeModes:
+    """The lowest `count` elastic modes; arguments as those of `elastic_solver`, positions in the body frame."""
+    nodes = masses.size
+    if not 0 <= count <= most_modes(nodes):
+        raise ValueError(f"{count} modes were asked for; {nodes} nodes give 0 to {most_modes(nodes)}")
+    root = np.sqrt(np.tile(masses, 2))
+    body = positions - (positions @ masses / masses.sum())[:, None]
+    rigid, _ = np.linalg.qr(root[:, None] * rigid_motions(body))
+    shapes = (rigid / root[:, None]).T
+    quotients = np.abs(((stiffness @ shapes.T).T * shapes).sum(axis=1))
+    values, vectors = _lowest(stiffness, masses, body, root, rigid, count)
+    return FreeModes(
+        frequencies=values,
+        shapes=(vectors / root[:, None]).T.reshape(count, 2, nodes),
+        rigid=shapes.reshape(3, 2, nodes),
+        rigid_frequencies=np.sqrt(quotients),
+    )
+
+
+def lowest_frequency(stiffness: Any, masses: np.ndarray, positions: np.ndarray) -> float:
+    """Lowest elastic frequency of the free plate [Hz]; arguments as those of `plate_modes`."""
+    return float(plate_modes(stiffness, masses, positions, 1).frequencies[0]) / (2.0 * math.pi)
+
+
+def _lowest(
+    stiffness: Any, masses: np.ndarray, body: np.ndarray, root: np.ndarray, rigid: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [rad/s] and eigenvectors of M^-1/2 K M^-1/2 beside the rigid ones, shape (2 nodes, count)."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    if not count:
+        return np.zeros(0), np.zeros((root.size, 0))
+    solve = elastic_solver(stiffness, masses, body)
+
+    def elastic(vector: np.ndarray) -> np.ndarray:
+        return np.asarray(vector - rigid @ (rigid.T @ vector))
+
+    def inverse(vector: np.ndarray) -> np.ndarray:
+        return root * solve(root * elastic(vector.ravel()))
+
+    operator = LinearOperator((root.size, root.size), matvec=inverse, dtype=float)
+    first = np.cos(1.7 * np.arange(root.size)) + 0.1  # fixed, so that runs repeat to the bit
+    compliances, vectors = eigsh(operator, k=count, which="LA", v0=first)
+    return 1.0 / np.sqrt(compliances[::-1]), vectors[:, ::-1]

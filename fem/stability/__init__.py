@@ -1,0 +1,1 @@
+"""What could spoil a run: stiffening as the plate deforms, flutter by friction, rounding."""

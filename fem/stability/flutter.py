@@ -1,0 +1,153 @@
+"""Flutter foreseen: the linearised plate with friction at its corner, judged by the Nyquist criterion.
+
+The tangential force follows the normal one, R = slope N, so the corner's stiffness is not symmetric:
+k (n + slope t) n^T with n and t the directions across and along the wall. Pairs of modes can then take energy from the
+sliding motion and grow. In the free plate's modes, of squares w_j^2 and residues a_j = (n phi_j) ((n + slope t) phi_j),
+this is an update of rank one, and the growing motions exp(s t) are the roots with Re s > 0 of
+
+    f(s) = 1 / k + sum_j a_j / (w_j^2 + s^2)
+
+How many grow faster than a rate is the number of turns of f about zero along Re s = rate: no root is looked for.
+Stiffness-proportional damping b K takes b w^2 / 2 off the rate of a mode of frequency w, which bends that line.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.compiled import compiled
+from fem.discretisation.model import PlateModel
+from fem.start.start import RigidStart, friction_slope, to_global
+
+MOST_UNKNOWNS = 1200
+"""Above this all modes cost more than many a run; a coarser mesh of the same plate then stands in."""
+
+INSTANTS = 9
+"""Angles between the start and zero at which the model is linearised."""
+
+HARMLESS = 5.0
+"""Exponent of growth during the run that leaves no trace: after inertia relief the ripple is 1e-6 to 1e-7 of the
+reaction."""
+
+FACTOR = math.sqrt(2.0)
+"""Between the rates that are tried."""
+
+
+class CornerModes(NamedTuple):
+    """Squares of the free plate's circular frequencies, shape (modes,), its rigid motions as one with zero first; the
+    corner's motion in each mode of unit modal mass [1/sqrt(kg)], in the body frame, shape (2, modes)."""
+
+    squares: np.ndarray
+    corner: np.ndarray
+
+
+@dataclass(frozen=True)
+class Flutter:
+    """rate [1/s]: no mode grows faster; 0 where none reaches the harmless rate. growth: exponent over the run at
+    most. lowest [rad/s]: elastic frequency of the free plate, 0 where nothing was to be analysed."""
+
+    rate: float
+    growth: float
+    lowest: float = 0.0
+
+
+def foresee_flutter(
+    model: PlateModel, start: RigidStart, duration: float, viscous: float = 0.0, harmless: float = HARMLESS
+) -> Flutter:
+    """Growth over a run of this duration [s]. viscous [s]: rate that damping takes off a mode over its frequency
+    squared, see `viscous_rate`; harmless: exponent of growth below which nothing is told apart."""
+    slope = friction_slope(model.loop.friction, start.corner_speed)
+    if slope == 0.0:
+        return Flutter(0.0, 0.0)  # a symmetric stiffness: no growth
+    modes = corner_modes(model)
+    least, rates = harmless / duration, []
+    for angle in np.linspace(start.angle, 0.0, INSTANTS):
+        rates.append(_rate(model, modes, angle, slope, viscous, least))
+    growth = float(np.trapezoid(rates, dx=duration / (INSTANTS - 1)))
+    return Flutter(max(rates), growth, math.sqrt(modes.squares[3]))
+
+
+def viscous_rate(model: PlateModel) -> float:
+    """Rate that the model's viscosity takes off a mode over its frequency squared [s], the bulk part left aside."""
+    viscosity = model.loop.viscosity
+    return 0.0 if viscosity is None else 0.5 * viscosity.c_33 / model.tangent_moduli.c_33
+
+
+def corner_modes(model: PlateModel) -> CornerModes:
+    """All modes of the free plate as the corner sees them."""
+    masses, corner = model.loop.mass, model.loop.corner
+    root = 1.0 / np.sqrt(np.tile(masses, 2))
+    squares, shapes = np.linalg.eigh(root[:, None] * model.stiffness.toarray() * root)
+    scaled = (root[:, None] * shapes).reshape(2, masses.size, -1)
+    moved = np.einsum("n,inm->im", corner.weights, scaled[:, corner.nodes])
+    return CornerModes(np.maximum(squares, 0.0), moved)
+
+
+def _rate(
+    model: PlateModel, modes: CornerModes, angle: float, slope: float, viscous: float, least: float
+) -> float:
+    """The least rate [1/s] of those tried that no mode outgrows at this angle; 0 if that is the first."""
+    along, across = to_global(angle) @ modes.corner  # rows: directions X and Y in the body frame
+    residues = across * (across + slope * along)
+    residues[2] = residues[:3].sum()  # rigid motions have no stiffness
+    squares, residues = modes.squares[2:], residues[2:]
+    squares[0] = 0.0
+    hold = model.loop.corner.hold
+    stiffness, dashpot = getattr(hold, "stiffness", math.inf), getattr(hold, "damping", 0.0)
+    rate, top = least, 1.5 * highest_mode(squares, residues, stiffness)
+    while rate < top and growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
+        rate *= FACTOR
+    return rate if rate > least else 0.0
+
+
+def highest_mode(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
+    """Frequency [rad/s] above which the held plate has no mode."""
+    spring = stiffness * np.abs(residues).sum() if math.isfinite(stiffness) else 0.0
+    return math.sqrt(squares[-1] + spring)
+
+
+@compiled
+def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
+    """Number of roots that grow faster than `rate` [1/s] beside the damping `viscous`, two to an oscillation.
+
+    Steps along the line from the real axis up to `top` [rad/s], each small enough for f to turn by less than a
+    radian, or as small as a hundredth of the distance to the poles.
+    """
+    exact = not np.isfinite(stiffness)
+    longest = 2.0 * rate
+    step, frequency, turned = longest, 0.0, 0.0
+    before = _response(squares, residues, stiffness, dashpot, exact, rate, 0.0)
+    while frequency < top:
+        later = frequency + step
+        ahead = rate + viscous * later * later
+        value = _response(squares, residues, stiffness, dashpot, exact, ahead, later)
+        turn = np.angle(value * before.conjugate())
+        if abs(turn) > 1.0 and step > 0.01 * rate:
+            step *= 0.5
+            continue
+        turned, frequency, before = turned + turn, later, value
+        longest = 2.0 * ahead
+        step = min(longest, 1.5 * step)
+    # Far out f is real and positive, or where the hold is exact s^2 f is.
+    turned -= np.angle(before)
+    return round(abs(turned) / math.pi)
+
+
+@compiled
+def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
+    """f(s) at s = real + i imaginary; of an exact hold s^2 f(s)."""
+    p, q = real * real - imaginary * imaginary, 2.0 * real * imaginary
+    f_real = f_imaginary = 0.0
+    for mode in range(squares.size):
+        distance = squares[mode] + p
+        share = residues[mode] / (distance * distance + q * q)
+        f_real += distance * share
+        f_imaginary -= q * share
+    value = complex(f_real, f_imaginary)
+    if exact:
+        return value * complex(p, q)
+    return value + 1.0 / complex(stiffness + dashpot * real, dashpot * imaginary)

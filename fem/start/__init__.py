@@ -1,0 +1,1 @@
+"""The deformed plate at the first instant: inertia relief, linear and at finite strain."""

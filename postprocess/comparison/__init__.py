@@ -1,0 +1,1 @@
+"""Two motions set side by side: differences, error measures, orders of convergence."""

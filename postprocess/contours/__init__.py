@@ -1,0 +1,1 @@
+"""Contour pictures of the plate, drawn off-screen by VTK."""

@@ -1,0 +1,153 @@
+"""Contour pictures of nodal fields on the deformed plate, above the rigid wall: one PNG a field.
+
+Drawn by VTK off the screen, without an X server. Nothing is lit, so a pixel inside an element has exactly the
+colour of its band on the scalar bar. The view takes in the plate and as much of the wall as fits beside it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from postprocess.contours.canvas import INK, add_disc, add_line, add_text, canvas, style_text, surface
+from postprocess.contours.colour_scale import LABELS, ColourScale, colour_scale
+from postprocess.contours.view import View, round_positions, view_of_plate
+
+SIZE = (1600, 700)
+COLOUR_MAP = "viridis"
+WALL, WALL_EDGE, OUTLINE = "#bfc3c7", "#a9aeb3", "#d1495b"
+
+Floats = NDArray[np.float64]
+Quads = NDArray[np.integer[Any]]
+
+
+@dataclass(frozen=True)
+class ContourField:
+    """A nodal field: part of the file name ("v_gx"), words for the title, unit, values (n,) in that unit."""
+
+    name: str
+    title: str
+    unit: str
+    values: Floats
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What all pictures of one instant share; see `draw_contours` for shapes and units."""
+
+    points: Floats
+    quads: Quads
+    wall_points: Floats | None
+    wall_quads: Quads | None
+    outline: Floats | None
+    corner: Sequence[float] | None
+    centroid: Sequence[float] | None
+    caption: str
+
+
+def draw_contours(
+    points: Floats,
+    quads: Quads,
+    fields: Sequence[ContourField],
+    out_dir: Path,
+    *,
+    wall_points: Floats | None = None,
+    wall_quads: Quads | None = None,
+    outline: Floats | None = None,
+    corner: Sequence[float] | None = None,
+    centroid: Sequence[float] | None = None,
+    scene: str = "",
+    time: float | None = None,
+) -> list[Path]:
+    """Writes `contour_NAME.png` for each field into out_dir and returns the paths.
+
+    points: deformed nodes of the plate [m], shape (n, 2); quads: its elements, shape (e, 4); wall_points and
+    wall_quads: the same for the wall, which without them is the line Y = 0; outline: closed reference
+    polygon [m], shape (k, 2); corner and centroid: the points P and G [m] to mark; time: of the strike [s].
+    """
+    moment = [] if time is None else [f"tail-slap at t = {time:.6f} s"]
+    caption = ",  ".join([scene, *moment])
+    setting = Setting(points, quads, wall_points, wall_quads, outline, corner, centroid, caption)
+    return [_draw(setting, field, out_dir / f"contour_{field.name}.png") for field in fields]
+
+
+def range_note(field: ContourField, scale: ColourScale) -> str:
+    """The line under the title: smallest and largest nodal value, or that the field does not vary."""
+    low, high = float(np.min(field.values)), float(np.max(field.values))
+    if not scale.uniform:
+        return f"nodal values from {scale.text(low)} to {scale.text(high)} {field.unit}"
+    return (
+        f"uniform to rounding: {0.5 * (low + high):.7g} {field.unit} at every node, spread {high - low:.1e}; "
+        "the colour range is widened to 0.1 %"
+    )
+
+
+def _draw(setting: Setting, field: ContourField, path: Path) -> Path:
+    view, scale = view_of_plate(setting.points, SIZE), colour_scale(field.values)
+    with canvas(view) as plotter:
+        _add_wall(plotter, setting, view)
+        _add_plate(plotter, setting, field, scale)
+        _add_marks(plotter, setting, view)
+        add_text(plotter, f"{field.title} [{field.unit}]", (24, SIZE[1] - 46), 28, bold=True)
+        add_text(plotter, setting.caption, (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
+        add_text(plotter, range_note(field, scale), (24, SIZE[1] - 78), 18)
+        plotter.screenshot(path)
+    return path
+
+
+def _add_plate(plotter: Any, setting: Setting, field: ContourField, scale: ColourScale) -> None:
+    plate = surface(setting.points, setting.quads, 0.0)
+    plate.point_data[field.name] = field.values
+    colours = {"cmap": COLOUR_MAP, "clim": (scale.low, scale.high), "n_colors": scale.bands}
+    style = {"show_edges": True, "edge_opacity": 0.35, "line_width": 1, "lighting": False}
+    plotter.add_mesh(plate, scalars=field.name, show_scalar_bar=False, reset_camera=False, **colours, **style)
+    place = {"position_x": 0.12, "position_y": 0.77, "width": 0.76, "height": 0.09}
+    bar = plotter.add_scalar_bar(title="", mapper=plotter.mapper, n_labels=LABELS, fmt=scale.format, **place)
+    bar.UnconstrainedFontSizeOn()
+    style_text(bar.GetLabelTextProperty(), 21)
+
+
+def _add_wall(plotter: Any, setting: Setting, view: View) -> None:
+    left, right = view.span()
+    words = "wall line, Y = 0"
+    if setting.wall_points is not None and setting.wall_quads is not None:
+        wall = surface(setting.wall_points, setting.wall_quads, -0.02)
+        edges = {"show_edges": True, "edge_color": WALL_EDGE, "line_width": 1}
+        plotter.add_mesh(wall, color=WALL, lighting=False, reset_camera=False, **edges)
+        left = max(left, float(setting.wall_points[:, 0].min()))
+        right = min(right, float(setting.wall_points[:, 0].max()))
+        words = "rigid wall, Y ≤ 0"
+    add_line(plotter, np.array([[left, 0.0], [right, 0.0]]))
+    _add_ruler(plotter, left, right, view)
+    add_text(plotter, words, (24, 24), 20)
+    add_text(plotter, "X [m], driving direction →", (SIZE[0] - 24, 24), 20, "right")
+
+
+def _add_ruler(plotter: Any, left: float, right: float, view: View) -> None:
+    """Ticks and X values [m] along the wall line, away from the borders of the picture."""
+    margin = 30 * view.pixel_length
+    for x in round_positions(left + margin, right - margin):
+        column, row = view.pixel(x, 0.0)
+        add_line(plotter, np.array([[x, 0.0], [x, -8.0 * view.pixel_length]]))
+        add_text(plotter, f"{x:g}", (column, row - 30), 18, "center")
+
+
+def _add_marks(plotter: Any, setting: Setting, view: View) -> None:
+    if setting.outline is not None:
+        add_line(plotter, np.vstack([setting.outline, setting.outline[:1]]), OUTLINE)
+        add_text(plotter, "red outline: reference", (SIZE[0] / 2, 24), 20, "center")
+    for name, point in (("P", setting.corner), ("G", setting.centroid)):
+        if point is not None:
+            _add_mark(plotter, name, (float(point[0]), float(point[1])), view)
+
+
+def _add_mark(plotter: Any, name: str, point: tuple[float, float], view: View) -> None:
+    add_disc(plotter, point, 8 * view.pixel_length, INK, 0.02)
+    add_disc(plotter, point, 5 * view.pixel_length, "white", 0.03)
+    column, row = view.pixel(*point)
+    label = add_text(plotter, name, (column + 14, row + 10), 24)
+    label.prop.background_color = "white"
+    label.prop.background_opacity = 0.8

@@ -1,0 +1,1 @@
+"""Figures by matplotlib, as SVG inside pages or as PNG files."""

@@ -1,0 +1,1 @@
+"""Histories and summaries as CSV and JSON files."""

@@ -1,0 +1,1 @@
+"""The review as tables, findings and a page."""

@@ -1,0 +1,40 @@
+"""The findings of the review: what was checked, what was seen, how to repeat it. Every figure is computed."""
+
+from __future__ import annotations
+
+from postprocess.pages.paper_page import Finding
+from tailslap.paper.answer import Answer
+from tailslap.paper.printed import ABAQUS
+from tailslap.paper.report.force_findings import factors_finding, ratios_finding, restitution_finding
+from tailslap.paper.report.motion_findings import (
+    abaqus_finding,
+    analytical_finding,
+    reaction_finding,
+    speed_finding,
+)
+
+
+def findings(result: Answer) -> tuple[Finding, ...]:
+    """In the order of the paper's results, that of restitution before the forces it changes."""
+    return (
+        analytical_finding(result.table_3),
+        speed_finding(result.table_1),
+        abaqus_finding(result.table_3),
+        reaction_finding(result.reaction),
+        restitution_finding(result.restitution),
+        ratios_finding(result.table_4, result.table_5),
+        factors_finding(result.table_4, result.table_5, result.row_b[0]),
+    )
+
+
+def headline(result: Answer) -> str:
+    """The result in three sentences."""
+    column, force = result.table_3.analytical, result.table_3.peak_force.computed / 1e3
+    worst = max(abs(column[name].difference) for name in ("v_gy", "v_gx", "slide"))
+    return (
+        f"The analytical column of Table 3 is confirmed: velocities and slide to {100 * worst:.2f} %, with a peak "
+        f"force of {force:.0f} kN for a pulse of 0.1 s. The ABAQUS column is the motion without friction at "
+        f"t = {result.table_3.reading:g} s, where s = {result.table_3.abaqus_read['slide'].computed:.3f} m against "
+        f"the printed {ABAQUS['slide']:g} m. Tables 4 and 5 can be recomputed only for the vehicle of Table 1: the "
+        "paper gives no other."
+    )

@@ -1,0 +1,143 @@
+"""Damping of the elastic velocities where friction would make the plate flutter: as much as that takes, none else."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from tailslap.errors import InputError
+from tailslap.planning.decisions import Decision, with_tables
+from tailslap.planning.fe_model import make_static_model
+from tailslap.planning.flexibility import rigid_start
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Damping, Plate
+
+if TYPE_CHECKING:
+    from fem.discretisation.model import PlateModel
+    from fem.stability.flutter import Flutter
+
+CURE = 4.0
+"""Rate of the damping over that of the fastest growing mode: above 2 it decays."""
+
+HARMLESS_UNSTRESSED = 2.0
+"""Exponent of growth that an unstressed start stands, whose oscillation is there from the beginning."""
+
+STAND_IN, STAND_INS = 2.0, 2
+"""For a mesh too large for all its modes, coarser ones stand in: factor on their rates, and how many are looked at."""
+
+OVERDAMPS = 0.5
+"""Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
+
+HEARD = 0.005
+"""Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What the linearised model foretells of friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh
+    could be analysed; its exponent over the run; the exponent that counts; whether coarser meshes stood in; the lowest
+    elastic frequency [rad/s]. And of rounding: the ripple at the end of the run over the reaction at the start, and
+    the rate of damping that keeps it unheard, 0 where it is."""
+
+    rate: float
+    exponent: float
+    harmless: float
+    stand_in: bool = False
+    ripple: float = 0.0
+    ripple_rate: float = 0.0
+    lowest: float = 0.0
+
+    @property
+    def overdamps(self) -> bool:
+        """Whether the damping that suppresses it would keep the plate from following its loads."""
+        return CURE * self.rate > OVERDAMPS * self.lowest
+
+    @property
+    def counts(self) -> bool:
+        """Whether there is friction, by which anything could grow."""
+        return self.harmless > 0.0
+
+
+def foresee(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
+    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding."""
+    from fem.stability.rounding import rounding_noise
+
+    noise, normal = rounding_noise(model), abs(float(plan.motion_of_mass(model.mass).at(0.0).reaction_normal))
+    ripple = noise.ripple(plan.motion.strike.t) / normal
+    rate = noise.rate_for(HEARD * normal) if ripple > HEARD else 0.0
+    return replace(_by_friction(plan, plate, model), ripple=ripple, ripple_rate=rate)
+
+
+def _by_friction(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
+    from fem.stability.flutter import HARMLESS, MOST_UNKNOWNS, foresee_flutter, viscous_rate
+
+    harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
+    duration, start, viscous = plan.motion.strike.t, rigid_start(plan), viscous_rate(model)
+    if model.loop.friction is None:
+        return Growth(0.0, 0.0, 0.0)
+    if 2 * model.loop.mass.size <= MOST_UNKNOWNS:
+        found = foresee_flutter(model, start, duration, viscous, harmless)
+        return _growth(found, harmless)
+    found_by = [
+        foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
+        for coarse in _coarser_models(plan, plate, MOST_UNKNOWNS)
+    ]
+    fastest: Flutter | None = max(found_by, key=lambda each: each.rate, default=None)
+    if fastest is None:
+        return Growth(math.nan, math.nan, harmless, stand_in=True)
+    more = replace(fastest, rate=STAND_IN * fastest.rate, growth=STAND_IN * fastest.growth)
+    return replace(_growth(more, harmless), stand_in=True)
+
+
+def _growth(found: Flutter, harmless: float) -> Growth:
+    """What was found; no more than half the exponent that counts is harmless whatever the rate is for a moment."""
+    rate = found.rate if found.growth > 0.5 * harmless else 0.0
+    return Growth(rate, found.growth, harmless, lowest=found.lowest)
+
+
+def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:
+    """The finest coarser meshes of the same element that make a model and can be analysed."""
+    (along, across), found = plate.counts, 0
+    while found < STAND_INS and max(along, across) > 2:
+        along, across = max(2, round(along / 1.5)), max(2, round(across / 1.5))
+        try:
+            model = make_static_model(plan, plate.model_copy(update={"elements": (along, across)}))
+        except InputError:
+            continue
+        if 2 * model.loop.mass.size <= most_unknowns:
+            found += 1
+            yield model
+
+
+def suppressing_rate(growth: Growth) -> float:
+    """Rate [1/s] of the damping of elastic velocities that suppresses what is foreseen."""
+    return max(
+        growth.ripple_rate, CURE * growth.rate
+    )  # in this order a rate that is not known, NaN, asks for none
+
+
+def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Plan, tuple[Decision, ...]]:
+    """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants."""
+    given = plan.scene.damping
+    if given is not None and given.kind is not None:
+        return plan, ()
+    least = (growth.harmless or HARMLESS_UNSTRESSED) / plan.motion.strike.t if factor > 1.0 else 0.0
+    rate = factor * max(suppressing_rate(growth), CURE * least)
+    if not rate > 0.0:
+        return plan, ()
+    table = (given or Damping()).model_copy(update={"kind": "elastic-velocity", "rate": rate})
+    return with_tables(plan, damping=table), (
+        Decision("damping.kind", "elastic-velocity", _why(growth, factor)),
+        Decision("damping.rate", rate, "1/s, as much as that takes"),
+    )
+
+
+def _why(growth: Growth, factor: float) -> str:
+    why = "the plate would ring"
+    if growth.ripple_rate > CURE * growth.rate:
+        why = f"in so many steps rounding would make the reaction ring by {100.0 * growth.ripple:.2g} %"
+    elif growth.rate > 0.0:
+        why = f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
+    return f"{why}; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else why

@@ -1,0 +1,104 @@
+"""Elements of the plate where the scene leaves them open: for this vehicle's proportions, and fine enough."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tailslap.errors import InputError
+from tailslap.planning.decisions import Decision
+from tailslap.planning.fe_model import make_static_model, resolved_plate
+from tailslap.planning.flexibility import comparable_plate, share_given
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Plate
+
+if TYPE_CHECKING:
+    from fem.discretisation.model import PlateModel
+
+ELEMENTS, STRETCH = 120, 1.23
+"""Elements in all, and length over height of one, of the first mesh that is tried: the paper's 20 x 6."""
+
+MESH_SHARE, MESH_FLOOR = 0.1, 2e-5
+"""Share of the plate's flexibility that may be the mesh's doing before richer elements are tried, and what is always
+let pass: the difference from the rigid motion is of that size itself."""
+
+MOST_CHOSEN = 2000
+"""Elements up to which the program refines by itself."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A plate with all its elements chosen and its modulus resolved, its static model, and how far it gives: on this
+    mesh, and on the comparable one."""
+
+    plate: Plate
+    model: PlateModel
+    give: float
+    other_give: float
+
+    @property
+    def fine_enough(self) -> bool:
+        """Whether what the mesh does to the plate's flexibility is of no account."""
+        allowed = max(MESH_FLOOR, MESH_SHARE * max(self.give, self.other_give))
+        return abs(self.give - self.other_give) <= allowed
+
+
+def decide_mesh(plan: Plan, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
+    """The plate with its elements; what was left open is chosen by statics, without a run. Raises InputError."""
+    open_keys = [key for key in ("elements", "element") if key not in plate.model_fields_set]
+    chosen: Mesh | None = None
+    for candidate in _candidates(plan, plate):
+        try:
+            made = make_mesh(plan, candidate)
+        except InputError:
+            if chosen is None and candidate.element == "quad9":
+                raise
+            continue
+        if chosen is None or plate.elements is None or made.fine_enough:
+            chosen = made
+        if made.fine_enough or not open_keys:
+            break
+    chosen = chosen or make_mesh(plan, next(_candidates(plan, plate)))
+    return chosen, tuple(
+        Decision(f"plate.{key}", getattr(chosen.plate, key), _why(plate, key))
+        for key in open_keys
+        if getattr(chosen.plate, key) != getattr(plate, key)
+    )
+
+
+def make_mesh(plan: Plan, plate: Plate) -> Mesh:
+    """The plate's static model and its give beside the comparable one's. Raises InputError."""
+    plate = resolved_plate(plan, plate)
+    model, other = make_static_model(plan, plate), make_static_model(plan, comparable_plate(plate))
+    return Mesh(plate, model, share_given(plan, model), share_given(plan, other))
+
+
+def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:
+    """From cheap to dear: the element as it is, quadratic ones, and where the counts are open, more of them."""
+    counts = plate.elements or _first_counts(plan)
+    chosen = "element" in plate.model_fields_set or plate.lumping == "row-sum"
+    elements = (plate.element,) if chosen else ("quad4", "quad9")
+    while True:
+        for element in elements:
+            yield plate.model_copy(update={"elements": counts, "element": element})
+        counts = (2 * counts[0], 2 * counts[1])
+        if plate.elements is not None or math.prod(counts) > MOST_CHOSEN:
+            return
+
+
+def _first_counts(plan: Plan) -> tuple[int, int]:
+    length, width = plan.body.length, plan.body.width
+    height = math.sqrt(length * width / (ELEMENTS * STRETCH))
+    patch = plan.scene.corner.patch_length or length
+    along = max(round(length / (STRETCH * height)), 2, math.ceil(length / patch))
+    return min(along, 1000), max(2, round(width / height))
+
+
+def _why(plate: Plate, key: str) -> str:
+    if key == "element" and plate.elements is not None:
+        return "on this mesh linear elements are too stiff for the plate's flexibility"
+    if key == "element":
+        return "linear elements are too stiff in bending"
+    return "left open; elements of about this proportion, fine enough for the plate's flexibility"

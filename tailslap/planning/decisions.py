@@ -1,0 +1,36 @@
+"""What the program decides where the scene leaves it open, each with its reason: a scene without open ends follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Scene
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A key of the scene, the value that the program gave it, and why. value None: it stays out."""
+
+    key: str
+    value: Any
+    why: str
+
+    @property
+    def shown(self) -> str:
+        """The decision as a line."""
+        value = "none" if self.value is None else _shown(self.value)
+        return f"{self.key} = {value}: {self.why}"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    return f"[{', '.join(map(str, value))}]" if isinstance(value, tuple) else str(value)
+
+
+def with_tables(plan: Plan, **tables: Any) -> Plan:
+    """The plan with tables of its scene replaced; the rigid motion does not depend on these."""
+    scene: Scene = plan.scene.model_copy(update=tables)
+    return replace(plan, scene=scene)

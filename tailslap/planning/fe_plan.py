@@ -1,0 +1,140 @@
+"""The finite-element side of a plan: model, wall and start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from tailslap.errors import InputError, Missing
+from tailslap.planning.decide_constraint import decide_hold, softened_hold
+from tailslap.planning.decide_damping import Growth, decide_damping, foresee
+from tailslap.planning.decide_mesh import decide_mesh
+from tailslap.planning.decisions import Decision, with_tables
+from tailslap.planning.fe_model import damped, finished, held
+from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Plate, Scene
+
+if TYPE_CHECKING:
+    import meshio
+
+    from fem.discretisation.model import PlateModel
+    from fem.start.start import RigidStart
+
+UPDATES_PER_SECOND = 2e7
+"""Element updates a second that the expected cost is reckoned with; `benchmarks/speed.py` measures them."""
+
+
+@dataclass(frozen=True)
+class FePlan:
+    """What the run integrates, and how far it may be from a rigid plate.
+
+    asked: the plan as given; plan: its scene has no open ends any more; decisions: what the program filled in. plate:
+    the scene's, with the modulus that its first frequency asks for where the scene gives that instead. growth: of the
+    fastest mode by friction.
+    """
+
+    asked: Plan
+    plan: Plan
+    decisions: tuple[Decision, ...]
+    growth: Growth
+    plate: Plate
+    wall: meshio.Mesh | None
+    model: PlateModel
+    start: RigidStart
+    travel: float  # way of the centre of mass towards the wall [m]
+    give: float  # share of that travel that the elastic plate gives at the start
+    other_give: float  # the same with richer elements on this mesh: what it differs by is the mesh's doing
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""
+        from fem.modal.modes import lowest_frequency
+
+        model = self.model
+        if self.plate.first_frequency is not None:
+            return self.plate.first_frequency
+        return lowest_frequency(model.stiffness, model.loop.mass, model.discretisation.positions)
+
+    @cached_property
+    def damping_lag(self) -> float:
+        """What the damping of elastic velocities holds the corner back by, over the centre's way to the wall."""
+        from fem.start.start import damping_lag
+
+        return damping_lag(self.model, self.start) / self.travel
+
+    @cached_property
+    def elastic_energy(self) -> float:
+        """Energy [J] of the quasi-static elastic state at the start, the corner's spring included."""
+        from fem.start.start import elastic_energy
+
+        return elastic_energy(self.model, self.start)
+
+    @cached_property
+    def spring_share(self) -> float:
+        """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
+        stiffness = getattr(self.model.loop.corner.hold, "stiffness", math.inf)
+        normal = self.plan.motion_of_mass(self.model.mass).at(0.0).reaction_normal
+        return abs(float(normal)) / stiffness / self.travel
+
+    @property
+    def expected_steps(self) -> int:
+        """Steps to the rigid body's tail-slap."""
+        return math.ceil(self.plan.motion.strike.t / self.model.loop.time_step)
+
+
+def needed_plate(scene: Scene) -> Plate:
+    """The scene's plate; InputError where it has none."""
+    if scene.plate is None:
+        raise InputError("plate", Missing, "a run needs this table; `tailslap rigid` does without it")
+    return scene.plate
+
+
+def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
+    """Decide what the scene leaves open, mesh and assemble. Raises InputError for keys that make no model.
+
+    more_damping: factor on the damping that is foreseen to be needed.
+    """
+    asked, given = plan, needed_plate(plan.scene)
+    mesh, mesh_decisions = decide_mesh(plan, given)
+    plate, model = mesh.plate, mesh.model
+    choices = {"elements": plate.elements, "element": plate.element}
+    plan = with_tables(plan, plate=given.model_copy(update=choices))
+    plan, hold_decisions = decide_hold(plan, plate, model)
+    if hold_decisions:
+        model = held(plan, plate, model)
+    model = finished(plan, plate, model)
+    growth = foresee(plan, plate, model)
+    if growth.overdamps and not hold_decisions:
+        plan, hold_decisions = softened_hold(plan, model)
+        model = finished(plan, plate, held(plan, plate, mesh.model)) if hold_decisions else model
+        growth = foresee(plan, plate, model) if hold_decisions else growth
+    plan, damping_decisions = decide_damping(plan, growth, more_damping)
+    return FePlan(
+        asked=asked,
+        plan=plan,
+        decisions=(*mesh_decisions, *hold_decisions, *damping_decisions),
+        growth=growth,
+        plate=plate,
+        wall=_wall(plan),
+        model=damped(plan, plate, model) if damping_decisions else model,
+        start=rigid_start(plan),
+        travel=centre_travel(plan),
+        give=share_given(plan, model) if hold_decisions else mesh.give,
+        other_give=mesh.other_give,
+    )
+
+
+def _wall(plan: Plan) -> meshio.Mesh | None:
+    """The wall's mesh, with the middle of the corner's path in its middle."""
+    from meshes import wall_mesh
+
+    wall, slide = plan.scene.wall, plan.motion.strike.slide
+    if wall is None:
+        return None
+    if wall.length < abs(slide):
+        allowed = f"the corner slides {slide:.4g} m along the wall; allowed is a length of at least that"
+        raise InputError("wall.length", wall.length, allowed)
+    return wall_mesh(0.5 * (slide - wall.length), wall.length, wall.depth, wall.elements)

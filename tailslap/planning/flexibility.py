@@ -1,0 +1,59 @@
+"""How far the plate gives: what its flexibility, its mesh and its contact spring can do to the answer, by statics."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Plate
+
+if TYPE_CHECKING:
+    from fem.discretisation.model import PlateModel
+    from fem.start.start import RigidStart
+
+RICHER = {"quad4": "quad9", "quad4-reduced": "quad9", "tri3": "tri6"}
+"""Elements of twice the order on the same mesh."""
+
+RICHER_UP_TO = 20_000
+"""Elements above which the mesh is judged by a coarser one."""
+
+FLAT, STEEP = 0.8, 2.6
+"""Sensitivity of the answer to the give: so much at small angles, and so much more per radian of start angle.
+Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
+
+
+def sensitivity(angle: float) -> float:
+    """Change of the answer over the give, at most, for a start at this angle [rad] by inertia relief."""
+    return FLAT + STEEP * angle
+
+
+def rigid_start(plan: Plan) -> RigidStart:
+    """What the plate starts from."""
+    from fem.start.start import RigidStart
+
+    return RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
+
+
+def share_given(plan: Plan, model: PlateModel) -> float:
+    """The give of a model of the plate at the start, as a share of the centre's travel to the wall."""
+    from fem.start.start import elastic_give
+
+    return abs(elastic_give(model, rigid_start(plan))) / centre_travel(plan)
+
+
+def centre_travel(plan: Plan) -> float:
+    """Way [m] of the centre of mass towards the wall until the tail-slap."""
+    corner_angle = plan.body.corner_angle
+    return plan.body.corner_radius * (math.sin(plan.start.angle + corner_angle) - math.sin(corner_angle))
+
+
+def comparable_plate(plate: Plate) -> Plate:
+    """The plate by which the mesh is judged: richer elements, or where that would be large, a coarser mesh."""
+    along, across = plate.counts
+    if along * across > RICHER_UP_TO:
+        return plate.model_copy(update={"elements": (max(1, along // 2), max(1, across // 2))})
+    if plate.element in RICHER:
+        # Row sums give the corners of quadratic triangles no mass.
+        return plate.model_copy(update={"element": RICHER[plate.element], "lumping": "exact"})
+    return plate.model_copy(update={"elements": (2 * along, 2 * across)})

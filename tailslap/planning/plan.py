@@ -1,0 +1,138 @@
+"""From a scene to a plan: the rigid-body answer, and what the finite-element run takes from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+from solver import (
+    CONVENTIONS,
+    ImpulseResult,
+    PlaneMotion,
+    RectangularBody,
+    RigidBodyError,
+    StrikeForce,
+    corner_impulse,
+    plane_motion,
+    strike_force,
+)
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene.files import Source
+from tailslap.scene.schema import Scene
+
+
+@dataclass(frozen=True)
+class StageTwoStart:
+    """Angle [rad], angular velocity [rad/s] and corner speed [m/s] that Stage 2 starts from."""
+
+    angle: float
+    omega: float
+    corner_speed: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A scene with everything that follows from it without a mesh. `stage1` is None without [impact]."""
+
+    scene: Scene
+    source: Source
+    body: RectangularBody[float]
+    stage1: ImpulseResult[float] | None
+    start: StageTwoStart
+    motion: PlaneMotion
+    force: StrikeForce[float]
+
+    def motion_of_mass(self, mass: float) -> PlaneMotion:
+        """The same motion of a body of this mass [kg]: forces and energies change with it, nothing else."""
+        return _motion(self.scene, replace(self.body, mass=mass), self.start)
+
+
+def make_plan(scene: Scene, source: Source | None = None) -> Plan:
+    """Solve Stages 1 to 3 of the scene. Raises InputError where the rigid-body method has no answer."""
+    vehicle = scene.vehicle
+    with _refusals(scene, "vehicle"):
+        body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
+    stage1 = stage_one(scene, body)
+    start = _start(scene, stage1)
+    motion = _motion(scene, body, start)
+    with _refusals(scene, "strike"):
+        force = strike_force(vehicle.mass, motion.strike.v_gy, scene.strike.duration)
+    return Plan(scene, source or Source(), body, stage1, start, motion, force)
+
+
+def stage_one(
+    scene: Scene, body: RectangularBody[float], convention: str | None = None
+) -> ImpulseResult[float] | None:
+    """Stage 1 of the scene, with its own convention of restitution or another; None without [impact]."""
+    impact = scene.impact
+    if impact is None:
+        return None
+    with _refusals(scene, "impact"):
+        return corner_impulse(
+            body,
+            impact.speed,
+            impact.angle,
+            impact.friction,
+            impact.restitution,
+            convention=convention or impact.convention,
+        )
+
+
+def other_convention(plan: Plan) -> tuple[str, Plan] | None:
+    """The other convention of restitution and the plan it gives; None where Stage 1 does not set the start."""
+    impact, start = plan.scene.impact, plan.scene.start
+    if impact is None or (start and start.omega is not None):
+        return None
+    (other,) = (name for name in CONVENTIONS if name != impact.convention)
+    scene = plan.scene.model_copy(update={"impact": impact.model_copy(update={"convention": other})})
+    try:
+        return other, make_plan(scene)
+    except InputError:
+        return None
+
+
+def _start(scene: Scene, stage1: ImpulseResult[float] | None) -> StageTwoStart:
+    given: dict[str, Any] = scene.start.model_dump() if scene.start else {}
+    if stage1 is not None and scene.impact is not None:
+        computed = {
+            "angle": scene.impact.angle,
+            "omega": stage1.omega,
+            "corner_speed": stage1.corner_speed,
+        }
+    else:
+        computed = {}
+    return StageTwoStart(**(computed | {key: value for key, value in given.items() if value is not None}))
+
+
+def _motion(scene: Scene, body: RectangularBody[float], start: StageTwoStart) -> PlaneMotion:
+    with _refusals(scene, "start"):
+        return plane_motion(
+            body, start.angle, start.omega, start.corner_speed, scene.corner_friction, scene.corner.reaction
+        )
+
+
+@contextmanager
+def _refusals(scene: Scene, table: str) -> Iterator[None]:
+    """Turn what the theory refuses into a message that names the scene's key."""
+    try:
+        yield
+    except RigidBodyError as error:
+        key, allowed = _key(scene, table, error.key), f"{error.why}; allowed: {error.allowed}"
+        if key == "impact.restitution" and scene.impact:  # it shows as an angular velocity of zero
+            raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None
+        raise InputError(key, Verbatim(error.given), allowed) from None
+
+
+def _key(scene: Scene, table: str, name: str) -> str:
+    """The key of the scene behind an input of the theory."""
+    if table != "start":
+        return f"{table}.{name}"
+    if name == "friction":
+        return "corner.friction" if scene.corner.friction is not None else "impact.friction"
+    if name == "reaction":
+        return "corner.reaction"
+    if scene.start and getattr(scene.start, name, None) is not None:
+        return f"start.{name}"
+    return "impact.restitution" if name == "omega" else f"impact.{'angle' if name == 'angle' else 'speed'}"

@@ -1,0 +1,29 @@
+"""What a run leaves out, and why."""
+
+from __future__ import annotations
+
+from tailslap.scene.schema import Scene
+
+
+def left_out(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
+    """Parts that this scene does without, each with the reason."""
+    parts = []
+    if scene.impact is None:
+        parts.append(("stage 1", "the scene has no [impact] table; [start] gives the state after the impact"))
+    if scene.corner.reaction == "none":
+        parts.append(("friction", 'corner.reaction is "none": no friction code in the time loop'))
+    elif scene.corner_friction == 0.0:
+        parts.append(("friction", "the coefficient of friction is 0: no friction code in the time loop"))
+    if scene.damping is None:
+        parts.append(("damping", "none is asked for and none is needed: no damping code in the time loop"))
+    if scene.plate and scene.plate.start == "unstressed":
+        parts.append(
+            ("inertia relief", 'plate.start is "unstressed": the plate starts without its elastic state')
+        )
+    if scene.plate and scene.plate.lumping == "row-sum":
+        parts.append(("exact inertia", 'plate.lumping is "row-sum": the rotary inertia is overstated'))
+    if scene.wall is None:
+        parts.append(("wall", "the scene has no [wall] table: no wall mesh, the wall is the line Y = 0"))
+    if not pictures:
+        parts.append(("pictures", "--no-pictures: VTK is not imported"))
+    return parts

@@ -1,0 +1,144 @@
+"""Sentences of the report: what was run, and what it means."""
+
+from __future__ import annotations
+
+import math
+
+from tailslap.planning.plan import Plan, other_convention
+from tailslap.run import Outcome
+
+REACTIONS = {
+    "drag": "friction mu |N| against the sliding, whichever way the reaction acts (Eqs 66-67)",
+    "none": "no friction",
+    "signed": "friction of the sign of the reaction, which here drives the corner on; kept to show what the sign does",
+}
+
+
+def statements(outcome: Outcome) -> tuple[str, ...]:
+    """What a reader must know beside the numbers."""
+    plan = outcome.fe_plan.plan
+    made = [
+        _picked(outcome),
+        _constraint(plan),
+        _pull(outcome),
+        _plate_mass(outcome),
+        *_chosen(outcome),
+        _start(outcome),
+        _give(outcome),
+        _error(outcome),
+        _convention(plan),
+    ]
+    return tuple(sentence for sentence in made if sentence)
+
+
+def is_paper_case(plan: Plan) -> bool:
+    """Whether vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
+    pairs = (
+        (plan.body.length, 10.0, 0.0),
+        (plan.body.width, 2.438, 0.0),
+        (plan.start.angle, 0.26, 0.002),
+        (plan.start.omega, 0.707, 2e-4),
+        (plan.start.corner_speed, 25.053, 1e-3),
+        (plan.scene.corner_friction, 0.47 if plan.scene.corner.reaction == "drag" else 0.0, 0.0),
+    )
+    return all(math.isclose(value, paper, rel_tol=0.0, abs_tol=off) for value, paper, off in pairs)
+
+
+def _picked(outcome: Outcome) -> str:
+    choice = outcome.choice
+    if choice is None:
+        return ""
+    against = {"rigid": "the exact rigid motion", "limit": "the flexible plate's own limit of fine meshes"}
+    return (
+        f"Picked for a tolerance of {choice.tolerance:g}: {', '.join(choice.changes)}. Its error against "
+        f"{against[choice.against]} was expected to be at most {choice.expected_error:.1e}, in a time loop of "
+        f"{choice.expected_seconds:.2g} s. The plate's flexibility moves the answer by at most "
+        f"{choice.flexibility:.1e}: the rigid solution by itself is as good as that."
+    )
+
+
+def _constraint(plan: Plan) -> str:
+    reaction, hold = plan.scene.corner.reaction, HOLDS[plan.scene.corner.constraint]
+    return (
+        f"The corner is held on the wall by a two-sided slider, in the FE model by {hold}, with "
+        f'{REACTIONS[reaction]} (reaction "{reaction}"). It is not unilateral contact: a real wall can only push.'
+    )
+
+
+def _pull(outcome: Outcome) -> str:
+    normal = outcome.rigid_history["reaction_normal"]
+    first, last = normal[0] / 1e3, normal[normal == normal][-1] / 1e3
+    return (
+        f"The wall's reaction N is negative throughout, {first:.2f} kN at the start and {last:.2f} kN at the end: "
+        "it pulls the corner back to the wall. Without that pull the corner would leave it."
+    )
+
+
+def _plate_mass(outcome: Outcome) -> str:
+    plate, vehicle = outcome.fe_plan.model.mass, outcome.fe_plan.plan.scene.vehicle.mass
+    if abs(plate / vehicle - 1.0) < 1e-9:
+        return ""
+    return (
+        f"The plate weighs {plate:.1f} kg, the vehicle {vehicle:.1f} kg. Rigid motion does not depend on the mass; "
+        "reactions and energies do, and those of the rigid solution are given for the plate's mass here. "
+        "Stages 1 and 3 use the vehicle's."
+    )
+
+
+HOLDS = {"penalty": "a penalty spring", "exact": "an exact constraint"}
+
+STARTS = {
+    "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "
+    "the corner's speed; where it deforms visibly, its centre begins with another momentum than Stage 1 gave",
+    "inertia-relief-momenta": "in the elastic state of its rigid acceleration (inertia relief), with the linear "
+    "momentum that Stage 1 gave; spin and speed of the corner follow",
+    "unstressed": "unstressed, with the rigid body's velocities and all its momenta: it oscillates",
+}
+"""What each start keeps."""
+
+
+def _chosen(outcome: Outcome) -> list[str]:
+    said = [f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions]
+    again = "The first run rang; this one was made with more damping."
+    return [*said, again] if outcome.attempts > 1 else said
+
+
+def _start(outcome: Outcome) -> str:
+    return f"The plate starts {STARTS[outcome.fe_plan.plate.start]}."
+
+
+def _give(outcome: Outcome) -> str:
+    return (
+        f"At the start the reaction moves the plate's centre by {outcome.fe_plan.give:.1e} of its way to the wall. "
+        "Differences of that size from the rigid motion are the plate's flexibility, in inverse proportion to its "
+        "stiffness."
+    )
+
+
+def _error(outcome: Outcome) -> str:
+    error, second = outcome.error, outcome.second
+    if second is not None:
+        mesh = f"a second run ({second.mesh}) with the exact constraint"
+        parts = f"{error.second_run:.1e} by {mesh}, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
+    else:
+        parts = (
+            f"{error.mesh:.1e} by the mesh, {error.contact_spring:.1e} by the contact spring, {error.time_step:.1e} by "
+            f"the time step, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
+        )
+    return f"Numerical error of the five quantities at most {error.total:.1e}: {parts}."
+
+
+def _convention(plan: Plan) -> str:
+    other, impact = other_convention(plan), plan.scene.impact
+    if impact is None:
+        return ""
+    if other is None:
+        return (
+            f'Stage 1 is given for reference in the convention "{impact.convention}"; [start] overrides it.'
+        )
+    name, its = other
+    return (
+        f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '
+        f"impact would be {its.start.omega:.4f} instead of {plan.start.omega:.4f} rad/s and the peak force "
+        f"{its.force.peak_force / 1e3:.0f} instead of {plan.force.peak_force / 1e3:.0f} kN."
+    )

@@ -1,0 +1,93 @@
+"""A result folder is complete or absent: it is filled beside its place and moved there at the end.
+
+A result carries a manifest of its files (manifest.py). Only an absent or empty folder is taken as a place, or an
+earlier result whose files are unchanged: those are replaced, all of them, and whatever the user has added beside them
+stays in the folder as it is. A file of a result that the user changed is refused, and so is an added one that the new
+result would overwrite; nothing is then changed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tailslap.results.earlier_result import find_earlier, put_in_place
+from tailslap.errors import InputError
+from tailslap.results.manifest import entry, write_manifest
+
+
+@contextmanager
+def result_folder(place: Path) -> Iterator[Path]:
+    """Yield an empty folder to fill with files; on success it becomes `place`, on any failure nothing is left of it.
+
+    A link to a folder is followed. Raises InputError if `place` cannot be written or would lose what is not ours.
+    """
+    place = resolved(place)
+    find_earlier(place)
+    made = _make_parents(place)
+    try:
+        with _filled(place) as folder:
+            yield folder
+        put_in_place(folder, place)
+    except BaseException:
+        _remove(made)
+        raise
+
+
+def demand_place(place: Path) -> None:
+    """Before long work: raise InputError if `place` holds something else than an unchanged earlier result."""
+    find_earlier(resolved(place))
+
+
+def resolved(place: Path) -> Path:
+    """The absolute path, links followed."""
+    return Path(os.path.realpath(place))
+
+
+@contextmanager
+def _filled(place: Path) -> Iterator[Path]:
+    """A fresh folder beside `place`, which has its manifest when this ends; removed if it fails."""
+    try:
+        folder = Path(tempfile.mkdtemp(prefix=f".{place.name}.", dir=place.parent))
+    except OSError as error:
+        raise InputError("--out", str(place), f"the folder cannot be written: {error.strerror}") from None
+    try:
+        yield folder
+        _seal(folder)
+        folder.chmod(stat.S_IMODE(place.stat().st_mode) if place.exists() else 0o755)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _seal(folder: Path) -> None:
+    """Write the manifest of a folder that is complete."""
+    entries = [entry(path) for path in folder.iterdir()]
+    if None in entries:
+        raise ValueError("a result holds plain files alone")
+    write_manifest(folder, (item for item in entries if item))
+
+
+def _make_parents(place: Path) -> list[Path]:
+    """Make the folders above `place`; return those that were not there, innermost first."""
+    missing = [parent for parent in place.parents if not parent.exists()]
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        _remove(missing)
+        raise InputError("--out", str(place), f"the folder cannot be made: {error.strerror}") from None
+    return missing
+
+
+def _remove(folders: list[Path]) -> None:
+    """Remove those that are empty."""
+    for folder in folders:
+        try:
+            folder.rmdir()
+        except OSError:
+            return

@@ -1,0 +1,1 @@
+"""The scene: its schema, where it is read from, units at the border."""

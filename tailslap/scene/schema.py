@@ -1,0 +1,216 @@
+"""The scene: what a TOML file may say. SI after validation; a table that is None is a part left out."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from tailslap.scene.units import Quantity
+
+MOST_ELEMENTS = 4_000_000
+"""A mesh above this would not fit the memory of the machines this is made for."""
+
+Length = Annotated[float, Quantity("a length", "m", '"10 m"', above=0.0)]
+Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', above=0.0)]
+Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', above=0.0)]
+Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', above=0.0, below=math.pi / 2)]
+AngularVelocity = Annotated[
+    float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", above=0.0)
+]
+Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0)]
+Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.22", least=0.0, most=1.0)]
+Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', above=0.0)]
+Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", above=0.0)]
+Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', above=0.0)]
+Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', above=0.0)]
+PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", above=-1.0, below=0.5)]
+Scale = Annotated[float, Quantity("a factor", "", "1.0", above=0.0)]
+Share = Annotated[float, Quantity("a share", "", "0.9", above=0.0, most=1.0)]
+DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", above=0.0, most=1.0)]
+Viscosity = Annotated[
+    float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", above=0.0, most=10.0)
+]
+Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', above=0.0)]
+Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", above=0.0, below=1.0)]
+Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
+
+
+def _element_counts(given: object) -> object:
+    allowed = f"allowed are two whole numbers from 1, at most {MOST_ELEMENTS} elements in all, like [20, 6]"
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise ValueError(allowed)
+    if any(type(n) is not int or n < 1 for n in given) or given[0] * given[1] > MOST_ELEMENTS:
+        raise ValueError(allowed)
+    return tuple(given)
+
+
+EARLIER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
+"""Names of starts in scenes of earlier versions."""
+
+
+def _start_name(given: object) -> object:
+    return EARLIER_STARTS.get(given, given) if isinstance(given, str) else given
+
+
+StartName = Annotated[
+    Literal["inertia-relief", "inertia-relief-momenta", "unstressed"], BeforeValidator(_start_name)
+]
+ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
+
+
+def _name(given: object) -> object:
+    """A name of a file, for results go to results/NAME: no "..", and nothing hidden."""
+    if not isinstance(given, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", given):
+        raise ValueError('allowed are 1 to 80 letters, digits and "_", "+", "-", ".", with no "." in front')
+    return given
+
+
+Name = Annotated[str, BeforeValidator(_name)]
+
+
+class Table(BaseModel):
+    """A table of the scene: unknown keys are errors, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Vehicle(Table):
+    """The rigid body."""
+
+    length: Length
+    width: Length
+    mass: Mass
+
+
+class Impact(Table):
+    """Stage 1."""
+
+    speed: Speed
+    angle: Angle
+    friction: Friction
+    restitution: Restitution
+    convention: Literal["paper", "newton"] = "paper"
+
+
+class Start(Table):
+    """The state Stage 2 starts from; what is left out comes from Stage 1."""
+
+    angle: Angle | None = None
+    omega: AngularVelocity | None = None
+    corner_speed: Speed | None = None
+
+
+class Corner(Table):
+    """The constrained corner. Where neither constraint nor spring is given, the program chooses the constraint."""
+
+    reaction: Literal["drag", "none", "signed"] = "drag"
+    friction: Friction | None = None
+    constraint: Literal["penalty", "exact"] = "penalty"
+    penalty_scale: Scale = 1.0
+    damping_ratio: DampingRatio | None = None
+    patch_length: Length | None = None
+
+    @property
+    def constraint_is_open(self) -> bool:
+        """Whether the scene leaves the choice of the constraint to the program."""
+        return not self.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
+
+
+class Strike(Table):
+    """Stage 3."""
+
+    duration: Duration = 0.1
+
+
+class Plate(Table):
+    """The FE model of the vehicle: its modulus, or the first frequency in its plane that the modulus gives it.
+
+    Without elements, or without element, the program chooses them.
+    """
+
+    thickness: Length
+    density: Density | None = None
+    youngs_modulus: Modulus | None = None
+    first_frequency: Frequency | None = None
+    poissons_ratio: PoissonsRatio
+    elements: ElementCounts | None = None
+    element: Literal["quad4", "quad4-reduced", "quad9", "tri3", "tri6"] = "quad4"
+    distortion: Distortion = 0.0
+    hourglass: Share = 0.1
+    lumping: Literal["exact", "row-sum"] = "exact"
+    start: StartName = "inertia-relief"
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Elements along and across, where the scene gives them or the program has chosen."""
+        if self.elements is None:
+            raise ValueError("the elements are not chosen yet")
+        return self.elements
+
+
+class Material(Table):
+    """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
+
+    law: Literal["st-venant-kirchhoff", "neo-hookean"]
+
+
+class Damping(Table):
+    """Damping of the plate. kind and rate: of its elastic velocities; without kind the program decides.
+
+    ratio: stiffness-proportional, to critical at the model's highest frequency. bulk_viscosity: linear.
+    """
+
+    kind: Literal["elastic-velocity", "none"] | None = None
+    rate: Rate | None = None
+    ratio: DampingRatio | None = None
+    bulk_viscosity: Viscosity | None = None
+
+
+class Verify(Table):
+    """What the scene demands of its own result: agreement of the five quantities with the rigid motion."""
+
+    tolerance: Tolerance
+
+
+class Time(Table):
+    """Share of the stable time step that is taken; rows of the history; threads of the time loop."""
+
+    safety_factor: Share = 0.9
+    rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
+    threads: Annotated[int, Field(ge=1, le=256, strict=True)] = 1
+
+
+class Wall(Table):
+    """The rigid wall's mesh."""
+
+    length: Length
+    depth: Length
+    elements: ElementCounts
+
+
+class Scene(Table):
+    """A whole scene."""
+
+    name: Name
+    vehicle: Vehicle
+    impact: Impact | None = None
+    start: Start | None = None
+    corner: Corner = Corner()
+    strike: Strike = Strike()
+    plate: Plate | None = None
+    material: Material | None = None
+    damping: Damping | None = None
+    verify: Verify | None = None
+    time: Time = Time()
+    wall: Wall | None = None
+
+    @property
+    def corner_friction(self) -> float:
+        """Friction of Stage 2: the corner's, else the impact's, and 0 with reaction "none"."""
+        if self.corner.reaction == "none":
+            return 0.0
+        given = self.corner.friction
+        return given if given is not None else self.impact.friction if self.impact else math.nan

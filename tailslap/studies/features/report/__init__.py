@@ -1,0 +1,1 @@
+"""What it says: text, tables, page."""

@@ -1,0 +1,78 @@
+"""The command line of a sweep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tailslap.sweep.values import MOST_RUNS
+
+SEED = 307
+
+
+@click.command("sweep")
+@click.argument("name", metavar="SCENE")
+@click.option(
+    "--vary",
+    "varied",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="a:b:n, n values from a to b; log:a:b:n, the same in equal ratios; or a list v1,v2,v3. Units as in a scene.",
+)
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key for all runs, like plate.thickness=20mm.",
+)
+@click.option(
+    "--sample",
+    type=click.IntRange(2, MOST_RUNS),
+    metavar="N",
+    help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
+)
+@click.option("--seed", type=click.IntRange(0), default=SEED, show_default=True, help="Of the samples.")
+@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-sweep]")
+@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 1024),
+    metavar="N",
+    help="Processes on this machine  [default: its cores]",
+)
+def sweep(
+    name: str,
+    varied: tuple[str, ...],
+    changes: tuple[str, ...],
+    sample: int | None,
+    seed: int,
+    out: Path | None,
+    cluster: str | None,
+    workers: int | None,
+) -> int:
+    """Run a scene for many values of its keys: one table, a row a run.
+
+    Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
+    checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
+    """
+    from tailslap.errors import InputError
+    from tailslap.sweep.definition import make_definition
+
+    if cluster and workers:
+        raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
+    definition = make_definition(name, changes, varied, sample, seed)
+    place = out or Path("results") / f"{definition.scene}-sweep"
+
+    from tailslap.sweep.perform import StoppedError, perform
+    from tailslap.sweep.report.terminal import print_sweep
+
+    try:
+        done = perform(definition, place, cluster, workers)
+    except StoppedError as stopped:
+        click.echo(f"tailslap: {stopped}", err=True)
+        return stopped.status
+    print_sweep(done, place)
+    return 1 if done.failures else 0

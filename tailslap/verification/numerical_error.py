@@ -1,0 +1,133 @@
+"""How far a run may be from the plate that the scene describes: mesh, time step, contact spring, damping, ringing.
+
+After a start by inertia relief the plate follows its loads, and statics tells what each of these can do: the answer
+moves by `sensitivity` times what it moves the centre of mass at the start. An unstressed plate oscillates, and the
+phase of its oscillation counts; there, and where statics explains less than the difference from the rigid motion, or
+tells of an error that is not small beside it, a second run tells: on another mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from postprocess.comparison.comparison import largest
+from postprocess.pages.report import Check
+from tailslap.planning.flexibility import sensitivity
+
+if TYPE_CHECKING:
+    from tailslap.planning.fe_plan import FePlan
+
+FLOOR, SHARE = 5e-4, 0.25
+"""Numerical error that is allowed whatever the plate, and as a share of what its flexibility changes."""
+
+SWINGS = 0.5
+"""Change of the answer over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
+
+SHARP = 0.1
+"""Part of the difference from the rigid motion that its numerical error may be and still be told by statics."""
+
+EXPLAINED = 2.0
+"""Multiples of the plate's give that a difference from the rigid motion may have: it is 0.3 to 2.0 of it."""
+
+HELD = 0.9
+"""Change of the answer over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
+
+FACTOR = 4.0 / 3.0
+"""Error over the distance to the second run, of second order between linear elements and half as large ones."""
+
+
+@dataclass(frozen=True)
+class SecondRun:
+    """A run of the same plate on another mesh with the exact constraint: the mesh in words, and its differences from
+    the rigid motion, empty where it came to no answer."""
+
+    mesh: str
+    difference: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class NumericalError:
+    """Relative errors of the five quantities, the largest of them, at most; `second_run` takes in the first three, NaN
+    where there was none. flexibility: what the plate's own flexibility changes."""
+
+    time_step: float
+    mesh: float
+    contact_spring: float
+    damping: float
+    ringing: float
+    second_run: float
+    flexibility: float
+
+    @property
+    def total(self) -> float:
+        """All of them together."""
+        by_statics = self.time_step + self.mesh + self.contact_spring
+        return self.damping + self.ringing + (by_statics if math.isnan(self.second_run) else self.second_run)
+
+    @property
+    def allowed(self) -> float:
+        """What the total is held to."""
+        return FLOOR + SHARE * self.flexibility
+
+    @property
+    def check(self) -> Check:
+        """The check of the total."""
+        meaning = (
+            f"what mesh, time step, constraint, damping and ringing may change in the five quantities; {FLOOR:g} and "
+            f"{100 * SHARE:g} % of what the plate's flexibility changes are allowed"
+        )
+        return Check.at_most("numerical error", self.total, self.allowed, meaning)
+
+
+def needs_second_run(fe_plan: FePlan, differences: Mapping[str, float], error: NumericalError) -> bool:
+    """Whether statics does not tell, or not sharply, how far the run may be off."""
+    explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.give
+    sharp = error.total <= max(FLOOR, SHARP * largest(differences))
+    by_statics = fe_plan.plate.start != "unstressed" and fe_plan.plate.lumping == "exact"
+    return not (by_statics and explained and sharp)
+
+
+def numerical_error(
+    fe_plan: FePlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
+) -> NumericalError:
+    """The estimate; differences: from the rigid motion, empty if there is no answer; ringing: friction by ringing."""
+    factor, relieved = sensitivity(fe_plan.plan.start.angle), fe_plan.plate.start != "unstressed"
+    by_statics = factor * max(fe_plan.give, fe_plan.other_give)
+    return NumericalError(
+        time_step=(1.0 / fe_plan.expected_steps) ** 2,
+        mesh=factor * abs(fe_plan.give - fe_plan.other_give),
+        contact_spring=factor * fe_plan.spring_share,
+        damping=factor * _held_back(fe_plan) if relieved else _oscillation_lost(fe_plan),
+        ringing=ringing
+        if relieved
+        else 0.0,  # an unstressed plate rings by itself, and the second run tells how
+        second_run=_distance(differences, second) if second else math.nan,
+        flexibility=largest(second.difference) if second else by_statics,
+    )
+
+
+def _held_back(fe_plan: FePlan) -> float:
+    """What the damping may hold the plate back by, over the way: no more than all that the plate gives."""
+    lag = fe_plan.damping_lag
+    return HELD * lag / (1.0 + 2.0 * lag / fe_plan.give) if lag else 0.0
+
+
+def _oscillation_lost(fe_plan: FePlan) -> float:
+    """What the damping takes off an unstressed plate's oscillation until the strike, as a share of the speed of its
+    centre: that oscillation has the energy of the elastic state that the plate starts without."""
+    damping = fe_plan.model.loop.elastic_damping
+    if damping is None:
+        return 0.0
+    strike = fe_plan.plan.motion.strike
+    swing = math.sqrt(2.0 * fe_plan.elastic_energy / fe_plan.model.mass) / abs(strike.v_gy)
+    return SWINGS * swing * -math.expm1(-0.5 * damping.rate * strike.t)
+
+
+def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
+    """Error by the second run; infinite where one of the two has no answer."""
+    if not (differences and second.difference):
+        return math.inf
+    return FACTOR * max(abs(value - second.difference[name]) for name, value in differences.items())

@@ -1,0 +1,54 @@
+"""The other mesh of a plate, and the exact constraint in place of the scene's spring, by which a run is judged that
+statics cannot judge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from tailslap.planning.decisions import with_tables
+from tailslap.planning.fe_plan import FePlan
+from tailslap.planning.flexibility import RICHER
+from tailslap.planning.plan import Plan
+from tailslap.scene.schema import Damping, Plate
+
+FINER_UP_TO = 400
+"""Elements up to which the second mesh is the finer one; above, one of about as many nodes as the first."""
+
+
+def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
+    """Plates to try in turn: quadratic elements where the run has linear ones, for a mesh that locks may agree with one
+    that locks a little less; else another number of elements."""
+    plate = fe_plan.plate
+    along, across = plate.counts
+    finer, coarser = (2 * along, 2 * across), (max(1, along // 2), max(1, across // 2))
+    few, linear = math.prod(plate.counts) <= FINER_UP_TO, plate.element in RICHER
+    counts = (plate.counts, finer) if few and linear else (finer, coarser) if few else (coarser, finer)
+    for elements in counts:
+        yield plate.model_copy(
+            update={"elements": elements, "element": RICHER.get(plate.element, plate.element)}
+        )
+
+
+def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
+    """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that is given."""
+    scene = fe_plan.asked.scene
+    assert scene.plate is not None
+    changes = {"elements": plate.elements, "element": plate.element, "distortion": 0.0, "lumping": "exact"}
+    corner = scene.corner
+    if not corner.constraint_is_open:
+        exact = {"constraint": "exact", "penalty_scale": 1.0, "damping_ratio": None}
+        corner = corner.model_copy(update=exact)
+    return with_tables(fe_plan.asked, plate=scene.plate.model_copy(update=changes), corner=corner)
+
+
+def damped_alike(plan: Plan, fe_plan: FePlan) -> Plan:
+    """The plan with the elastic velocities damped as in this run."""
+    damping = fe_plan.model.loop.elastic_damping
+    if damping is not None:
+        kind = {"kind": "elastic-velocity", "rate": damping.rate}
+    elif plan.scene.damping is None:
+        kind = {"kind": "none", "rate": None}
+    else:
+        return plan
+    return with_tables(plan, damping=(plan.scene.damping or Damping()).model_copy(update=kind))

@@ -1,0 +1,67 @@
+"""A run in a sentence: whether its numbers hold, how far the plate is from a rigid body, and how sure that is."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from postprocess.comparison.comparison import largest
+from tailslap.planning.decide_damping import suppressing_rate
+from tailslap.verification.numerical_error import FLOOR
+
+if TYPE_CHECKING:
+    from tailslap.planning.fe_plan import FePlan
+    from tailslap.run import Outcome
+
+OF_THE_REACTION = {
+    *("reaction against rigid", "friction work against rigid", "mean residual", "deviation of residuals"),
+    *("Sprague-Geers magnitude", "Sprague-Geers phase", "Sprague-Geers combined"),
+}
+"""Checks that a reaction which rings can fail while the five quantities are right."""
+
+
+def verdict_sentence(outcome: Outcome) -> str:
+    """The verdict on a run."""
+    failed = {check.name for check in outcome.checks if not check.passed}
+    if not outcome.fe:
+        return "The run did not reach the tail-slap."
+    if failed - OF_THE_REACTION - {"agreement with rigid"}:
+        return "Not to be relied on: a check of the run failed."
+    words = _comparison(outcome)
+    if failed & OF_THE_REACTION:
+        words += " The motion is right, but the history of the reaction is not: it rings."
+    if "agreement with rigid" in failed:
+        words += " It does not agree with the rigid motion as closely as the scene demands."
+    return words
+
+
+def _comparison(outcome: Outcome) -> str:
+    difference, error = largest(outcome.difference), outcome.error.total
+    if difference <= FLOOR:
+        return f"The rigid motion is confirmed to {difference:.1e}; numerical error at most {error:.1e}."
+    return (
+        f"The flexible plate differs from the rigid motion by {100.0 * difference:.2g} %, "
+        f"numerical error at most {error:.1e}."
+    )
+
+
+def flutter_sentence(fe_plan: FePlan) -> str:
+    """What is foretold of a plate that rings, by friction or by rounding, and what is done against it."""
+    growth, damping = fe_plan.growth, fe_plan.plan.scene.damping
+    judged = ", judged on coarser meshes" if growth.stand_in else ""
+    needed = suppressing_rate(growth)
+    if math.isnan(growth.rate):
+        return "not analysed: no coarser mesh makes a model; the run's own checks watch for it"
+    if not needed > 0.0 and not growth.counts:
+        return "none: without friction nothing grows"
+    if not needed > 0.0:
+        return f"harmless: no mode grows by more than exp({growth.harmless:g}) during the run{judged}"
+    words = f"the fastest mode grows by up to exp({growth.exponent:.0f}) during the run{judged}"
+    if not growth.rate > 0.0:
+        words = f"rounding makes the reaction ring by {100.0 * growth.ripple:.2g} %"
+    if damping is not None and (damping.rate or 0.0) >= 0.5 * needed:
+        return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {words}"
+    return (
+        f'EXPECTED, the run will fail its checks: {words}; damping.kind = "elastic-velocity" with '
+        f"damping.rate = {needed:.3g} suppresses it, and so does leaving out damping.kind"
+    )

@@ -1,0 +1,73 @@
+"""Verification: who may import whom, no import circles, folders that one can read, light imports."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+pytestmark = pytest.mark.verification
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = {"solver", "meshes", "fem", "postprocess", "tailslap"}
+MOST = 15
+HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "numba"}
+
+
+def structure() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("structure", ROOT / "benchmarks" / "structure.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def graph() -> dict[str, set[str]]:
+    tool = structure()
+    paths = {tool.module_name(path): path for path in tool.sources()}
+    return {name: set(tool.imports(path, set(paths))) for name, path in paths.items()}
+
+
+@pytest.mark.parametrize("package", sorted(PACKAGES - {"tailslap"}))
+def test_a_package_stands_alone(package: str) -> None:
+    """solver, meshes, fem and postprocess import nothing of each other, and nothing of tailslap."""
+    for name, imported in graph().items():
+        if name.split(".")[0] == package:
+            others = {other for other in imported if other.split(".")[0] != package}
+            assert not others, f"{name} imports {others}"
+
+
+def test_nothing_imports_the_command_line() -> None:
+    assert not [name for name, imported in graph().items() if "tailslap.command_line" in imported]
+
+
+def test_no_import_circle() -> None:
+    """Not within functions, and not for types either."""
+    assert structure().circles() == []
+
+
+def test_no_folder_lists_more_modules_than_one_reads() -> None:
+    found = {folder: count for folder, count in structure().flat().items() if count > MOST}
+    assert not found
+
+
+def test_importing_postprocess_loads_nothing_heavy() -> None:
+    modules = sorted(name for name in graph() if name.split(".")[0] == "postprocess")
+    code = f"import sys, {', '.join(modules)}; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    loaded = {name.split(".")[0] for name in run.stdout.split()}
+    assert "numpy" in loaded
+    assert not loaded & HEAVY
+
+
+def test_every_package_says_what_is_in_it() -> None:
+    tool = structure()
+    silent = [
+        str(path.relative_to(ROOT))
+        for path in tool.sources()
+        if path.name == "__init__.py" and not path.read_text(encoding="utf-8").startswith('"""')
+    ]
+    assert not silent
