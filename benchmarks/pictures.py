@@ -46,7 +46,7 @@ def draw_cost(folder: Path, target: Path) -> None:
         rigid_diagram(points, known["rigid"]),
         flexible_diagram(points, known["flexible"], known["choices"]),
     )
-    with style("cost"):
+    with style():
         figure = Figure(figsize=(7.4, 10.2), dpi=DPI)
         FigureCanvasAgg(figure)
         for panel, low in zip(panels, (0.555, 0.05), strict=True):
@@ -62,7 +62,7 @@ def draw_stability(folder: Path, target: Path) -> None:
     shown = [pair for pair in SHOWN if pair in maps]
     rows = -(-len(shown) // ACROSS)
     height = 2.35 * rows + 0.8
-    with style("stability"):
+    with style():
         figure = Figure(figsize=(2.55 * ACROSS, height), dpi=DPI)
         for number, pair in enumerate(shown):
             x, y = number % ACROSS / ACROSS, 1.0 - 2.35 * (number // ACROSS + 1) / height

@@ -4,17 +4,17 @@ Text stays text in the SVG, so it can be searched and copied and takes the font 
 history is thinned to the smallest and the largest value of each of 200 stretches of it: peaks survive.
 """
 
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures.panels import COMPARED, LEDGER, Panel
+from postprocess.figures.style import DIFFERENCE, FE, RIGID, SUPERSCRIPTS, Curve, drawn, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,34 +25,8 @@ History = Mapping[str, Floats]
 
 STRETCHES = 200
 WIDTH, HEIGHT, LEFT = 4.1, 2.9, 0.2
-RIGID, FE, DIFFERENCE = "#dd8a1d", "#14467c", "#8a1c3b"
 COLOURS = (FE, "#e2574c", "#2a9d63", "#8d6bb5")
 THICK, THIN = 2.8, 1.2
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "font.family": ["DejaVu Sans"],
-    "font.size": 9.0,
-    "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-6, 9),
-    "axes.unicode_minus": True,
-    "axes.grid": True,
-    "grid.color": "#e3e6ea",
-    "grid.linewidth": 0.6,
-    "axes.edgecolor": "#8a929b",
-    "axes.axisbelow": True,
-    "axes.xmargin": 0.0,
-}
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-@dataclass(frozen=True)
-class Curve:
-    """One plot: short name, heading of the group it belongs to, caption, SVG text."""
-
-    name: str
-    group: str
-    caption: str
-    svg: str
 
 
 @dataclass(frozen=True)
@@ -69,12 +43,8 @@ def draw_histories(fe: History, rigid: History) -> tuple[Curve, ...]:
     fe, rigid: column name -> values of shape (n,), SI, each with its instants "t" [s]; the rigid ones are
     interpolated to the instants of the FE run. A compared column that `rigid` lacks is not drawn.
     """
-    from matplotlib import rc_context, rcdefaults, rcParams
-
     both = {*fe} & {*rigid}
-    with rc_context(), np.errstate(all="ignore"):
-        rcdefaults()
-        rcParams.update(STYLE)
+    with style(), np.errstate(all="ignore"):
         double, single = make_sheet((0.42, 0.48), (0.16, 0.2)), make_sheet((0.16, 0.74))
         compared = [_draw_compared(double, panel, fe, rigid) for panel in COMPARED if panel.name in both]
         ledger = [_draw_ledger(single, panel, fe) for panel in LEDGER if {*fe} & {*dict(panel.columns)}]
@@ -114,8 +84,8 @@ def _draw_compared(sheet: Sheet, panel: Panel, fe: History, rigid: History) -> C
 
 
 def _draw_ledger(sheet: Sheet, panel: Panel, fe: History) -> Curve:
-    drawn = [(fe[name], label) for name, label in panel.columns if name in fe]
-    histories = [values - values[0] if panel.from_start else values for values, _ in drawn]
+    found = [(fe[name], label) for name, label in panel.columns if name in fe]
+    histories = [values - values[0] if panel.from_start else values for values, _ in found]
     power = power_of_ten(np.concatenate(histories))
     clear_sheet(sheet)
     (axes,) = sheet.axes
@@ -124,7 +94,7 @@ def _draw_ledger(sheet: Sheet, panel: Panel, fe: History) -> Curve:
         axes.plot(*thinned(fe["t"], values * 10.0**-power), color=colour, linewidth=width)
     axes.set_ylabel(f"{panel.symbol} [{_factor(power)}{panel.unit}]")
     return finish_curve(
-        sheet, panel, tuple((label, c) for (_, label), c in zip(drawn, COLOURS, strict=False))
+        sheet, panel, tuple((label, c) for (_, label), c in zip(found, COLOURS, strict=False))
     )
 
 
@@ -160,19 +130,4 @@ def finish_curve(sheet: Sheet, panel: Panel, legend: tuple[tuple[str, str], ...]
     for label, colour in legend:
         sheet.figure.text(x, 0.93, f"━ {label}", color=colour, fontweight="bold")
         x += 0.06 + 0.0195 * len(label)
-    return Curve(panel.name, panel.group, panel.caption, _svg(sheet.figure, panel))
-
-
-def _svg(figure: "Figure", panel: Panel) -> str:
-    """SVG element without prologue; its ids carry the panel's name, so that several fit on one page."""
-    from matplotlib import rcParams
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-
-    buffer = io.StringIO()
-    rcParams["svg.hashsalt"] = panel.name
-    FigureCanvasSVG(figure).print_svg(buffer, metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
-    text = buffer.getvalue()
-    text = text[text.index("<svg") :].rstrip()
-    for mark in (' id="', 'href="#', "url(#"):
-        text = text.replace(mark, mark + panel.name + "-")
-    return text.replace("<svg ", f'<svg role="img" aria-label="{panel.caption}" ', 1)
+    return drawn(sheet.figure, panel.name, panel.caption, panel.group)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postprocess.figures.curves import FE, Curve
-from postprocess.figures.style import style, svg_text
+from postprocess.figures.style import FE, Curve, drawn, style
 from postprocess.figures.uncertainty_plots import MARK
 
 WIDTH, ROOM, BAR = 9.6, 0.75, 0.27
@@ -29,7 +28,7 @@ def draw_ratios(bars: Sequence[Bar]) -> Curve:
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
     caption = "Time of a step with the part over that without it, and its 95 % interval; 1 is no cost"
-    with style("features"):
+    with style():
         height = ROOM + BAR * len(bars)
         figure = Figure(figsize=(WIDTH, height))
         axes = figure.add_axes((0.2, 0.5 / height, 0.7, 1.0 - ROOM / height))
@@ -60,6 +59,4 @@ def draw_ratios(bars: Sequence[Bar]) -> Curve:
                 va="center",
             )
         axes.set_xlabel("times the loop without the part")
-        return Curve(
-            "features", "What each part adds to a step", caption, svg_text(figure, "features", caption)
-        )
+        return drawn(figure, "features", caption, "What each part adds to a step")

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.figures.curves import Curve
-from postprocess.figures.style import style, svg_text
+from postprocess.figures.style import Curve, drawn, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +54,7 @@ def draw_sweep(
     from matplotlib.figure import Figure
 
     small = len(lines) == 1
-    with style(name):
+    with style():
         figure = Figure(figsize=SMALL_SIZE if small else SIZE)
         axes = figure.add_axes(SMALL_PLACE if small else PLACE)
         axes.set_xscale("log")
@@ -70,7 +69,7 @@ def draw_sweep(
         _mark(axes, axis, levels)
         axes.set_xlabel(X_LABEL)
         axes.set_ylabel(label)
-        return Curve(name, "Sweeps", caption, svg_text(figure, name, caption))
+        return drawn(figure, name, caption, "Sweeps")
 
 
 def _draw(axes: "Axes", axis: SweepAxis, line: SweepLine, colour: str, mark: str) -> None:

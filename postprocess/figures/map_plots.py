@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.figures.curves import Curve
 from postprocess.figures.map_ticks import places, round_ticks, tick_texts
-from postprocess.figures.style import style, svg_text
+from postprocess.figures.style import Curve, drawn, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,10 +37,10 @@ def draw_map(
     """Cells of equal size, verdicts[row][column]: rows go up, columns across; ticks at round values."""
     from matplotlib.figure import Figure
 
-    with style(name):
+    with style():
         figure = Figure(figsize=SIZE)
         draw_cells(figure.add_axes(PLACE), across, up, verdicts)
-        return Curve(name, "Maps", caption, svg_text(figure, name, caption))
+        return drawn(figure, name, caption, "Maps")
 
 
 def draw_cells(axes: "Axes", across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]]) -> None:
@@ -68,11 +67,11 @@ def draw_legend(meanings: Mapping[str, str], caption: str) -> Curve:
     from matplotlib.figure import Figure
 
     name = "map-legend"
-    with style(name):
+    with style():
         figure = Figure(figsize=SIZE)
         axes = figure.add_axes((0.04, 0.05, 0.92, 0.9))
         write_meanings(axes, meanings, fontsize=8.0)
-        return Curve(name, "Maps", caption, svg_text(figure, name, caption))
+        return drawn(figure, name, caption, "Maps")
 
 
 def write_meanings(axes: "Axes", meanings: Mapping[str, str], fontsize: float, columns: int = 1) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from postprocess.figures.curves import SUPERSCRIPTS
+from postprocess.figures.style import SUPERSCRIPTS
 
 MANY_DECADES, FEW_DECADES = 4.5, 2.2
 """Decades from which every second power of ten is a tick, and below which threes are ticks too."""

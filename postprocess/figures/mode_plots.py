@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.curves import FE, Curve
-from postprocess.figures.style import style, svg_text
+from postprocess.figures.style import FE, Curve, drawn, style
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.integer]
@@ -31,7 +30,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
     deformed = positions + reach * shape
     margin = 1.1 * reach
     low, high = positions.min(axis=0) - margin, positions.max(axis=0) + margin
-    with style(name):
+    with style():
         figure = Figure(figsize=(WIDTH, WIDTH * (high - low)[1] / (high - low)[0]))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
@@ -44,7 +43,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
             codes = np.tile((Path.MOVETO, Path.LINETO), len(segments))
             path = Path(segments.reshape(-1, 2), codes)
             axes.add_patch(PathPatch(path, fill=False, edgecolor=colour, linewidth=width, capstyle="round"))
-        return Curve(name, "Shapes", caption, svg_text(figure, name, caption))
+        return drawn(figure, name, caption, "Shapes")
 
 
 def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:

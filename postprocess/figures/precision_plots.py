@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postprocess.contours.labels import Label, write_labels
-from postprocess.figures.curves import SUPERSCRIPTS, Curve
 from postprocess.figures.label_spots import Box, Floats
-from postprocess.figures.style import style, svg_text
+from postprocess.figures.style import SUPERSCRIPTS, Curve, drawn, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,11 +60,11 @@ def draw_precision(diagram: Diagram) -> Curve:
     from matplotlib.figure import Figure
 
     caption = f"{diagram.title}: {diagram.error_label[0].lower()}{diagram.error_label[1:]} over run time"
-    with style(diagram.name):
+    with style():
         figure = Figure(figsize=SIZE)
         FigureCanvasAgg(figure)  # measures the labels
         draw_panel(figure.add_axes(PLACE), diagram)
-        return Curve(diagram.name, "Work and precision", caption, svg_text(figure, diagram.name, caption))
+        return drawn(figure, diagram.name, caption, "Work and precision")
 
 
 def draw_panel(axes: "Axes", diagram: Diagram) -> None:

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison.comparison import KEYS, QUANTITIES
-from postprocess.figures.curves import FE, RIGID, Curve
-from postprocess.figures.style import style, svg_text
+from postprocess.figures.style import FE, RIGID, Curve, drawn, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +82,7 @@ def draw_against(rows: SweepRows, item: Varied) -> Curve:
     alone, many = len(rows.varied) == 1, len(item.values) > MANY
     order = np.argsort(item.values, kind="stable")
     x, failed = item.values[order], rows.status[order] == "failed"
-    with style(name):
+    with style():
         figure, panels = _panels(2, 3, 5.2)
         for key, axes in zip(KEYS, panels, strict=False):
             rigid, fe = rows.rigid[key][order], rows.fe[key][order]
@@ -101,7 +100,7 @@ def draw_against(rows: SweepRows, item: Varied) -> Curve:
             axes.set_xlabel(item.label)
         legend = (("rigid, exact", RIGID), ("FE", FE), ("FE, a check failed", FAILED))
         _legend(figure, legend if failed.any() else legend[:2])
-        return Curve(name, f"Against {item.key}", caption, svg_text(figure, name, caption))
+        return drawn(figure, name, caption, f"Against {item.key}")
 
 
 def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
@@ -110,11 +109,11 @@ def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
 
     keys = f"{across.key} and {up.key}"
     caption = f"Over {keys}: v_GY by FE, largest difference FE/rigid - 1, and what became of each run"
-    with style("maps"):
+    with style():
         figure, panels = _panels(1, 3, 3.5, wspace=0.42)
         worst = np.where(rows.worst > 0.0, rows.worst, np.nan)
-        drawn = (("v_GY, FE [m/s]", rows.fe["v_gy"], None), ("largest difference", worst, LogNorm()))
-        for axes, (title, values, norm) in zip(panels, drawn, strict=False):
+        maps = (("v_GY, FE [m/s]", rows.fe["v_gy"], None), ("largest difference", worst, LogNorm()))
+        for axes, (title, values, norm) in zip(panels, maps, strict=False):
             shown = _cover(axes, across, up, values, cmap="viridis", norm=norm)
             figure.colorbar(shown, ax=axes, pad=0.03)
             axes.set_title(title, fontsize=9.0)
@@ -125,7 +124,7 @@ def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
             axes.grid(visible=False)
             axes.set_xlabel(across.label)
         panels[0].set_ylabel(up.label)
-        return Curve("maps", "Maps", caption, svg_text(figure, "maps", caption))
+        return drawn(figure, "maps", caption, "Maps")
 
 
 def draw_parallels(rows: SweepRows) -> Curve:
@@ -147,7 +146,7 @@ def draw_parallels(rows: SweepRows) -> Curve:
     scales.append(_scale("difference", np.where(rows.worst > 0.0, rows.worst, np.nan), True))
     heights = np.array([scale.heights for scale in scales])
     known = np.isfinite(heights).all(axis=0)
-    with style("parallels"):
+    with style():
         figure, (axes,) = _panels(1, 1, 4.2)
         for i in np.flatnonzero(known):
             failed = rows.status[i] == "failed"
@@ -170,7 +169,7 @@ def draw_parallels(rows: SweepRows) -> Curve:
         axes.grid(visible=False)
         for side in axes.spines.values():
             side.set_visible(False)
-        return Curve("parallels", "All keys side by side", caption, svg_text(figure, "parallels", caption))
+        return drawn(figure, "parallels", caption, "All keys side by side")
 
 
 @dataclass(frozen=True)

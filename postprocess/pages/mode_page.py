@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from postprocess.figures.curves import Curve
+from postprocess.figures.style import Curve
 from postprocess.pages.pages import write_page
 
 TEMPLATE = "modes.html.j2"

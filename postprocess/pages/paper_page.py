@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures import curves
-from postprocess.figures.curves import DIFFERENCE, FE, LEFT, RIGID, STYLE, Curve, History, thinned
+from postprocess.figures.curves import LEFT, History, thinned
 from postprocess.figures.panels import COMPARED, Panel
+from postprocess.figures.style import DIFFERENCE, FE, RIGID, STYLE, Curve
 from postprocess.pages.pages import write_page
 
 TEMPLATE = "paper.html.j2"

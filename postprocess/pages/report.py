@@ -8,7 +8,7 @@ from typing import Any
 
 from postprocess.comparison.comparison import PAPER_SOURCE, ComparisonRow
 from postprocess.comparison.metrics import Metrics
-from postprocess.figures.curves import Curve
+from postprocess.figures.style import Curve
 from postprocess.pages.pages import write_page
 
 TEMPLATE = "report.html.j2"

@@ -1,7 +1,7 @@
 """Prepared studies: `tailslap study NAME SCENE`.
 
-A study is a package in this folder, whose name is the study's, with a click command called `command`: it is found by
-being there. The modules beside them are what studies share. Its arguments are those of `study_arguments`, and its own.
+A study is a package in this folder with a `Study` called STUDY, or one that another program has registered: what it
+computes, what it reports (`study.py`). What the studies share stands beside them.
 """
 
 from __future__ import annotations
@@ -15,14 +15,25 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tailslap.errors import InputError
+from tailslap.studies.study import Study, study_command
 
 if TYPE_CHECKING:
     from tailslap.planning.plan import Plan
 
 
+_registered: dict[str, Study] = {}
+
+
+def register(study: Study) -> None:
+    """Add a study from outside this folder. Raises ValueError for a name that is taken."""
+    if study.name in study_names():
+        raise ValueError(f"there is a study {study.name!r} already")
+    _registered[study.name] = study
+
+
 def study_names() -> list[str]:
-    """Names of the studies, sorted; nothing is imported."""
-    return sorted(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg)
+    """Names of the studies, sorted; none is imported."""
+    return sorted([*(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg), *_registered])
 
 
 def study_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -62,8 +73,13 @@ class Studies(click.Group):
         """The study's command; InputError, listing the studies, for a name that is none."""
         if name not in study_names():
             raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
-        command: click.Command = importlib.import_module(f"{__name__}.{name}").command
-        return command
+        if name in _registered:
+            return study_command(_registered[name])
+        module = importlib.import_module(f"{__name__}.{name}")
+        if not hasattr(module, "STUDY"):
+            command: click.Command = module.command
+            return command
+        return study_command(module.STUDY)
 
 
 @click.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")

@@ -5,7 +5,8 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures.curves import Curve, draw_histories, power_of_ten, thinned
+from postprocess.figures.curves import draw_histories, power_of_ten, thinned
+from postprocess.figures.style import Curve
 
 pytestmark = pytest.mark.verification
 

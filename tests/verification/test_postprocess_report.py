@@ -9,8 +9,8 @@ import pytest
 
 from postprocess.comparison.comparison import comparison_rows
 from postprocess.comparison.metrics import Metrics
-from postprocess.figures.curves import Curve
-from postprocess.pages.numbers import number, padded, signed
+from postprocess.figures.style import Curve
+from postprocess.pages.pages import number, padded, signed
 from postprocess.pages.report import (
     Check,
     LeftOut,

@@ -35,7 +35,7 @@ def crowded(lines: int = 9) -> Diagram:
 
 @pytest.fixture(scope="module")
 def figure() -> Figure:
-    with style("test"):
+    with style():
         figure = Figure(figsize=(7.4, 5.2))
         FigureCanvasAgg(figure)
         draw_panel(figure.add_axes((0.1, 0.1, 0.88, 0.83)), crowded())

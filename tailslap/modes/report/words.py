@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from postprocess.pages.numbers import padded
+from postprocess.pages.pages import padded
 from tailslap.modes.answer import Mode, ModesAnswer
 
 CRITERION = (

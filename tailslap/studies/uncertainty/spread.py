@@ -12,9 +12,10 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced
 from tailslap.scene.inputs import scene_inputs
+from tailslap.studies.study import Call
 from tailslap.studies.uncertainty.indices import Indices, sobol_indices
 from tailslap.studies.uncertainty.model import Array, with_values
-from tailslap.studies.uncertainty.ranges import Range, used_keys
+from tailslap.studies.uncertainty.ranges import Range, study_ranges, used_keys
 from tailslap.studies.uncertainty.sampling import SEED, Samples, draw, tables
 
 PERCENTILES = (5, 50, 95)
@@ -56,6 +57,11 @@ class Spread:
     def share_below(self) -> float:
         """Share of the combinations whose force is below that of the scene's own values."""
         return float(np.mean(self.samples.known < self.plan.force.peak_force))
+
+
+def study_spread(call: Call, samples: int, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> Spread:
+    """The study as the command line asks for it."""
+    return find_spread(call.plan, study_ranges(call.name, call.changes, ranges, fixed), samples)
 
 
 def find_spread(plan: Plan, ranges: tuple[Range, ...], at_least: int) -> Spread:

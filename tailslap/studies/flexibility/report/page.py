@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tailslap
-from postprocess.figures.curves import Curve
 from postprocess.figures.flexibility_plots import DOTS, RINGS, SweepAxis, SweepLine, draw_sweep
+from postprocess.figures.style import Curve
 from postprocess.pages.study_page import StudyContent, StudySection
 from tailslap.planning.rigid import COMPARED
 from tailslap.studies.flexibility.report.tabulate import (

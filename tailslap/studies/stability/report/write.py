@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import tailslap
-from postprocess.figures.curves import Curve
 from postprocess.figures.map_plots import MapAxis, draw_legend, draw_map
+from postprocess.figures.style import Curve
 from postprocess.files.summary import write_summary
 from postprocess.pages.study_page import StudyContent, StudySection, StudyTable, write_study_page
 from tailslap.studies.stability.axes import Axis, Cell

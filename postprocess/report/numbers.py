@@ -1,0 +1,36 @@
+"""How values are printed for people: digits enough to tell two solutions apart, words for what is none."""
+
+import math
+from typing import Any
+
+
+def shown(value: Any, form: str) -> str:
+    """A value by its format specification; words, None, truth and what is not finite in words."""
+    if isinstance(value, bool | str) or value is None or not math.isfinite(value):
+        return number(value)
+    return format(value, form).rstrip(".")
+
+
+def number(value: object, digits: int = 7) -> str:
+    """A number with so many significant digits at most; words as they are, a dash for None."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, float):
+        return str(value)
+    if math.isfinite(value):
+        return f"{value:.{digits}g}"
+    return "not a number" if math.isnan(value) else ("infinite" if value > 0 else "-infinite")
+
+
+def grouped(count: int) -> str:
+    """A whole number with its thousands set apart."""
+    return f"{count:,}".replace(",", " ")
+
+
+def duration(seconds: float) -> str:
+    """A time in the unit that suits it."""
+    if seconds < 1e-3:
+        return f"{1e6 * seconds:.0f} us"
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"

@@ -1,0 +1,107 @@
+"""Pages: one file that holds all it shows, with no script and nothing fetched from elsewhere."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from postprocess.figures.style import Curve
+from postprocess.report.table import Table
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) ")
+SYMBOL = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
+CODE = re.compile(r"`([^`]+)`")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file on disk, put into the page whole, and its caption."""
+
+    path: Path
+    caption: str
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A finding of a review: what was checked, what was seen, and the commands that repeat it."""
+
+    title: str
+    checked: str
+    seen: tuple[str, ...]
+    repeat: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page: figures, tables, sentences, findings; what is empty is not shown.
+
+    layout: "narrow" figures stand three or four in a row; "half" sections stand side by side. A string that `shown_on`
+    names keeps a section to "page" or "terminal".
+    """
+
+    title: str
+    lead: str = ""
+    figures: Sequence[Curve | Picture] = ()
+    tables: Sequence[Table] = ()
+    sentences: Sequence[str] = ()
+    findings: Sequence[Finding] = ()
+    layout: str = ""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to show."""
+        return not (self.lead or self.figures or self.tables or self.sentences or self.findings)
+
+
+@dataclass(frozen=True)
+class Page:
+    """All that a page says. passed: None where nothing is judged; contents: whether it lists its sections on top."""
+
+    kicker: str
+    title: str
+    headline: str
+    sections: Sequence[Section]
+    footer: str
+    scene_text: str = ""
+    passed: bool | None = None
+    contents: bool = False
+
+
+def write_page(path: Path, page: Page) -> Path:
+    """Write the page and return its path; every picture must be there."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("postprocess"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"prose": prose, "data_uri": data_uri}
+    text = environment.get_template("page.html.j2").render(page=page)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def prose(words: str) -> Any:
+    """The words as HTML: a letter with a subscript, like v_GY, is set as one, and `keys` as code."""
+    from markupsafe import Markup, escape
+
+    made = CODE.sub(r"<code>\1</code>", SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", glued(str(escape(words)))))
+    return Markup(made)
+
+
+def glued(words: str) -> str:
+    """The words with no line break between a number and its unit, nor at an equals sign."""
+    return GLUED.sub(NO_BREAK, words)
+
+
+def data_uri(path: Path) -> str:
+    """The PNG file as a data URI."""
+    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -1,0 +1,67 @@
+"""A report: a page, a summary, tables and histories beside it, and what is said on the terminal."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from postprocess.files.histories import write_history
+from postprocess.files.summary import write_summary
+from postprocess.report.page import Finding, Page, write_page
+from postprocess.report.table import Table
+from postprocess.report.terminal import printed
+
+PAGE, SUMMARY = "report.html", "summary.json"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a command leaves and says.
+
+    tables, histories, texts: by the names of their files, which are .csv for the first two. terminal: what is printed
+    before the place of the page. passed: None where nothing is judged.
+    """
+
+    page: Page
+    summary: Mapping[str, Any]
+    terminal: tuple[Table | Finding | str, ...]
+    tables: Mapping[str, Table] = field(default_factory=dict)
+    histories: Mapping[str, Mapping[str, ArrayLike]] = field(default_factory=dict)
+    texts: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing failed."""
+        return self.page.passed is not False
+
+
+def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
+    """Fill a folder: page, summary, tables, histories, texts."""
+    write_page(folder / page, report.page)
+    write_summary(folder / SUMMARY, report.summary)
+    for name, table in report.tables.items():
+        write_table(folder / name, table)
+    for name, columns in report.histories.items():
+        write_history(folder / name, columns)
+    for name, text in report.texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def write_table(path: Path, table: Table) -> Path:
+    """Write a table as CSV: a header of keys, a line a record; the values as they are, not as they are shown."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(column.key for column in table.columns)
+        writer.writerows(record.values() for record in table.records())
+    return path
+
+
+def report_text(report: Report, place: Path, page: str = PAGE) -> str:
+    """What is said on the terminal, and where the page is."""
+    parts: Iterable[Table | Finding | str] = (*report.terminal, f"Report: {place / page}")
+    return printed(parts)

@@ -1,0 +1,104 @@
+"""A table, declared once: its columns say how a record is shown, its rows are the records.
+
+Terminal, page, CSV and JSON all take it from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from postprocess.report.numbers import number, shown
+
+Form = str | Callable[[Any], str]
+
+
+@dataclass(frozen=True)
+class Column:
+    """How one entry of a record is shown.
+
+    Parameters
+    ----------
+    key : str
+        Name of the entry, with dots for entries of entries; also its name in files.
+    label, unit : str
+        Heading, and the unit that stands behind it.
+    form : str or callable
+        Format specification of a number, or a function that gives the text; "" for words, which stand to the left.
+    style : str
+        "strong" or "soft" on pages.
+    group : str
+        Heading over several neighbours.
+    below : Column, optional
+        Shown in small letters below the entry on pages, behind it on a terminal.
+    """
+
+    key: str
+    label: str
+    unit: str = ""
+    form: Form = ""
+    style: str = ""
+    group: str = ""
+    below: Column | None = None
+
+    @property
+    def heading(self) -> str:
+        """Label with its unit."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    def value(self, record: Any) -> Any:
+        """The entry of a record: a mapping, or an object with attributes."""
+        for name in self.key.split("."):
+            record = record[name] if isinstance(record, Mapping) else getattr(record, name)
+        return record
+
+    def text(self, record: Any) -> str:
+        """The entry as people read it."""
+        value = self.value(record)
+        if callable(self.form):
+            return self.form(value)
+        return shown(value, self.form) if self.form else number(value)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns and records. marks: style of rows by their number, "failed" or "marked"; notes stand below it."""
+
+    columns: tuple[Column, ...]
+    rows: Sequence[Any]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    marks: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def groups(self) -> tuple[tuple[str, int], ...]:
+        """The headings above the columns and how many columns each spans; none if no column has one."""
+        spans: list[tuple[str, int]] = []
+        for column in self.columns:
+            if spans and spans[-1][0] == column.group:
+                spans[-1] = (column.group, spans[-1][1] + 1)
+            else:
+                spans.append((column.group, 1))
+        return tuple(spans) if any(name for name, _ in spans) else ()
+
+    def mark(self, row: int) -> str:
+        """Style of a row."""
+        return self.marks.get(row, "")
+
+    def records(self) -> list[dict[str, Any]]:
+        """The entries as they are, by key: what JSON and other files hold."""
+        return [{column.key: column.value(row) for column in self.columns} for row in self.rows]
+
+
+def words(*columns: str, rows: Sequence[Sequence[str]], texts: int = 1, **more: Any) -> Table:
+    """A table of finished text: its headings and cells; the first `texts` columns are words, the others numbers."""
+    made = tuple(Column(str(i), name, form="" if i < texts else str) for i, name in enumerate(columns))
+    return Table(made, [{str(i): cell for i, cell in enumerate(row)} for row in rows], **more)
+
+
+def pairs(entries: Mapping[str, Any] | Sequence[tuple[Any, ...]], **more: Any) -> Table:
+    """A table without headings: what, its value, and its unit where there is one."""
+    lines = [(*line, "")[:3] for line in (entries.items() if isinstance(entries, Mapping) else entries)]
+    columns = (Column("what", ""), Column("value", "", form=number, style="strong"), Column("unit", ""))
+    return Table(columns, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)

@@ -1,0 +1,105 @@
+"""What a study is: a name, what it computes, what it reports; all else is the same for every study."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
+    from tailslap.planning.plan import Plan
+
+
+@dataclass(frozen=True)
+class Call:
+    """A study as it was asked for: the scene's name and changes, the plan, the result folder's place."""
+
+    name: str
+    changes: tuple[str, ...]
+    plan: Plan
+    place: Path
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study.
+
+    Parameters
+    ----------
+    name, summary : str
+        Its name on the command line, and what `--help` says.
+    compute : callable or str
+        Takes the `Call` and the study's own options by name, and returns what was found. A text names it as
+        "module:function", which is imported when the study runs.
+    report : callable or str
+        Takes what was found and returns its `Report`; named likewise.
+    options : tuple of click.Option
+        Options of its own.
+    needs_plate : bool
+        Whether the scene must have the table [plate].
+    """
+
+    name: str
+    summary: str
+    compute: Callable[..., Any] | str
+    report: Callable[[Any], Report] | str
+    options: tuple[click.Option, ...] = ()
+    needs_plate: bool = True
+
+
+def study_command(study: Study) -> click.Command:
+    """The study on the command line: SCENE, --set, --out, and its own options."""
+    shared: list[click.Parameter] = [
+        click.Argument(["name"], metavar="SCENE"),
+        click.Option(
+            ["--set", "changes"],
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="Change a key, like vehicle.mass='5000 lb'.",
+        ),
+        click.Option(
+            ["--out"],
+            type=click.Path(path_type=Path),
+            help=f"Result folder  [default: results/NAME-{study.name}]",
+        ),
+    ]
+
+    def run(name: str, changes: tuple[str, ...], out: Path | None, **options: Any) -> int:
+        return _run(study, name, changes, out, options)
+
+    return click.Command(study.name, params=[*shared, *study.options], callback=run, help=study.summary)
+
+
+def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, options: dict[str, Any]) -> int:
+    """Compute, fill the result folder, say what was found; 1 if the study failed."""
+    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.planning.plan import make_plan
+    from tailslap.results.result_folder import demand_place, result_folder
+    from tailslap.scene.files import read_scene
+
+    plan = make_plan(*read_scene(name, changes))
+    if study.needs_plate:
+        needed_plate(plan.scene)
+    place = out or Path("results") / f"{plan.scene.name}-{study.name}"
+    demand_place(place)
+    found = _named(study.compute)(Call(name, changes, plan, place), **options)
+    with result_folder(place) as folder:
+        from postprocess.report.report import report_text, write_report
+
+        report = _named(study.report)(found)
+        write_report(report, folder)
+    click.echo(report_text(report, place))
+    return 0 if report.passed else 1
+
+
+def _named(function: Callable[..., Any] | str) -> Callable[..., Any]:
+    if not isinstance(function, str):
+        return function
+    module, _, name = function.partition(":")
+    found: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return found

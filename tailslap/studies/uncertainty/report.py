@@ -1,0 +1,206 @@
+"""What the study of uncertainty reports."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from postprocess.figures.uncertainty_plots import draw_histogram, draw_sensitivity
+from postprocess.report.numbers import grouped
+from postprocess.report.page import Page, Section
+from postprocess.report.report import Report
+from postprocess.report.table import Column, Table, pairs
+from tailslap.report.footer import footer, study_summary
+from tailslap.studies.uncertainty.indices import RESAMPLES
+from tailslap.studies.uncertainty.sampling import SEED
+from tailslap.studies.uncertainty.spread import PERCENTILES, Spread
+
+
+@dataclass(frozen=True)
+class Input:
+    """A varied input: its range and the scene's own value in words, its Sobol indices and their 95 % intervals."""
+
+    key: str
+    lower: float
+    upper: float
+    unit: str
+    origin: str
+    of_the_scene: float | None
+    first_order: float
+    first_order_interval: tuple[float, float]
+    total: float
+    total_interval: tuple[float, float]
+
+    @property
+    def range(self) -> str:
+        """Its range, angles in degrees."""
+        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
+        return f"{self.lower * factor:.5g} to {self.upper * factor:.5g} {unit}".strip()
+
+    @property
+    def value(self) -> str:
+        """The scene's own value, angles in degrees."""
+        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
+        return "–" if self.of_the_scene is None else f"{self.of_the_scene * factor:.5g} {unit}".strip()
+
+
+def spread_report(found: Spread) -> Report:
+    """Page, summary, combinations, and what the terminal says."""
+    inputs = sorted(_inputs(found), key=lambda item: -item.total)
+    table = Table((*COLUMNS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
+    said, name = headline(found, inputs), found.plan.scene.name
+    page = Page(
+        kicker="Uncertainty of the peak force of the tail-slap, by the rigid-body method",
+        title=name,
+        headline=said,
+        sections=(
+            Section("Distribution", figures=(draw_histogram(*_histogram(found)),), layout="half"),
+            Section("Sensitivity", figures=(draw_sensitivity(inputs),), layout="half"),
+            Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
+            Section("Peak force", tables=(pairs(_forces(found)),), layout="half"),
+            Section("What was computed, and what it means", sentences=_sentences(found), layout="half"),
+        ),
+        footer=footer("summary.json, these numbers in SI; samples.csv, the combinations of the distribution"),
+        scene_text=found.plan.source.text,
+    )
+    short = Table((*COLUMNS[:2], *INDICES), inputs, title=f"{name}: Sobol indices of the peak force")
+    cost = f"Cost:   {found.samples.combinations} combinations in {found.seconds:.2f} s"
+    return Report(
+        page,
+        summary(found, inputs),
+        (short, said, refusals(found), cost),
+        histories={"samples.csv": _columns(found)},
+    )
+
+
+def _interval(ends: Any) -> str:
+    return " to ".join(f"{end:.3f}" for end in ends)
+
+
+COLUMNS = (
+    Column("key", "Input"),
+    Column("range", "Range", form=str),
+    Column("origin", "From"),
+    Column("value", "Scene", form=str),
+)
+INDICES = (
+    Column("first_order", "Alone", form=".3f", below=Column("first_order_interval", "", form=_interval)),
+    Column("total", "With interactions", form=".3f", below=Column("total_interval", "", form=_interval)),
+)
+
+
+def _inputs(found: Spread) -> list[Input]:
+    rows, indices = found.samples.ranges, found.indices
+    return [
+        Input(
+            item.key, item.lower, item.upper, item.unit, item.origin, item.given,
+            float(indices.first[i]), tuple(indices.first_interval[:, i].tolist()),
+            float(indices.total[i]), tuple(indices.total_interval[:, i].tolist()),
+        )
+        for i, item in enumerate(rows)
+    ]  # fmt: skip
+
+
+def summary(found: Spread, inputs: list[Input]) -> dict[str, Any]:
+    """The numbers of the study, SI; the inputs as the scene lists them."""
+    samples, its = found.samples, found.distribution
+    listed = [item.key for item in samples.ranges]
+    percentiles = {f"percentile_{p}": x for p, x in zip(PERCENTILES, its.percentiles, strict=True)}
+    return {
+        **study_summary("uncertainty", found.plan),
+        "seed": SEED,
+        "rows": samples.force_a.size,
+        "combinations": samples.combinations,
+        "refused": samples.refused,
+        "rows_left_out": samples.rows_left_out,
+        "first_refusal": found.first_refusal or None,
+        "peak_force": {
+            "mean": its.mean,
+            "standard_deviation": its.standard_deviation,
+            **percentiles,
+            "of_the_scene": float(found.plan.force.peak_force),
+            "histogram": {"edges": its.edges, "counts": its.counts},
+        },
+        "inputs": [vars(item) for item in sorted(inputs, key=lambda item: listed.index(item.key))],
+        "held": found.held,
+        "cost": {"seconds": found.seconds},
+    }
+
+
+def _columns(found: Spread) -> dict[str, np.ndarray]:
+    """The combinations of the distribution, inputs and force; NaN where the theory refuses one."""
+    samples = found.samples
+    values = np.hstack([samples.a, samples.b])
+    columns = {item.key: column for item, column in zip(samples.ranges, values, strict=True)}
+    return columns | {"peak_force": np.concatenate([samples.force_a, samples.force_b])}
+
+
+def _histogram(found: Spread) -> tuple[Any, ...]:
+    its = found.distribution
+    percentiles = tuple(zip(PERCENTILES, its.percentiles, strict=True))
+    return its.edges, its.counts, percentiles, float(found.plan.force.peak_force)
+
+
+def _forces(found: Spread) -> list[tuple[str, float, str]]:
+    its = found.distribution
+    rows = [("mean", its.mean), ("standard deviation", its.standard_deviation)]
+    rows += [(f"{p} % lie below", x) for p, x in zip(PERCENTILES, its.percentiles, strict=True)]
+    rows.append(("of the scene's own values", float(found.plan.force.peak_force)))
+    return [(name, force / 1e3, "kN") for name, force in rows]
+
+
+def headline(found: Spread, inputs: list[Input]) -> str:
+    """The result in three sentences, or four."""
+    its = found.distribution
+    low, _, high = (force / 1e3 for force in its.percentiles)
+    refused = (
+        f"The theory refuses {_refused_share(found)} of the combinations, which are not in these numbers."
+    )
+    return (
+        f"Mean {its.mean / 1e3:.0f} kN, standard deviation {its.standard_deviation / 1e3:.0f} kN; nine in ten "
+        f"combinations lie between {low:.0f} and {high:.0f} kN. The scene's own values give "
+        f"{found.plan.force.peak_force / 1e3:.0f} kN, more than {100.0 * found.share_below:.0f} % of them. The "
+        f"largest part of the variance comes from {inputs[0].key}, with an index of {inputs[0].first_order:.2f}. "
+        f"{refused if found.samples.refused else ''}"
+    ).rstrip()
+
+
+def _sentences(found: Spread) -> list[str]:
+    """What a reader must know beside the numbers."""
+    samples, held = (
+        found.samples,
+        f"Held at the scene's value: {', '.join(found.held)}; --range varies these too.",
+    )
+    return [
+        f"Each input varies evenly over its range, independently of the others. {grouped(samples.force_a.size)} rows "
+        f"of Sobol points, scrambled with the seed {SEED}, give {grouped(samples.combinations)} combinations; each is "
+        "solved exactly by Stages 1 to 3. The same call gives the same numbers.",
+        refusals(found),
+        *([held] if found.held else []),
+        "An index is the share of the variance that comes from an input: alone (first order), and with its "
+        f"interactions (total). The 95 % intervals are a bootstrap's, of {RESAMPLES} resamples, and err on the wide "
+        "side.",
+        "The duration of the strike is an input of the method, which does not predict it: the peak force is that "
+        "of a triangular pulse of this duration.",
+    ]
+
+
+def refusals(found: Spread) -> str:
+    """How many combinations the theory refuses, and what became of them."""
+    samples = found.samples
+    if not samples.refused:
+        return "The theory refuses none of the combinations."
+    return (
+        f"The theory refuses {grouped(samples.refused)} of {grouped(samples.combinations)} combinations "
+        f"({_refused_share(found)}): they have no force, and the distribution is that of the others. "
+        f"{grouped(samples.rows_left_out)} of {grouped(samples.force_a.size)} rows have one and are left out of the "
+        "indices, which are then approximate, for the inputs of the rest are no longer independent. "
+        f"The first: {found.first_refusal}."
+    )
+
+
+def _refused_share(found: Spread) -> str:
+    return f"{100.0 * found.samples.refused / found.samples.combinations:.2g} %"
