@@ -1,1 +1,1 @@
-"""Reports: a table declared once goes to terminal, page and files; one page template; what a command leaves and says."""
+"""Reports: a table declared once, one page, and what a command leaves and says."""
