@@ -13,9 +13,21 @@ SEED = 7
 
 
 def distorted(mesh: meshio.Mesh, share: float, elements: tuple[int, int]) -> meshio.Mesh:
-    """A copy with each node inside the plate moved by up to `share` of an element's length and width.
+    """A copy with the nodes inside the plate moved at random, the same way every time.
 
-    elements: along and across, as the mesh was made with. The same mesh is moved the same way every time.
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+        Of `plate_mesh`.
+    share : float
+        Largest displacement of a node, as a share of an element's length and width [-].
+    elements : tuple of int
+        Along and across, as the mesh was made with.
+
+    Returns
+    -------
+    meshio.Mesh
+        With the same cells and groups.
     """
     import meshio
 

@@ -15,10 +15,19 @@ FORMATS = {".msh": "gmsh", ".vtu": "vtu"}
 
 
 def write_mesh(mesh: meshio.Mesh, path: Path) -> None:
-    """Write the mesh with its groups to `path`, ending in .msh (Gmsh 4.1) or .vtu.
+    """Write a mesh with its groups: as physical tags with names (.msh), or as the integer cell array `group` (.vtu).
 
-    The groups travel as physical tags with names (.msh) or as the integer cell array `group` (.vtu).
-    Raises ValueError for another ending.
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+        Of `plate_mesh` or `wall_mesh`.
+    path : Path
+        Ending in .msh (Gmsh 4.1) or .vtu.
+
+    Raises
+    ------
+    ValueError
+        For another ending.
     """
     import meshio
 

@@ -11,12 +11,23 @@ if TYPE_CHECKING:
 
 
 def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: str = "quad") -> meshio.Mesh:
-    """Mesh the plate [m] with `elements` quadrilaterals along its length and across its width.
+    """Mesh the plate with quadrilaterals, or triangles, in rows along its length.
 
-    With cells = "triangle" each is cut in two.
+    Parameters
+    ----------
+    length, width : float
+        Of the plate [m]. Corner P, the one on the wall, is the origin; E lies at (-length, 0), H at
+        (-length, width), K at (0, width).
+    elements : tuple of int
+        Quadrilaterals along the length and across the width.
+    cells : {"quad", "triangle"}
+        With "triangle" each quadrilateral is cut in two.
 
-    Corner P, the one on the wall, is the origin; E lies at (-length, 0), H at (-length, width), K at (0, width).
-    Groups: surface `plate`, lines `side_pe`, `side_kp`, `side_hk`, `side_eh`, vertices `corner_p` and so on.
+    Returns
+    -------
+    meshio.Mesh
+        Points [m], shape (nodes, 3). Groups: surface `plate`, lines `side_pe`, `side_kp`, `side_hk`, `side_eh`,
+        vertices `corner_p`, `corner_e`, `corner_h`, `corner_k`.
     """
     return rectangle_mesh(
         "plate",

@@ -11,9 +11,22 @@ if TYPE_CHECKING:
 
 
 def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, int]) -> meshio.Mesh:
-    """Mesh the wall [m] from X = start over `length`, from Y = -depth to its face Y = 0.
+    """Mesh the wall with quadrilaterals; its face is Y = 0.
 
-    Groups: surface `wall`, lines `wall_face`, `wall_end`, `wall_back`, `wall_start`.
+    Parameters
+    ----------
+    start : float
+        X of its near end [m].
+    length, depth : float
+        Along X and, behind the face, along Y [m].
+    elements : tuple of int
+        Along the length and across the depth.
+
+    Returns
+    -------
+    meshio.Mesh
+        Points [m], shape (nodes, 3). Groups: surface `wall`, lines `wall_face`, `wall_end`, `wall_back`,
+        `wall_start`.
     """
     return rectangle_mesh(
         "wall",

@@ -13,10 +13,25 @@ from solver.rules import LENGTH, MASS, WIDTH
 
 @dataclass(frozen=True)
 class RectangularBody(Generic[V]):
-    """Rectangle of uniform mass (Figure 6): floats, or arrays that broadcast with each other.
+    """Rectangle of uniform mass: floats, or arrays that broadcast with each other.
 
-    length: of the side along the heading, L [m]; width: B [m]; mass: m [kg].
-    Raises RigidBodyError unless all are positive and finite.
+    Parameters
+    ----------
+    length : float or ndarray
+        Of the side along the heading, L [m].
+    width : float or ndarray
+        B [m].
+    mass : float or ndarray
+        m [kg].
+
+    Raises
+    ------
+    RigidBodyError
+        Unless all are positive and finite.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Figure 6.
     """
 
     length: V

@@ -29,10 +29,22 @@ STANDARD_GRAVITY = 9.80665  # m/s^2
 
 @dataclass(frozen=True)
 class OlsonForce(Generic[V]):
-    """travel: of the centre of mass towards the wall until the vehicle is parallel to it [m].
+    """Olson's estimate: floats, or arrays of one shape.
 
-    time: that takes, t [s]; deceleration: lateral, average, G_lat,avg [in units of gravity] (Eq 1);
-    average_force: F_lat,avg [N] (Eq 2).
+    Attributes
+    ----------
+    travel : float or ndarray
+        Of the centre of mass towards the wall until the vehicle is parallel to it [m].
+    time : float or ndarray
+        That this takes, t [s].
+    deceleration : float or ndarray
+        Lateral, average, G_lat,avg [multiples of gravity] (Eq 1 [1]_).
+    average_force : float or ndarray
+        F_lat,avg [N] (Eq 2).
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, section 2.1.
     """
 
     travel: V
@@ -43,7 +55,21 @@ class OlsonForce(Generic[V]):
 
 @dataclass(frozen=True)
 class RitterForce(Generic[V]):
-    """impulse: J_lat [N s] (Eq 4); time: Olson's, half the pulse [s]; peak_force: F_lat,peak [N] (Eq 5)."""
+    """Ritter's estimate: floats, or arrays of one shape.
+
+    Attributes
+    ----------
+    impulse : float or ndarray
+        J_lat [N s] (Eq 4 [1]_).
+    time : float or ndarray
+        Olson's, half the pulse [s].
+    peak_force : float or ndarray
+        F_lat,peak [N] (Eq 5).
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, section 2.1.
+    """
 
     impulse: V
     time: V
@@ -59,13 +85,39 @@ def olson_force(
     deflection: Number = 0.0,
     gravity: Number = STANDARD_GRAVITY,
 ) -> OlsonForce[Any]:
-    """Average lateral force by Olson's method, Eqs 1-2.
+    """Average lateral force by Olson's method; arguments broadcast.
 
-    mass [kg]; speed V_I [m/s]; angle theta between vehicle and wall [rad]; front_distance: from the front to
-    the centre of mass, A_L [m]; half_width: half the vehicle's width, Olson's B [m]; deflection of the
-    barrier, D [m]; gravity [m/s^2], which the force does not depend on.
-    Raises RigidBodyError unless mass, speed, front_distance, half_width and gravity are positive, the angle
-    is between 0 and pi/2, the deflection is 0 or more, and the centre of mass has a way to go.
+    Parameters
+    ----------
+    mass : float or array_like
+        Of the vehicle [kg].
+    speed : float or array_like
+        V_I [m/s].
+    angle : float or array_like
+        theta, between vehicle and wall [rad].
+    front_distance : float or array_like
+        From the front to the centre of mass, A_L [m].
+    half_width : float or array_like
+        Half the vehicle's width, Olson's B [m].
+    deflection : float or array_like
+        Of the barrier, D [m].
+    gravity : float or array_like
+        Unit of the deceleration [m/s^2]; the force does not depend on it.
+
+    Returns
+    -------
+    OlsonForce
+        Floats, or arrays of the common shape.
+
+    Raises
+    ------
+    RigidBodyError
+        Unless mass, speed, front_distance, half_width and gravity are positive, the angle is between 0 and pi/2,
+        the deflection is 0 or more, and the centre of mass has a way to go.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 1-2.
     """
     m, v, theta = number("mass", mass), number("speed", speed), number("angle", angle)
     a, b = number("front_distance", front_distance), number("half_width", half_width)
@@ -90,9 +142,26 @@ def _admit(m: Any, v: Any, theta: Any, a: Any, b: Any, d: Any, g: Any) -> None:
 
 
 def hirsch_force(average_force: Number) -> Any:
-    """Peak lateral force [N] of a linear spring whose average is average_force [N], pi/2 times that (Eq 3).
+    """Peak lateral force of a linear spring, pi/2 times its average (Hirsch).
 
-    Returns a float, or an array. Raises RigidBodyError unless the average is positive and finite.
+    Parameters
+    ----------
+    average_force : float or array_like
+        [N].
+
+    Returns
+    -------
+    float or ndarray
+        Peak force [N].
+
+    Raises
+    ------
+    RigidBodyError
+        Unless the average is positive and finite.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eq 3.
     """
     average = number("average_force", average_force)
     Gate().demand(AVERAGE_FORCE, (average > 0.0) & (average < math.inf), average)
@@ -107,9 +176,36 @@ def ritter_force(
     half_width: Number,
     deflection: Number = 0.0,
 ) -> RitterForce[Any]:
-    """Peak lateral force by Ritter's method, Eqs 4-5: elastic rebound over a triangular pulse of length 2 t.
+    """Peak lateral force by Ritter's method: elastic rebound over a triangular pulse of twice Olson's time.
 
-    Arguments and errors are those of `olson_force`, whose time to parallel is t.
+    Parameters
+    ----------
+    mass : float or array_like
+        Of the vehicle [kg].
+    speed : float or array_like
+        V_I [m/s].
+    angle : float or array_like
+        theta, between vehicle and wall [rad].
+    front_distance : float or array_like
+        From the front to the centre of mass, A_L [m].
+    half_width : float or array_like
+        Half the vehicle's width, Olson's B [m].
+    deflection : float or array_like
+        Of the barrier, D [m].
+
+    Returns
+    -------
+    RitterForce
+        Floats, or arrays of the common shape.
+
+    Raises
+    ------
+    RigidBodyError
+        As `olson_force`.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 4-5.
     """
     time = olson_force(mass, speed, angle, front_distance, half_width, deflection).time
     m, v, theta = number("mass", mass), number("speed", speed), number("angle", angle)

@@ -9,10 +9,18 @@ import numpy as np
 
 
 class RigidBodyError(ValueError):
-    """An input for which the rigid-body equations have no answer.
+    """An input for which the rigid-body equations have no answer; `str()` is a sentence made of all attributes.
 
-    Attributes: `key`, the name of the input to change; `given`, its value; `why` it cannot be;
-    `allowed`, what it may be. `str()` is a sentence made of all four.
+    Attributes
+    ----------
+    key : str
+        Name of the input to change.
+    given : object
+        Its value.
+    why : str
+        Why it cannot have that value.
+    allowed : str
+        What it may be.
     """
 
     def __init__(self, key: str, given: Any, why: str, allowed: str) -> None:

@@ -18,9 +18,18 @@ CONVENTIONS = ("paper", "newton")
 class ImpulseResult(Generic[V]):
     """The state after the impulse: floats, or arrays of the inputs' common shape.
 
-    omega: angular velocity [rad/s], positive where it turns the side towards the wall (Eq 31).
-    corner_speed: the corner's velocity along the wall [m/s], positive forwards (Eq 33).
-    impulse: magnitude of the impulse of normal force and friction together [N s] (Eq 32).
+    Attributes
+    ----------
+    omega : float or ndarray
+        Angular velocity [rad/s], positive where it turns the side towards the wall (Eq 31 [1]_).
+    corner_speed : float or ndarray
+        Velocity of the corner along the wall [m/s], positive forwards (Eq 33).
+    impulse : float or ndarray
+        Magnitude of the impulse of normal force and friction together [N s] (Eq 32).
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307.
     """
 
     omega: V
@@ -38,18 +47,44 @@ def corner_impulse(
     *,
     invalid: str = "raise",
 ) -> ImpulseResult[Any]:
-    """Velocities after the front corner has struck the wall, Eqs 6-33; arguments broadcast.
-
-    speed: of the vehicle, v_0 [m/s]; angle: between its side and the wall, theta [rad]; friction: mu;
-    restitution: e. convention "paper" (Eq 24) lets the corner go on into the wall at e v_0 sin(theta), so
-    that the impulse is proportional to 1 - e; "newton" lets it rebound: 1 + e.
+    """Velocities after the front corner has struck the wall (Stage 1); arguments broadcast.
 
     The friction impulse is mu times the normal one, which holds while the corner slides forwards all the
     time; a corner_speed below 0 says that it did not, and Stage 2 with friction will refuse it.
 
-    Raises RigidBodyError (invalid="nan": returns NaN in those rows) for an input that is not finite,
-    speed <= 0, friction < 0, restitution outside 0 to 1, an angle outside 0 < theta < pi/2 - gamma, and for
-    friction >= cot(phi), where the impulse no longer turns the vehicle towards the wall.
+    Parameters
+    ----------
+    body : RectangularBody
+        The vehicle.
+    speed : float or array_like
+        Of the vehicle, v_0 [m/s].
+    angle : float or array_like
+        Between its side and the wall, theta [rad].
+    friction : float or array_like
+        Coefficient mu [-].
+    restitution : float or array_like
+        Coefficient e [-].
+    convention : {"paper", "newton"}
+        "paper" (Eq 24 [1]_) lets the corner go on into the wall at e v_0 sin(theta), so that the impulse is
+        proportional to 1 - e; "newton" lets it rebound: 1 + e.
+    invalid : {"raise", "nan"}
+        Whether rows without an answer raise, or are NaN.
+
+    Returns
+    -------
+    ImpulseResult
+        Floats, or arrays of the common shape.
+
+    Raises
+    ------
+    RigidBodyError
+        For an input that is not finite, speed <= 0, friction < 0, restitution outside 0 to 1, an angle outside
+        0 < theta < pi/2 - gamma, and for friction >= cot(phi), where the impulse no longer turns the vehicle
+        towards the wall.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 6-33.
     """
     choose("convention", convention, CONVENTIONS)
     v_0, theta = number("speed", speed), number("angle", angle)

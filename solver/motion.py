@@ -34,15 +34,40 @@ def tail_slap(
 ) -> MotionState[Any]:
     """The state at the tail-slap, where the side lies along the wall; arguments broadcast.
 
-    angle: theta_0 [rad]; omega: omega_0 [rad/s], positive towards the wall; corner_speed: v_P0 [m/s],
-    positive forwards; friction: mu >= 0. reaction: "drag", friction mu |N| against the sliding (Eqs 66-67);
-    "none"; or "signed", friction -mu N, which pushes the corner on as long as the wall pulls.
-    Floats in, floats out; with arrays each field has the inputs' common shape.
+    Parameters
+    ----------
+    body : RectangularBody
+        The vehicle.
+    angle : float or array_like
+        theta_0 at the start of Stage 2 [rad].
+    omega : float or array_like
+        omega_0 [rad/s], positive towards the wall.
+    corner_speed : float or array_like
+        v_P0 [m/s], positive forwards.
+    friction : float or array_like
+        Coefficient mu >= 0 [-].
+    reaction : {"drag", "none", "signed"}
+        "drag": Coulomb friction on N's magnitude, mu |N| against the sliding (Eqs 66-67 [1]_); "signed": Coulomb
+        friction on N's sign, -mu N, which pushes the corner on as long as the wall pulls.
+    invalid : {"raise", "nan"}
+        Whether rows without an answer raise, or are NaN.
 
-    Raises RigidBodyError (invalid="nan": returns NaN in those rows) for an input that is not finite,
-    omega <= 0, friction < 0, an angle outside 0 < theta < pi/2 - gamma, a corner that does not slide forwards
-    or stops before the strike while there is friction, a path on which the solution is not unique (drag) or
-    does not exist (signed), either of which needs mu > 4/3, and what double precision cannot hold.
+    Returns
+    -------
+    MotionState
+        Floats, or arrays of the common shape.
+
+    Raises
+    ------
+    RigidBodyError
+        For an input that is not finite, omega <= 0, friction < 0, an angle outside 0 < theta < pi/2 - gamma, a
+        corner that does not slide forwards or stops before the strike while there is friction, a path on which
+        the solution is not unique (drag) or does not exist (signed), either of which needs mu > 4/3, and what
+        double precision cannot hold.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 57-71.
     """
     start, mu = gather(body, angle, omega, corner_speed, friction, reaction)
     return _strike(Gate(invalid), start, mu, reaction)
@@ -56,9 +81,36 @@ def plane_motion(
     friction: float,
     reaction: str = "drag",
 ) -> PlaneMotion:
-    """One motion, from the angle [rad] to the tail-slap and a little beyond.
+    """One motion, from the start of Stage 2 to the tail-slap and a little beyond.
 
-    Arguments and errors are those of `tail_slap`, but for arrays, which are refused.
+    Parameters
+    ----------
+    body : RectangularBody
+        The vehicle.
+    angle : float
+        theta_0 [rad].
+    omega : float
+        omega_0 [rad/s], positive towards the wall.
+    corner_speed : float
+        v_P0 [m/s], positive forwards.
+    friction : float
+        Coefficient mu >= 0 [-].
+    reaction : {"drag", "none", "signed"}
+        As in `tail_slap`.
+
+    Returns
+    -------
+    PlaneMotion
+        Gives the state at any instant.
+
+    Raises
+    ------
+    RigidBodyError
+        As `tail_slap`, and for arrays.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 57-71.
     """
     start, mu = gather_one(body, angle, omega, corner_speed, friction, reaction)
     return PlaneMotion(body, reaction, _strike(Gate(), start, mu, reaction), start)
@@ -66,7 +118,19 @@ def plane_motion(
 
 @dataclass(frozen=True)
 class PlaneMotion:
-    """One motion of Stage 2; made by `plane_motion`. strike: the state at theta = 0."""
+    """One motion of Stage 2; made by `plane_motion`.
+
+    Attributes
+    ----------
+    body : RectangularBody
+        The vehicle.
+    reaction : str
+        Name of the friction model.
+    strike : MotionState
+        The state at theta = 0.
+    start : Start
+        The state Stage 2 starts from.
+    """
 
     body: RectangularBody[float]
     reaction: str
@@ -79,10 +143,23 @@ class PlaneMotion:
         return min((1.0 + OVERRUN) * self.strike.t, float(self._clock.tau[0]) / self.start.omega_0)
 
     def at(self, times: ArrayLike) -> MotionState[Array]:
-        """The states at the instants `times` [s], an array of any shape; theta < 0 past the strike.
+        """The states at given instants; theta < 0 past the strike.
 
-        Raises RigidBodyError for an instant outside 0 to `latest`, past the strike where the corner, with
-        friction, has stopped, and for a friction so near the limit of "signed" that no table of times holds.
+        Parameters
+        ----------
+        times : array_like, of any shape
+            Instants since the start of Stage 2 [s].
+
+        Returns
+        -------
+        MotionState
+            Arrays of the shape of `times`.
+
+        Raises
+        ------
+        RigidBodyError
+            For an instant outside 0 to `latest`, past the strike where the corner, with friction, has stopped, and
+            for a friction so near the limit of "signed" that no table of times holds.
         """
         t = np.asarray(number("time", times))
         gate = Gate()

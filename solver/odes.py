@@ -80,7 +80,12 @@ class _Equations(NamedTuple):
 class OdeMotion:
     """One motion of Stage 2, integrated; made by `integrate_odes`.
 
-    strike: the state at theta = 0; evaluations: of the right-hand side, until then.
+    Attributes
+    ----------
+    strike : MotionState
+        The state at theta = 0.
+    evaluations : int
+        Evaluations of the right-hand side until then.
     """
 
     strike: MotionState[float]
@@ -89,7 +94,23 @@ class OdeMotion:
     _dense: Callable[[Array], Array] = field(repr=False)
 
     def at(self, times: ArrayLike) -> MotionState[Array]:
-        """The states at instants from 0 to the strike [s], from the method's dense output (less accurate)."""
+        """The states at given instants, from the method's dense output, which is less accurate than its steps.
+
+        Parameters
+        ----------
+        times : array_like, of any shape
+            Instants from 0 to the strike [s].
+
+        Returns
+        -------
+        MotionState
+            Arrays of the shape of `times`.
+
+        Raises
+        ------
+        RigidBodyError
+            For an instant outside that range.
+        """
         t = np.asarray(number("time", times))
         end = self.strike.t
         Gate().demand(rules.TIME, (t >= 0.0) & (t <= end), t, latest=end, strike=end)
@@ -107,10 +128,42 @@ def integrate_odes(
     rtol: float = 1e-12,
     atol: float = 1e-14,
 ) -> OdeMotion:
-    """Stage 2 by SciPy's `solve_ivp`, from the angle [rad] to the tail-slap; numbers only.
+    """Stage 2 by SciPy's `solve_ivp`, from its start to the tail-slap.
 
-    Arguments, signs and errors are those of `plane_motion`; method, rtol and atol those of `solve_ivp`
-    (atol in SI, for v_P, omega, theta, s and the friction's work alike).
+    Parameters
+    ----------
+    body : RectangularBody
+        The vehicle.
+    angle : float
+        theta_0 [rad].
+    omega : float
+        omega_0 [rad/s], positive towards the wall.
+    corner_speed : float
+        v_P0 [m/s], positive forwards.
+    friction : float
+        Coefficient mu >= 0 [-].
+    reaction : {"drag", "none", "signed"}
+        As in `tail_slap`.
+    method : str
+        Name of a method of `solve_ivp`.
+    rtol : float
+        Relative tolerance [-].
+    atol : float
+        Absolute tolerance [SI], for v_P, omega, theta, s and the work of friction alike.
+
+    Returns
+    -------
+    OdeMotion
+        Gives the state at any instant up to the strike.
+
+    Raises
+    ------
+    RigidBodyError
+        As `plane_motion`.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 66-71.
     """
     from scipy.integrate import solve_ivp
 

@@ -13,7 +13,21 @@ from solver.rules import DURATION, LATERAL_SPEED, MASS
 
 @dataclass(frozen=True)
 class StrikeForce(Generic[V]):
-    """impulse: F_imp2 [N s] (Eq 72); duration: of the pulse [s]; peak_force: of a triangle [N] (Eq 73)."""
+    """Lateral force of the tail-slap: floats, or arrays of one shape.
+
+    Attributes
+    ----------
+    impulse : float or ndarray
+        F_imp2 [N s] (Eq 72 [1]_).
+    duration : float or ndarray
+        Of the pulse [s].
+    peak_force : float or ndarray
+        Of a triangular pulse [N] (Eq 73).
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307.
+    """
 
     impulse: V
     duration: V
@@ -21,11 +35,30 @@ class StrikeForce(Generic[V]):
 
 
 def strike_force(mass: Number, lateral_speed: Number, duration: Number) -> StrikeForce[Any]:
-    """Impulse and peak force of the strike that stops the lateral motion, Eqs 72-73; arguments broadcast.
+    """Impulse and peak force of the strike that stops the lateral motion (Stage 3); arguments broadcast.
 
-    mass [kg]; lateral_speed: v_GY at the strike [m/s], of either sign, as only its magnitude counts;
-    duration of the triangular pulse [s]. The force is positive, and pushes the wall outwards.
-    Raises RigidBodyError for mass <= 0, duration <= 0 and whatever is not finite.
+    Parameters
+    ----------
+    mass : float or array_like
+        Of the vehicle [kg].
+    lateral_speed : float or array_like
+        v_GY at the strike [m/s], of either sign: only its magnitude counts.
+    duration : float or array_like
+        Of the triangular pulse [s].
+
+    Returns
+    -------
+    StrikeForce
+        The force is positive, and pushes the wall outwards.
+
+    Raises
+    ------
+    RigidBodyError
+        For mass <= 0, duration <= 0 and whatever is not finite.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 72-73.
     """
     m, v, dt = number("mass", mass), number("lateral_speed", lateral_speed), number("duration", duration)
     gate = Gate()

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 
 class InputError(Exception):
-    """Wrong input: which key, what was given, what is allowed."""
+    """Wrong input.
+
+    Attributes
+    ----------
+    key : str
+        Dotted key of the scene, or an option of the command.
+    given : object
+        Its value; `Missing` where there is none.
+    allowed : str
+        What is allowed instead.
+    """
 
     def __init__(self, key: str, given: object, allowed: str) -> None:
         self.key, self.given, self.allowed = key, given, allowed

@@ -42,9 +42,36 @@ RINGING_CHECKS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """A finished run: what was computed, compared and checked. `fe` and `difference` are empty without a strike.
+    """A finished run: what was computed, compared and checked.
 
-    second: a run on another mesh that the error was judged by; attempts: 2 where the first rang.
+    Attributes
+    ----------
+    fe_plan : FePlan
+        What was integrated.
+    run : Run
+        History and state at the tail-slap.
+    fe_history, rigid_history : dict of str to ndarray, shape (rows,)
+        Columns by name, SI, at the same instants.
+    rigid, fe, difference : dict of str to float
+        The five quantities at the tail-slap, and fe/rigid - 1; `fe` and `difference` are empty without a tail-slap.
+    checks : tuple of Check
+        In the order of the report.
+    setup_s : float
+        Time that model and compilation took [s].
+    error : NumericalError
+        How far the run may be from its own limit of fine meshes.
+    second : SecondRun or None
+        A run on another mesh that the error was judged by.
+    attempts : int
+        2 where the first run rang.
+    pictures : tuple of Path
+        Contour pictures.
+    pictures_s : float
+        Time that the pictures took [s].
+    choice : Choice or None
+        What --tolerance picked.
+    metrics : dict of str to Metrics
+        Of FE histories against the rigid ones.
     """
 
     fe_plan: FePlan
@@ -61,8 +88,8 @@ class Outcome:
     attempts: int = 1
     pictures: tuple[Path, ...] = field(default=())
     pictures_s: float = 0.0
-    choice: Choice | None = None  # what --tolerance picked
-    metrics: dict[str, Metrics] = field(default_factory=dict)  # of FE histories against the rigid ones
+    choice: Choice | None = None
+    metrics: dict[str, Metrics] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:
@@ -71,9 +98,24 @@ class Outcome:
 
 
 def run_scene(plan: Plan) -> Outcome:
-    """Run the scene's finite-element model and hold it against the rigid motion; writes nothing.
+    """Run the scene's finite-element model and compare it with the rigid motion; writes nothing.
 
     A run that rings although the program has chosen its damping is made once more, with more of it.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of `make_plan`, with [plate].
+
+    Returns
+    -------
+    Outcome
+        Also where checks failed: see `passed`.
+
+    Raises
+    ------
+    InputError
+        For keys that make no model, and for a start that the plate cannot have.
     """
     outcome = attempt(plan)
     if rings(outcome) and damping_is_open(outcome.fe_plan):
@@ -83,7 +125,25 @@ def run_scene(plan: Plan) -> Outcome:
 
 
 def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
-    """A single run, compared with the rigid motion; more_damping: factor on the damping that the program chooses."""
+    """A single run, compared with the rigid motion.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of `make_plan`, with [plate].
+    more_damping : float
+        Factor on the damping that the program chooses [-].
+
+    Returns
+    -------
+    Outcome
+        Without a second run.
+
+    Raises
+    ------
+    InputError
+        As `run_scene`.
+    """
     began = time.perf_counter()
     with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
         from fem.explicit.simulate import compile_loop

@@ -16,7 +16,19 @@ TEMPLATE = "report.html.j2"
 
 @dataclass(frozen=True)
 class Check:
-    """A check of the result: its value, the limit it was held to, the outcome, and what it guards against."""
+    """A check of the result.
+
+    Attributes
+    ----------
+    name : str
+        As the report shows it.
+    value, limit : float
+        What was found and what is allowed, in the same unit [as `name` says].
+    passed : bool
+        The outcome.
+    meaning : str
+        What it guards against.
+    """
 
     name: str
     value: float
@@ -26,7 +38,20 @@ class Check:
 
     @classmethod
     def at_most(cls, name: str, value: float, limit: float, meaning: str) -> "Check":
-        """A check that passes where the value is a finite number and not above the limit."""
+        """A check that passes where the value is a finite number and not above the limit.
+
+        Parameters
+        ----------
+        name, meaning : str
+            As in `Check`.
+        value, limit : float
+            What was found, and the largest that passes [as `name` says].
+
+        Returns
+        -------
+        Check
+            The outcome included.
+        """
         return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning)
 
 

@@ -31,9 +31,30 @@ UPDATES_PER_SECOND = 2e7
 class FePlan:
     """What the run integrates, and how far it may be from a rigid plate.
 
-    asked: the plan as given; plan: its scene has no open ends any more; decisions: what the program filled in. plate:
-    the scene's, with the modulus that its first frequency asks for where the scene gives that instead. growth: of the
-    fastest mode by friction.
+    Attributes
+    ----------
+    asked : Plan
+        As given.
+    plan : Plan
+        Its scene has no open ends any more.
+    decisions : tuple of Decision
+        What the program filled in, and why.
+    growth : Growth
+        Of the fastest mode by friction.
+    plate : Plate
+        The scene's, with the modulus that its first frequency asks for where the scene gives that instead.
+    wall : meshio.Mesh or None
+        For pictures alone: the wall is rigid.
+    model : PlateModel
+        Mesh, masses, stiffness, parameters of the time loop.
+    start : RigidStart
+        Rigid state at the start of Stage 2.
+    travel : float
+        Way of the centre of mass towards the wall [m].
+    give : float
+        Deflection ratio [-]: static deflection under the reaction at the start over `travel`.
+    other_give : float
+        The same with richer elements or another mesh [-]; what it differs by is the discretisation error.
     """
 
     asked: Plan
@@ -44,9 +65,9 @@ class FePlan:
     wall: meshio.Mesh | None
     model: PlateModel
     start: RigidStart
-    travel: float  # way of the centre of mass towards the wall [m]
-    give: float  # share of that travel that the elastic plate gives at the start
-    other_give: float  # the same with richer elements on this mesh: what it differs by is the mesh's doing
+    travel: float
+    give: float
+    other_give: float
 
     @cached_property
     def first_frequency(self) -> float:
@@ -93,9 +114,24 @@ def needed_plate(scene: Scene) -> Plate:
 
 
 def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
-    """Decide what the scene leaves open, mesh and assemble. Raises InputError for keys that make no model.
+    """Decide what the scene leaves open, mesh and assemble.
 
-    more_damping: factor on the damping that is foreseen to be needed.
+    Parameters
+    ----------
+    plan : Plan
+        Of `make_plan`, with [plate].
+    more_damping : float
+        Factor on the damping that is predicted to be needed [-].
+
+    Returns
+    -------
+    FePlan
+        Ready to be integrated.
+
+    Raises
+    ------
+    InputError
+        For keys that make no model.
     """
     asked, given = plan, needed_plate(plan.scene)
     mesh, mesh_decisions = decide_mesh(plan, given)

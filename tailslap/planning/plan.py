@@ -25,7 +25,17 @@ from tailslap.scene.schema import Scene
 
 @dataclass(frozen=True)
 class StageTwoStart:
-    """Angle [rad], angular velocity [rad/s] and corner speed [m/s] that Stage 2 starts from."""
+    """What Stage 2 starts from.
+
+    Attributes
+    ----------
+    angle : float
+        Between the side and the wall [rad].
+    omega : float
+        Angular velocity [rad/s], positive towards the wall.
+    corner_speed : float
+        Of the corner along the wall [m/s].
+    """
 
     angle: float
     omega: float
@@ -34,7 +44,25 @@ class StageTwoStart:
 
 @dataclass(frozen=True)
 class Plan:
-    """A scene with everything that follows from it without a mesh. `stage1` is None without [impact]."""
+    """A scene with everything that follows from it without a mesh.
+
+    Attributes
+    ----------
+    scene : Scene
+        As read, SI.
+    source : Source
+        Where it came from.
+    body : RectangularBody
+        The vehicle.
+    stage1 : ImpulseResult or None
+        None without [impact].
+    start : StageTwoStart
+        What the scene gives, else what Stage 1 computes.
+    motion : PlaneMotion
+        Stage 2, exact.
+    force : StrikeForce
+        Stage 3.
+    """
 
     scene: Scene
     source: Source
@@ -45,12 +73,41 @@ class Plan:
     force: StrikeForce[float]
 
     def motion_of_mass(self, mass: float) -> PlaneMotion:
-        """The same motion of a body of this mass [kg]: forces and energies change with it, nothing else."""
+        """The same motion of a body of another mass: forces and energies change with it, nothing else.
+
+        Parameters
+        ----------
+        mass : float
+            Of the body [kg].
+
+        Returns
+        -------
+        PlaneMotion
+            Stage 2, exact.
+        """
         return _motion(self.scene, replace(self.body, mass=mass), self.start)
 
 
 def make_plan(scene: Scene, source: Source | None = None) -> Plan:
-    """Solve Stages 1 to 3 of the scene. Raises InputError where the rigid-body method has no answer."""
+    """Solve Stages 1 to 3 of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of `read_scene`.
+    source : Source, optional
+        Where it came from, for the report.
+
+    Returns
+    -------
+    Plan
+        Without mesh or finite-element model.
+
+    Raises
+    ------
+    InputError
+        Where the rigid-body method has no answer; it names the scene's key.
+    """
     vehicle = scene.vehicle
     with _refusals(scene, "vehicle"):
         body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)

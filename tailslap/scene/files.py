@@ -17,7 +17,17 @@ from tailslap.scene.schema import Damping, Scene
 
 @dataclass(frozen=True)
 class Source:
-    """Where a scene came from: its text, what it gave for each table and key, and the keys changed by --set."""
+    """Where a scene came from.
+
+    Attributes
+    ----------
+    text : str
+        The file's, changes noted at the end.
+    given : dict
+        What was given for each table and key, units included.
+    changed : frozenset of str
+        Dotted keys changed by --set.
+    """
 
     text: str = ""
     given: dict[str, Any] = field(default_factory=dict)
@@ -39,7 +49,27 @@ def title(text: str) -> str:
 
 
 def read_scene(name: str, changes: tuple[str, ...] = ()) -> tuple[Scene, Source]:
-    """The validated scene and where it came from, changes noted at the text's end. Raises InputError."""
+    """Read and validate a scene.
+
+    Parameters
+    ----------
+    name : str
+        Path of a .toml file, or the name of a scene that comes with the program.
+    changes : tuple of str
+        As given by --set, "plate.thickness=20 mm"; "plate.density=" takes the key out.
+
+    Returns
+    -------
+    scene : Scene
+        SI.
+    source : Source
+        Where it came from.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, or the first key that is wrong.
+    """
     return scene_of_text(scene_text(name), changes, name)
 
 

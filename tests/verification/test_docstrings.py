@@ -1,0 +1,208 @@
+"""Verification: docstrings of public names are in numpydoc form and agree with the code."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import importlib
+import inspect
+import pkgutil
+import re
+import textwrap
+from collections.abc import Iterator
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.verification
+
+HEADING = re.compile(r"^(\S.*)\n(-{3,})$", re.MULTILINE)
+ENTRY = re.compile(r"^(\w[\w, *]*?)(?: : (.+))?$")
+NUMBER = re.compile(r"(float|Number|V|Array|ArrayLike|np\.ndarray|NDArray\[.*\])( \| None)?$")
+ARRAY = re.compile(r"(Array|ArrayLike|np\.ndarray|NDArray\[.*\])( \| None)?$")
+UNIT = re.compile(r"\[[^\]]+\]")
+EQUATION = re.compile(r"\bEqs? \d")
+
+
+def modules() -> Iterator[ModuleType]:
+    """The five packages, and the sub-packages of `fem` and `postprocess`."""
+    for name in ("solver", "meshes", "fem", "postprocess", "tailslap"):
+        package = importlib.import_module(name)
+        yield package
+        for found in (
+            pkgutil.iter_modules(package.__path__, f"{name}.") if name in ("fem", "postprocess") else ()
+        ):
+            if found.ispkg:
+                yield importlib.import_module(found.name)
+
+
+def public() -> dict[str, Any]:
+    """Functions and classes in `__all__`, by their full names; once each."""
+    found = {}
+    for module in modules():
+        for name in getattr(module, "__all__", ()):
+            value = getattr(module, name)
+            value = getattr(value, "py_func", value)  # what Numba has compiled
+            if inspect.isclass(value) or inspect.isroutine(value):
+                found[f"{value.__module__}.{name}"] = value
+    return found
+
+
+PUBLIC = public()
+
+
+def sections(text: str) -> dict[str, str]:
+    """The text below each underlined heading."""
+    parts = HEADING.split(text)
+    return {title: body for title, _, body in zip(parts[1::3], parts[2::3], parts[3::3], strict=True)}
+
+
+def entries(body: str) -> dict[str, str]:
+    """Name of each parameter -> its type and description; several may share one entry."""
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for line in body.strip("\n").splitlines():
+        entry = ENTRY.match(line)
+        if entry:
+            names = [name.strip(" *") for name in entry[1].split(",")]
+            found |= dict.fromkeys(names, f" : {entry[2] or ''}\n")
+        else:
+            found |= {name: found[name] + line + "\n" for name in names}
+    return found
+
+
+def own_nodes(function: Any) -> Iterator[ast.AST]:
+    """Nodes of a function's body, without those of functions inside it."""
+    left: list[ast.AST] = list(ast.parse(textwrap.dedent(inspect.getsource(function))).body[0].body)
+    while left:
+        node = left.pop()
+        yield node
+        if not isinstance(node, ast.FunctionDef | ast.Lambda):
+            left += ast.iter_child_nodes(node)
+
+
+def returns(function: Any) -> bool:
+    given = (node for node in own_nodes(function) if isinstance(node, ast.Return))
+    return any(node.value is not None and ast.unparse(node.value) != "None" for node in given)
+
+
+def raised(function: Any) -> set[str]:
+    """Names of the exceptions that a function itself raises; "" for one that another function makes."""
+    given = (node.exc for node in own_nodes(function) if isinstance(node, ast.Raise) and node.exc)
+    names = (ast.unparse(node.func if isinstance(node, ast.Call) else node) for node in given)
+    return {name if name[0].isupper() else "" for name in names}
+
+
+def lacking(described: dict[str, str], annotations: dict[str, str]) -> Iterator[str]:
+    """What is wrong with the description of parameters or fields; annotations: name -> type in the source."""
+    for name in annotations.keys() - described.keys():
+        yield f"{name} is not described"
+    for name in described.keys() - annotations.keys():
+        yield f"{name} is described, but not there"
+    for name in annotations.keys() & described.keys():
+        words, annotation = described[name], annotations[name]
+        if not words.splitlines()[0].removeprefix(" : "):
+            yield f"{name} has no type"
+        if NUMBER.match(annotation) and not UNIT.search(words):
+            yield f"{name} has no unit ([-] where it is a pure number)"
+        if ARRAY.match(annotation) and "shape" not in words and "(" not in words.splitlines()[0]:
+            yield f"{name} has no shape"
+
+
+def function_faults(function: Any) -> Iterator[str]:
+    """What the docstring of a function or method lacks."""
+    found = sections(inspect.getdoc(function) or "")
+    given = inspect.signature(function).parameters.values()
+    annotations = {p.name: str(p.annotation) for p in given if p.name not in ("self", "cls")}
+    yield from lacking(entries(found.get("Parameters", "")), annotations)
+    if returns(function) and "Returns" not in found:
+        yield "no section Returns"
+    if any(isinstance(node, ast.Yield) for node in own_nodes(function)) and "Yields" not in found:
+        yield "no section Yields"
+    named = raised(function)
+    if named and "Raises" not in found:
+        yield "no section Raises"
+    yield from (f"{name} is not in Raises" for name in named if name not in found.get("Raises", ""))
+
+
+def fields_of(kind: type) -> dict[str, str]:
+    """Public fields of a record, or parameters of a class, with their annotations in the source."""
+    if dataclasses.is_dataclass(kind):
+        given = {field.name: str(field.type) for field in dataclasses.fields(kind)}
+    elif hasattr(kind, "_fields") or hasattr(kind, "model_fields"):
+        given = {name: str(value) for name, value in inspect.get_annotations(kind).items()}
+    else:
+        given = {p.name: str(p.annotation) for p in inspect.signature(kind).parameters.values()}
+    return {name: annotation for name, annotation in given.items() if not name.startswith("_")}
+
+
+def class_faults(kind: type) -> Iterator[str]:
+    """What the docstrings of a class and its public methods lack."""
+    found = sections(inspect.getdoc(kind) or "")
+    described = entries(found.get("Parameters", "")) | entries(found.get("Attributes", ""))
+    properties = {n for n, value in vars(kind).items() if isinstance(value, property | cached_property)}
+    given = fields_of(kind)
+    yield from lacking(
+        {n: words for n, words in described.items() if n not in properties - given.keys()}, given
+    )
+    for name, value in vars(kind).items():
+        if name.startswith("_"):
+            continue
+        method = getattr(value, "__func__", value)  # of a class method
+        if name in properties and not inspect.getdoc(value):
+            yield f"{name} has no docstring"
+        if inspect.isfunction(method):
+            yield from (f"{name}: {fault}" for fault in function_faults(method))
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_public_docstring_is_complete(name: str) -> None:
+    """Every parameter with type, unit and shape; Returns, Yields and Raises where the code does."""
+    value = PUBLIC[name]
+    text = inspect.getdoc(value) or ""
+    faults = list(class_faults(value) if inspect.isclass(value) else function_faults(value))
+    if EQUATION.search(text) and "References" not in sections(text):
+        faults.append("equations without References")
+    assert text, f"{name} has no docstring"
+    assert not faults, f"{name}: {'; '.join(faults)}"
+
+
+def test_rigid_theory_and_meshes_are_public() -> None:
+    assert {
+        "solver.motion.tail_slap",
+        "solver.body.RectangularBody",
+        "meshes.plate.plate_mesh",
+    } <= PUBLIC.keys()
+
+
+def undescribed(mass: float, times: np.ndarray, count: int) -> float:  # noqa: D417
+    """Momentum.
+
+    Parameters
+    ----------
+    mass : float
+        Mass.
+    times
+        Instants [s].
+    other : int
+        Nothing.
+    """
+    if count:
+        raise ValueError(count)
+    return mass
+
+
+def test_faults_are_found() -> None:
+    assert set(function_faults(undescribed)) == {
+        "count is not described",
+        "other is described, but not there",
+        "mass has no unit ([-] where it is a pure number)",
+        "times has no type",
+        "times has no shape",
+        "no section Returns",
+        "no section Raises",
+        "ValueError is not in Raises",
+    }
