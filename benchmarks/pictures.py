@@ -1,4 +1,4 @@
-"""Draws the README's pictures again from result folders of the studies `cost` and `stability`.
+"""Draws the pictures of docs/studies.md again from result folders of the studies `cost` and `stability`.
 
     .venv/bin/python benchmarks/pictures.py results/paper-table-3-cost results/paper-table-3-stability
 
@@ -30,7 +30,7 @@ SHOWN = (
     *(("stiffness", name) for name in ("penalty", "friction", "speed", "angle", "slenderness", "damping")),
     *(("penalty", "speed"), ("friction", "damping")),
 )
-"""Pairs of axes that the README shows."""
+"""Pairs of axes that docs/studies.md shows."""
 
 MEANINGS = {axis.name: axis.meaning for axis in stability_axes(read_scene("paper-table-3")[0], 2)}
 

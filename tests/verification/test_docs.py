@@ -1,0 +1,171 @@
+"""Verification: links of the documents lead somewhere, the commands they show are accepted, the citation is right."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import click
+import pytest
+
+import tailslap
+from tailslap.command_line import commands
+from tailslap.errors import InputError
+from tailslap.scene.files import read_scene
+
+pytestmark = pytest.mark.verification
+
+ROOT = Path(__file__).parents[2]
+SHOWN = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [*SHOWN, ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+COMMAND = re.compile(r"(?:\.venv/bin/)?tailslap( [^`\n]+)?")
+QUOTED = re.compile(r"`([^`\n]+)`")
+FILE = re.compile(r"[\w./-]*\w\.(?:py|md|toml|txt|css|j2|cff)")
+STAND_INS = {"X": "0.5", "N": "20", "--samples N": "1000"}
+"""Values for the placeholders of a synopsis; others are accepted as they stand."""
+
+
+def below(paths: list[Path]) -> list[str]:
+    """Paths below the checkout, for the cases of a test."""
+    return [str(path.relative_to(ROOT)) for path in paths]
+
+
+def prose_and_blocks(text: str) -> tuple[str, list[str]]:
+    """The text without blocks of code, and the lines of these, fenced or indented."""
+    lines: list[str] = []
+    prose: list[str] = []
+    fenced = False
+    for line in text.splitlines():
+        if line.startswith("```"):
+            fenced = not fenced
+        elif fenced or line.startswith("    "):
+            lines.append(line.strip())
+        else:
+            prose.append(line)
+    return "\n".join(prose), lines
+
+
+def command_lines(path: Path) -> set[str]:
+    """Each `tailslap ...` that a document shows, in a block or between backticks."""
+    prose, lines = prose_and_blocks(path.read_text(encoding="utf-8"))
+    given = [part for line in lines for part in line.split(" && ")] + QUOTED.findall(prose)
+    return {" ".join(text.split()) for text in given if COMMAND.fullmatch(text.strip())}
+
+
+def anchors(path: Path) -> set[str]:
+    """What a link may name behind "#", as GitHub makes it from a heading."""
+    headings = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading).strip().lower().replace(" ", "-") for heading in headings}
+
+
+def broken_links(path: Path) -> list[str]:
+    """Relative links of a document to a file or heading that is not there."""
+    broken = []
+    for link in LINK.findall(path.read_text(encoding="utf-8")):
+        name, _, anchor = link.partition("#")
+        target = path.parent / name if name else path
+        if "://" not in link and (not target.exists() or (anchor and anchor not in anchors(target))):
+            broken.append(link)
+    return broken
+
+
+def accept(line: str) -> None:
+    """Parse a command line without running it; a scene that it names is read, with its changes."""
+    words = shlex.split(line.replace("[", "").replace("]", "").replace("...", ""))[1:]
+    words = [
+        STAND_INS.get(f"{a} {b}", STAND_INS.get(b, b)) for a, b in zip(["", *words], words, strict=False)
+    ]
+    command: click.Command = commands
+    while words and isinstance(command, click.Group) and not words[0].startswith("-"):
+        found = command.get_command(click.Context(command), words[0])
+        assert found is not None, f"{line}: there is no command {words[0]}"
+        command, words = found, words[1:]
+    if not words:
+        return  # the command is only mentioned
+    given = command.make_context(command.name, list(words)).params
+    if given.get("name", "SCENE") != "SCENE":
+        read_scene(given["name"], tuple(given.get("changes", ())))
+
+
+def missing_files(text: str) -> list[str]:
+    """File names between backticks that are not in the checkout, neither from its root nor within a package."""
+    known = ["/" + str(path.relative_to(ROOT)) for path in ROOT.rglob("*.*") if ".venv" not in path.parts]
+    named = (name for name in QUOTED.findall(text) if FILE.fullmatch(name))
+    return [name for name in named if not any(path.endswith("/" + name) for path in known)]
+
+
+def test_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 120
+
+
+@pytest.mark.parametrize("name", below(DOCUMENTS))
+def test_links_lead_somewhere(name: str) -> None:
+    assert broken_links(ROOT / name) == []
+
+
+@pytest.mark.parametrize("name", below(SHOWN))
+def test_commands_are_accepted(name: str) -> None:
+    for line in command_lines(ROOT / name):
+        try:
+            accept(line)
+        except (click.ClickException, InputError) as error:
+            pytest.fail(f"{line}: {error}")
+
+
+def test_every_command_is_in_the_readme() -> None:
+    shown = {word for line in command_lines(ROOT / "README.md") for word in line.split()[1:2]}
+    assert {*commands.commands} <= shown
+
+
+@pytest.mark.parametrize("name", below(DOCUMENTS[:-1]))
+def test_files_named_exist(name: str) -> None:
+    assert missing_files((ROOT / name).read_text(encoding="utf-8")) == []
+
+
+def test_every_page_is_linked_from_the_readme() -> None:
+    links = {
+        link.partition("#")[0] for link in LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+    }
+    assert {str(page.relative_to(ROOT)) for page in (ROOT / "docs").glob("*.md")} <= links
+
+
+def test_the_citation_is_of_this_version() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"\nversion: {tailslap.__version__}\n" in citation
+    assert f"\nlicense: {project['license']}\n" in citation
+    assert "doi: 10.3390/infrastructures10110307" in citation
+
+
+def test_every_package_is_typed() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    packages = project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+    assert all((ROOT / package / "py.typed").is_file() for package in packages)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "tailslap walk SCENE",
+        "tailslap run SCENE --quick",
+        "tailslap run SCENE --tolerance SMALL",
+        "tailslap run mash-tl9",
+        "tailslap run mash-tl4-sut --set plate.colour=red",
+        "tailslap study colour SCENE",
+    ],
+)
+def test_wrong_commands_are_noticed(line: str) -> None:
+    with pytest.raises((AssertionError, click.ClickException, InputError)):
+        accept(line)
+
+
+def test_wrong_links_and_files_are_noticed(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# One thing\n[a](page.md#one-thing) [b](page.md#two) [c](none.md) [d](https://example.org)"
+    )
+    assert broken_links(page) == ["page.md#two", "none.md"]
+    assert missing_files("`fem/compiled.py` `compiled.py` `fem/none.py` `text`") == ["fem/none.py"]
