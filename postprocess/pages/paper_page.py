@@ -83,12 +83,13 @@ class Table:
 
 @dataclass(frozen=True)
 class Finding:
-    """A finding of the review: what was checked, what was seen, and the commands that repeat it."""
+    """A finding of the review: what was checked and seen, the commands that repeat it, and what is inferred."""
 
     title: str
     checked: str
     seen: tuple[str, ...]
     repeat: tuple[str, ...]
+    inferred: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -28,12 +28,13 @@ class Picture:
 
 @dataclass(frozen=True)
 class Finding:
-    """A finding of a review: what was checked, what was seen, and the commands that repeat it."""
+    """A finding of a review: what was checked and seen, the commands that repeat it, and what is inferred."""
 
     title: str
     checked: str
     seen: tuple[str, ...]
     repeat: tuple[str, ...]
+    inferred: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,7 @@ def _lines(part: Table | Finding | str) -> Iterator[str]:
         yield part.title
         yield from wrapped(part.checked, "  checked  ")
         yield from (line for sentence in part.seen for line in wrapped(sentence, "  seen     "))
+        yield from (line for sentence in part.inferred for line in wrapped(sentence, "  inferred "))
         yield from (f"  repeat   {command}" for command in part.repeat)
     else:
         yield from (line for note in part.notes for line in wrapped(note))

@@ -56,13 +56,29 @@ def test_the_page_holds_every_cell_note_and_finding(page: Page) -> None:
     ]
     words += [cell for part in sections(result) for t in part.tables for row in t.rows for cell in row.cells]
     words += [
-        text for finding in findings(result) for text in (finding.title, finding.checked, *finding.seen)
+        text
+        for finding in findings(result)
+        for text in (finding.title, finding.checked, *finding.seen, *finding.inferred)
     ]
     missing = [
         text for text in words if "".join(text.replace("_", "").split()) not in packed.replace("_", "")
     ]
     assert missing == []
     assert all(command in whole for finding in findings(result) for command in finding.repeat)
+
+
+def test_inference_is_told_from_evidence(
+    page: Page, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On the page and on the terminal; reasons stand with what is inferred."""
+    inferred = [sentence for finding in findings(answer()) for sentence in finding.inferred]
+    assert page.text.count("Inferred:") == len(inferred) > 0
+    assert _status(["paper", "--out", str(folder)]) == 0
+    assert len(re.findall("^  inferred ", capsys.readouterr().out, re.MULTILINE)) == len(inferred)
+    for finding in findings(answer()):
+        assert not re.search(
+            r"\b(reason|because|so|may|likely|would leave)\b", " ".join(finding.seen), re.IGNORECASE
+        )
 
 
 def test_the_page_fetches_nothing(page: Page) -> None:

@@ -1,4 +1,4 @@
-"""The findings of the review: what was checked, what was seen, how to repeat it. Every figure is computed."""
+"""The findings of the review: what was checked and seen, how to repeat it, what is inferred; figures are computed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def headline(result: Answer) -> str:
     worst = max(abs(column[name].difference) for name in ("v_gy", "v_gx", "slide"))
     return (
         f"The analytical column of Table 3 is confirmed: velocities and slide to {100 * worst:.2f} %, with a peak "
-        f"force of {force:.0f} kN for a pulse of 0.1 s. The ABAQUS column is the motion without friction at "
+        f"force of {force:.0f} kN for a pulse of 0.1 s. The ABAQUS column equals the motion without friction at "
         f"t = {result.table_3.reading:g} s, where s = {result.table_3.abaqus_read['slide'].computed:.3f} m against "
         f"the printed {ABAQUS['slide']:g} m. Tables 4 and 5 can be recomputed only for the vehicle of Table 1: the "
         "paper gives no other."

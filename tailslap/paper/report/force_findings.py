@@ -47,16 +47,19 @@ def ratios_finding(table_4: tuple[ForceResult, ...], table_5: tuple[ForceResult,
         "and duration: Eq 31 makes ω_0 proportional to 1 - e, and v_GY at the tail-slap is proportional to ω_0. In "
         "brackets: exact/printed - 1.",
         (
-            f"Off: {'; '.join(map(_ratio, far))}. So these rows are not from one vehicle and one impact, or not from "
-            "these formulas. No input was adjusted to match them.",
-            f"Off by less than {100 * CHART_READING:.1f} %, which the reading of charts may explain: "
-            f"{'; '.join(near)}. Right to the rounding of the forces: {'; '.join(rounding)}.",
-            f"The impulses F Δt/2 behind the forces for e = 0.22 are {impulses} kN s: the rows differ in vehicle or "
-            "impact, of which the paper gives nothing.",
+            f"Off: {'; '.join(map(_ratio, far))}. No input was adjusted to match them.",
+            f"Off by less than {100 * CHART_READING:.1f} %: {'; '.join(near)}. "
+            f"Right to the rounding of the forces: {'; '.join(rounding)}.",
+            f"The impulses F Δt/2 behind the forces for e = 0.22 are {impulses} kN s.",
         ),
         (
             "tailslap rigid mash-tl4-sut --set strike.duration=0.08",
             "tailslap rigid mash-tl4-sut --set strike.duration=0.08 --set impact.restitution=0",
+        ),
+        (
+            f"Rows {', '.join(rows[:-1])} and {rows[-1]} are not from one vehicle and one impact, or not from these "
+            f"formulas; the reading of charts may explain what is below {100 * CHART_READING:.1f} %.",
+            "As the impulses differ, so do the rows in vehicle or impact, of which the paper gives nothing.",
         ),
     )
 

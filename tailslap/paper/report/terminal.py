@@ -91,6 +91,8 @@ def _finding(number: int, finding: Finding) -> Iterator[str]:
     yield from _wrapped(finding.checked, "  checked  ")
     for sentence in finding.seen:
         yield from _wrapped(sentence, "  seen     ")
+    for sentence in finding.inferred:
+        yield from _wrapped(sentence, "  inferred ")
     for command in finding.repeat:
         yield f"  repeat   {command}"
 
