@@ -64,7 +64,8 @@ def run(
     needed_plate(plan.scene)
     place = out or Path("results") / plan.scene.name
     with result_folder(place) as folder:
-        from tailslap.report.write import write_results
+        from postprocess.report.report import report_text, write_report
+        from tailslap.report.run_report import run_report
         from tailslap.run import run_scene
 
         if tolerance is None:
@@ -73,10 +74,13 @@ def run(
             from tailslap.tolerance import run_to_tolerance
 
             outcome = run_to_tolerance(name, changes, tolerance)
-        outcome = write_results(outcome, folder, not no_pictures)
-    from tailslap.report.tables import print_outcome
+        if not no_pictures:
+            from tailslap.report.pictures import draw_pictures
 
-    print_outcome(outcome, place)
+            outcome = draw_pictures(outcome, folder)
+        report = run_report(outcome, not no_pictures)
+        write_report(report, folder)
+    click.echo(report_text(report, place))
     return DONE if outcome.passed else CHECK_FAILED
 
 
@@ -103,7 +107,7 @@ commands.add_command(sweep)
 @scene_arguments
 def check(name: str, changes: tuple[str, ...]) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    from tailslap.report.tables import chosen_lines, fe_part, rigid_part
+    from tailslap.report.check_text import chosen_lines, fe_part, rigid_part
 
     plan = _plan(name, changes)
     if plan.scene.plate:

@@ -41,8 +41,8 @@ class Finding:
 class Section:
     """A part of a page: figures, tables, sentences, findings; what is empty is not shown.
 
-    layout: "narrow" figures stand three or four in a row; "half" sections stand side by side. A string that `shown_on`
-    names keeps a section to "page" or "terminal".
+    layout: "half" sections stand side by side; figures stand "narrow", three or four in a row, "wide", two, or "tall",
+    one below the other.
     """
 
     title: str
@@ -56,7 +56,8 @@ class Section:
     @property
     def is_empty(self) -> bool:
         """Whether there is nothing to show."""
-        return not (self.lead or self.figures or self.tables or self.sentences or self.findings)
+        tables = any(table.rows for table in self.tables)
+        return not (self.lead or self.figures or tables or self.sentences or self.findings)
 
 
 @dataclass(frozen=True)

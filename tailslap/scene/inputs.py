@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from postprocess.pages.report import SceneInput
 from tailslap.scene.files import Source
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.units import Quantity
+
+
+@dataclass(frozen=True)
+class SceneInput:
+    """An input as used: dotted key, the words of the scene, the SI value, and where it came from."""
+
+    key: str
+    given: str
+    value: float | int | str | None
+    unit: str = ""
+    origin: str = "scene"
 
 
 def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:

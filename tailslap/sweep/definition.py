@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.pages.report import SceneInput
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import needed_plate
 from tailslap.scene.files import Source, changed_tables, key_by_key, scene_text
-from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.inputs import SceneInput, scene_inputs
 from tailslap.sweep.values import MOST_RUNS, Choices, Span, parse_values, split_key
 from tailslap.sweep.variation import Variation, grid_variation, sample_variation
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.pages.report import SceneInput
 from tailslap.errors import InputError
+from tailslap.scene.inputs import SceneInput
 from tailslap.sweep.values import Choices, Span
 
 Read = Callable[[str], SceneInput]

@@ -1,36 +1,30 @@
-"""Verification: the report is one well-formed page that holds every number and fetches nothing."""
+"""Verification: a table declared once is shown alike everywhere; a page is well formed, whole, and fetches nothing."""
 
 import base64
+import csv
 import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from postprocess.comparison.comparison import comparison_rows
-from postprocess.comparison.metrics import Metrics
 from postprocess.figures.style import Curve
-from postprocess.pages.pages import number, padded, signed
-from postprocess.pages.report import (
-    Check,
-    LeftOut,
-    Picture,
-    ReportContent,
-    Result,
-    SceneInput,
-    verdict,
-    write_report,
-)
+from postprocess.report.numbers import duration, grouped, number, shown
+from postprocess.report.page import Finding, Page, Picture, Section, write_page
+from postprocess.report.report import Report, report_text, write_report
+from postprocess.report.table import Column, Table, pairs
+from tailslap.report.run_report import run_report
 
 pytestmark = pytest.mark.verification
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 SCENE = 'name = "a<b>&c"  # </pre><script>alert(1)</script>\nwidth = "2438 mm"\n'
-FE = {"t": 0.38396012, "v_gx": 23.273345, "v_gy": -3.2755311, "omega": 0.65510521, "slide": 9.4236911}
-RIGID = {"t": 0.38395974, "v_gx": 23.273331, "v_gy": -3.2755267, "omega": 0.65510534, "slide": 9.4236754}
 
 
-class Page(HTMLParser):
+class Parsed(HTMLParser):
     """Text by paragraph-like piece, attributes of every element, and whether elements nest."""
 
     def __init__(self, text: str) -> None:
@@ -66,71 +60,85 @@ class Page(HTMLParser):
         return " ".join(" ".join(self.pieces).split())
 
 
-def full_content(folder: Path) -> ReportContent:
+@dataclass(frozen=True)
+class Inner:
+    words: str
+
+
+@dataclass(frozen=True)
+class Record:
+    name: str
+    size: float
+    inner: Inner
+    good: bool
+
+
+RECORDS = (
+    Record("v_GX", 1.0 / 3.0, Inner("along <the> wall"), True),
+    Record("steps", math.nan, Inner("none"), False),
+)
+COLUMNS = (
+    Column("name", "Name"),
+    Column("size", "Size", "m", form=".3g", group="measured", below=Column("inner.words", "")),
+    Column("inner.words", "Words"),
+    Column("good", "Result", form=lambda good: "passed" if good else "failed", style="badge"),
+)
+TABLE = Table(COLUMNS, RECORDS, "A table", notes=("A note.",), marks={1: "failed"})
+
+
+def full_page(folder: Path) -> Page:
     picture = folder / "contour_v_gx.png"
     picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
-    return ReportContent(
-        scene="mash<tl4>",
-        version="0.1.0",
-        passed=True,
-        comparison=comparison_rows(FE, RIGID),
-        statements=("Reaction model drag: N < 0 pulls.", "Newton's convention would give 1.106 rad/s."),
-        checks=(Check("energy balance", 3.25e-9, 0.01, True, "nothing is unaccounted for"),),
-        metrics={"v_gy": Metrics(-2.28e-6, 1.15e-8, 3.34e-6, -5.26e-6, 1.97e-7)},
-        stage1=(Result("Angular velocity", 0.7071234, "rad/s", "replaced by [start]"),),
-        stage3=(Result("Peak force", 653734.5, "N"),),
-        curves=(
-            Curve("omega", "Motion", "Angular velocity", '<svg viewBox="0 0 1 1"><text>curve-1</text></svg>'),
-            Curve("error", "Energy", "Ledger", '<svg viewBox="0 0 1 1"><text>curve-2</text></svg>'),
-        ),
-        pictures=(Picture(picture, "v_GX at the strike"),),
-        cost=(Result("Steps", 7421), Result("Time loop", 0.0681, "s")),
-        left_out=(LeftOut("damping", "the scene has no [damping] table"),),
-        inputs=(
-            SceneInput("vehicle.width", "96 in", 2.438, "m"),
-            SceneInput("corner.friction", "", 0.47, "", "impact"),
-        ),
-        scene_text=SCENE,
+    curve = Curve("omega", "Motion", "Angular velocity", '<svg viewBox="0 0 1 1"><text>curve-1</text></svg>')
+    finding = Finding("A finding", "what was checked", ("what was seen",), ("tailslap paper",))
+    sections = (
+        Section("Tables", "A lead.", tables=(TABLE, pairs({"mass": 9979.0}), Table(COLUMNS, ()))),
+        Section("Figures. By matplotlib", figures=(curve, Picture(picture, "v_GX at the strike"))),
+        Section("Findings", findings=(finding,), sentences=("N < 0 pulls, `corner.friction` holds.",)),
+        Section("Empty", tables=(Table(COLUMNS, ()),)),
     )
+    return Page("A kicker", "mash<tl4>", "The headline.", sections, "The footer.", SCENE, True, contents=True)
 
 
 @pytest.fixture
-def page(tmp_path: Path) -> Page:
-    return Page(write_report(tmp_path / "report.html", full_content(tmp_path)).read_text(encoding="utf-8"))
+def page(tmp_path: Path) -> Parsed:
+    return Parsed(write_page(tmp_path / "report.html", full_page(tmp_path)).read_text(encoding="utf-8"))
 
 
-def test_every_number_and_word_is_there(page: Page) -> None:
-    numbers = [padded(value) for value in (*FE.values(), *RIGID.values())]
-    numbers += [signed(FE[key] / RIGID[key] - 1.0) for key in FE]
-    numbers += ["0.383", "23.27", "-3.274", "0.65", "9.42", "0.37", "23.305", "-3.289", "0.66", "8.915"]
-    numbers += ["3.25e-09", "0.01", "0.7071234", "653734.5", "7421", "0.0681", "2.438", "0.47"]
-    numbers += ["-2.28e-06", "1.15e-08", "3.34e-06", "-5.26e-06", "1.97e-07"]
-    words = [
-        "Sprague and Geers",
-        "mash<tl4>",
-        "passed",
+def test_every_number_and_word_is_there(page: Parsed) -> None:
+    said = ["A kicker", "mash<tl4>", "The headline.", "A lead.", "A table", "measured", "Size [m]", "0.333"]
+    said += ["along <the> wall", "not a number", "A note.", "mass", "9979", "curve-1", "Angular velocity"]
+    said += [
+        "1. A finding",
+        "what was checked",
+        "what was seen",
+        "tailslap paper",
         "N < 0 pulls",
-        "Newton's convention",
-        "nothing is unaccounted for",
-        "tailslap 0.1.0",
+        "The footer.",
     ]
-    words += ["replaced by [start]", "curve-1", "curve-2", "Motion", "Energy", "v_GX at the strike", "Ledger"]
-    words += [
-        "the scene has no [damping] table",
-        "vehicle.width",
-        "96 in",
-        "Infrastructures 2025, 10(11), 307",
-    ]
-    missing = [piece for piece in (*numbers, *words) if piece not in page.text]
-    assert missing == []
+    assert [piece for piece in said if piece not in page.text] == []
+    assert page.pieces.count("passed") == 2
+    assert page.pieces.count("failed") == 1
+    assert ("tr", "class", "failed") in page.attributes
 
 
-def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page: Page) -> None:
-    assert page.verbatim == SCENE
+def test_symbols_and_keys_are_typeset(page: Parsed) -> None:
+    assert "GX" in page.pieces
+    assert {"sub", "code", "nav"} <= page.tags
+    assert "v_GX" not in page.text
+
+
+def test_what_is_empty_is_not_shown(page: Parsed) -> None:
+    assert "Empty" not in page.text
+    assert [value for tag, _, value in page.attributes if tag == "a"] == ["#part-1", "#part-2", "#part-3"]
+
+
+def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page: Parsed) -> None:
+    assert SCENE in page.verbatim
     assert "script" not in page.tags
 
 
-def test_nothing_is_fetched(page: Page) -> None:
+def test_nothing_is_fetched(page: Parsed) -> None:
     links = [
         value
         for _, name, value in page.attributes
@@ -143,51 +151,91 @@ def test_nothing_is_fetched(page: Page) -> None:
     assert "url(" not in page.text
 
 
-def test_the_picture_is_in_the_page_whole(page: Page, tmp_path: Path) -> None:
+def test_the_picture_is_in_the_page_whole(page: Parsed, tmp_path: Path) -> None:
     (source,) = [value for tag, name, value in page.attributes if (tag, name) == ("img", "src")]
     assert base64.b64decode(source.partition(",")[2]) == (tmp_path / "contour_v_gx.png").read_bytes()
 
 
-def test_headline_names_the_largest_difference(tmp_path: Path) -> None:
-    content = full_content(tmp_path)
-    largest = max(abs(row.difference) for row in content.comparison)
-    assert f"at most {largest:.1e} " in verdict(content)
-    assert "Failed" not in verdict(content)
-
-
-def test_a_failed_run_says_so(tmp_path: Path) -> None:
-    checks = (Check("energy balance", math.nan, 0.01, False), Check("ripple", 0.1, 0.2, True))
-    content = ReportContent(
-        "s", "0.1.0", False, comparison_rows({"t": math.nan}, {"t": 1.0}, None, ("t",)), checks=checks
-    )
-    page = Page(write_report(tmp_path / "report.html", content).read_text(encoding="utf-8"))
-    assert page.pieces.count("failed") == 2
-    assert page.pieces.count("passed") == 1
-    assert "Failed: energy balance. At the tail-slap" in page.text
-    assert "without bound" in page.text
-    assert "not a number" in page.text
-    assert "Paper" not in page.text
-
-
-def test_a_run_without_a_strike_and_without_parts(tmp_path: Path) -> None:
-    page = Page(
-        write_report(tmp_path / "report.html", ReportContent("s", "0.1.0", False)).read_text(encoding="utf-8")
-    )
-    assert "did not reach the tail-slap" in page.text
-    for heading in ("Checks", "FE histories", "Stage 1", "Inputs", "Cost", "Motion"):
-        assert heading not in page.text
-    assert "Left out Nothing." in page.text
-
-
 def test_a_missing_picture_is_an_error(tmp_path: Path) -> None:
-    content = ReportContent("s", "0.1.0", True, pictures=(Picture(tmp_path / "none.png", ""),))
+    missing = Section("Pictures", figures=(Picture(tmp_path / "none.png", ""),))
     with pytest.raises(FileNotFoundError):
-        write_report(tmp_path / "report.html", content)
+        write_page(tmp_path / "report.html", Page("", "s", "", (missing,), ""))
     assert not (tmp_path / "report.html").exists()
 
 
+def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path: Path) -> None:
+    """Files hold the values themselves, terminal and page what people read of them."""
+    report = Report(full_page(tmp_path), {"a": math.inf}, (TABLE, "A sentence."), {"table.csv": TABLE})
+    write_report(report, tmp_path)
+    with (tmp_path / "table.csv").open() as file:
+        first, second = csv.DictReader(file)
+    assert float(first["size"]) == 1.0 / 3.0
+    assert (first["inner.words"], second["good"]) == ("along <the> wall", "False")
+    assert (tmp_path / "summary.json").read_text() == '{\n  "a": null\n}\n'
+    said = report_text(report, tmp_path)
+    for piece in ("A table", "measured", "Size [m]", "0.333", "not a number", "A note.", "A sentence."):
+        assert piece in said
+    assert said.endswith(f"Report: {tmp_path / 'report.html'}")
+
+
+def test_a_record_without_the_entry_is_an_error() -> None:
+    with pytest.raises(AttributeError):
+        Table((Column("nothing", ""),), RECORDS).records()
+
+
+def run_page(made: Any, folder: Path) -> Parsed:
+    report = run_report(made, pictures=False)
+    write_report(report, folder)
+    return Parsed((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def test_the_headline_of_a_run_names_the_largest_difference(
+    outcome: Callable[..., Any], tmp_path: Path
+) -> None:
+    made = outcome("paper-table-3")
+    page = run_page(made, tmp_path)
+    assert f"by at most {max(map(abs, made.difference.values())):.1e} (" in page.text
+    assert "Failed" not in page.text
+    for check in made.checks:
+        assert check.name in page.text
+    for value in (*made.fe.values(), *made.rigid.values()):
+        assert shown(value, "#.8g") in page.text
+    for printed in (
+        "0.383",
+        "23.27",
+        "-3.274",
+        "23.305",
+        "-3.289",
+        "8.915",
+        "Infrastructures 2025, 10(11), 307",
+    ):
+        assert printed in page.text
+
+
+def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> None:
+    made = outcome("mash-tl4-sut")
+    first, *others = made.checks
+    broken = replace(first, passed=False, value=math.nan)
+    difference = dict.fromkeys(made.difference, math.nan)
+    page = run_page(replace(made, checks=(broken, *others), difference=difference), tmp_path)
+    assert page.pieces.count("failed") == 2
+    assert page.pieces.count("passed") == len(others)
+    assert f"Failed: {first.name}." in page.text
+    assert "without bound" in page.text
+    assert "not a number" in page.text
+    assert "Paper, ABAQUS" not in page.text
+
+
+def test_a_run_without_a_strike(outcome: Callable[..., Any], tmp_path: Path) -> None:
+    made = replace(outcome("mash-tl4-sut"), fe={}, difference={}, metrics={})
+    page = run_page(made, tmp_path)
+    assert "did not reach the tail-slap" in page.text
+    for heading in ("FE histories against", "The plate at the tail-slap"):
+        assert heading not in page.text
+
+
 @pytest.mark.parametrize(
-    ("shown", "expected"),
+    ("said", "expected"),
     [
         (number(0.1), "0.1"),
         (number(7421), "7421"),
@@ -196,12 +244,17 @@ def test_a_missing_picture_is_an_error(tmp_path: Path) -> None:
         (number("20 x 6"), "20 x 6"),
         (number(2.0e11), "2e+11"),
         (number(math.inf), "infinite"),
-        (padded(0.1), "0.10000000"),
-        (padded(-3.0), "-3.0000000"),
-        (signed(-1.234e-6), "-1.23e-06"),
-        (signed(0.0), "+0.00e+00"),
-        (signed(math.nan), "not a number"),
+        (number(-math.inf), "-infinite"),
+        (shown(0.1, "#.8g"), "0.10000000"),
+        (shown(-3.0, "#.8g"), "-3.0000000"),
+        (shown(-1.234e-6, "+.2e"), "-1.23e-06"),
+        (shown(math.nan, "+.2e"), "not a number"),
+        (shown(None, ".3g"), "–"),
+        (grouped(1234567), "1 234 567"),
+        (duration(3.2e-5), "32 us"),
+        (duration(0.01234), "12.3 ms"),
+        (duration(12.345), "12.3 s"),
     ],
 )
-def test_numbers_as_printed(shown: str, expected: str) -> None:
-    assert shown == expected
+def test_numbers_as_printed(said: str, expected: str) -> None:
+    assert said == expected

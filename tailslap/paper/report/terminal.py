@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from postprocess.files.summary import plain
 from postprocess.pages.paper_page import NO_BREAK, Finding, Row, Table, glued
+from postprocess.report.terminal import NARROW
 from tailslap.paper.answer import Answer
 from tailslap.paper.printed import PAPER
 from tailslap.paper.report.content import all_numbers, sections
 from tailslap.paper.report.findings import findings
 from tailslap.paper.report.write import PAGE
-from tailslap.report.tables import NARROW
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from postprocess.pages.report import SceneInput
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.files import read_scene
-from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.inputs import SceneInput, scene_inputs
 from tailslap.scene.schema import Scene
 from tailslap.studies.uncertainty.tolerances import default_limits
 

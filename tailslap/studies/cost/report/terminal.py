@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from pathlib import Path
 
-from tailslap.report.tables import NARROW
+from postprocess.report.terminal import NARROW
 from tailslap.studies.cost.points import CostSurvey
 from tailslap.studies.cost.report.words import headline, level_table
 

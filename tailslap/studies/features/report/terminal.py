@@ -6,7 +6,7 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tailslap.report.tables import NARROW
+from postprocess.report.terminal import NARROW
 from tailslap.studies.features.costs import Cost, Costs
 from tailslap.studies.features.report.words import conclusion, ratio_words
 

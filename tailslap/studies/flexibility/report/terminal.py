@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from pathlib import Path
 
-from tailslap.report.tables import NARROW
+from postprocess.report.terminal import NARROW
 from tailslap.studies.flexibility.report.tabulate import start_level_table
 from tailslap.studies.flexibility.report.words import headline
 from tailslap.studies.flexibility.statements import kept_sentence, soft_sentence, stiff_sentence

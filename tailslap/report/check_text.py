@@ -1,98 +1,14 @@
-"""What the commands print on standard output."""
+"""What `tailslap check` says: what a run would use, leave out and cost."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tailslap.planning.plan import Plan
 from tailslap.report.omitted_parts import left_out
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from tailslap.planning.fe_plan import FePlan
-    from tailslap.run import Outcome
-
-NARROW = 96
-"""Columns where standard output is no terminal."""
-
-
-def print_outcome(outcome: Outcome, place: Path) -> None:
-    """The comparison, the checks that failed, where the files are, and what it cost."""
-    for line in (
-        _drawn(_comparison(outcome)),
-        *_picked(outcome),
-        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        *_verdict(outcome),
-        f"Report: {place / 'report.html'}",
-    ):
-        print(line)
-    print(
-        f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, "
-        f"set-up {outcome.setup_s:.2f} s, pictures {outcome.pictures_s:.2f} s"
-    )
-
-
-def _picked(outcome: Outcome) -> list[str]:
-    choice = outcome.choice
-    if choice is None:
-        return []
-    return [f"Picked: {', '.join(choice.changes)}; expected error {choice.expected_error:.1e}"]
-
-
-def _verdict(outcome: Outcome) -> list[str]:
-    from tailslap.verification.verdict import verdict_sentence
-
-    failed = [check for check in outcome.checks if not check.passed]
-    lines = [
-        f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})"
-        for check in failed
-    ]
-    if failed:
-        lines += chosen_lines(outcome.fe_plan)
-    count = f"Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed"
-    return [*lines, f"{verdict_sentence(outcome)} {count}"]
-
-
-def _drawn(table: Table) -> str:
-    """The table as text: captured, for rich would end the program itself when the reader of a pipe leaves."""
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True, markup=False)
-    console.width = max(console.width if console.is_terminal else 0, NARROW)
-    with console.capture() as shown:
-        console.print(table)
-    return shown.get().rstrip("\n")
-
-
-def _comparison(outcome: Outcome) -> Table:
-    from rich.table import Table
-    from rich.text import Text
-
-    from tailslap.report.write import table_rows
-
-    rows = table_rows(outcome)
-    paper = any(row.paper_analytical is not None for row in rows)
-    table = Table(title=f"{outcome.fe_plan.plan.scene.name} at the tail-slap", title_justify="left")
-    table.add_column("")
-    for name in (
-        "FE",
-        "rigid, exact",
-        "FE/rigid - 1",
-        *(("paper, analytical", "paper, ABAQUS") if paper else ()),
-    ):
-        table.add_column(name, justify="right")
-    for row in rows:
-        printed = (row.paper_analytical, row.paper_abaqus) if paper else ()
-        table.add_row(
-            Text(f"{row.quantity.symbol} [{row.quantity.unit}]"),
-            f"{row.fe:.7g}",
-            f"{row.rigid:.7g}",
-            f"{row.difference:+.1e}",
-            *("" if value is None else f"{value:g}" for value in printed),
-        )
-    return table
 
 
 def rigid_part(plan: Plan, pictures: bool = True) -> list[str]:
