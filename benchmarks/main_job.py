@@ -20,7 +20,8 @@ from collections.abc import Callable
 import numpy as np
 
 from fem.explicit.simulate import Stepper, simulate
-from fem.start.start import RigidStart, start_fields, to_global
+from fem.start.rigid_state import RigidStart, to_global
+from fem.start.start import start_fields
 from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
 from tailslap.scene.files import read_scene

@@ -64,10 +64,11 @@ def peak() -> float:
 
 def measure(elements: tuple[int, int]) -> None:
     """One size, in this process: set-up, steps, then inertia relief, the hungriest, last."""
-    from fem.contact.corner import Drag
-    from fem.discretisation.model import CornerProperties, PlateProperties, StepProperties, build_model
+    from fem.contact.friction import Drag
+    from fem.discretisation.model import build_model
+    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
     from fem.explicit.simulate import Stepper
-    from fem.start.start import RigidStart
+    from fem.start.rigid_state import RigidStart
     from meshes import plate_mesh
 
     with stage("mesh_s"):

@@ -69,8 +69,9 @@ class Entry:
 
 def make_stepper(count: int, distortion: float = 0.0, threads: int = 1, bare: bool = False) -> Any:
     """The time loop on a plate of this many elements; bare: exact corner, no friction, row-sum masses."""
-    from fem.contact.corner import Drag
-    from fem.discretisation.model import CornerProperties, PlateProperties, StepProperties, build_model
+    from fem.contact.friction import Drag
+    from fem.discretisation.model import build_model
+    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
     from fem.explicit.simulate import Stepper
     from meshes import distorted, plate_mesh
 
@@ -86,7 +87,7 @@ def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
     """An entry for this program's loop, and the loop."""
     from speed_others.plate import update_rates
 
-    from fem.start.start import RigidStart
+    from fem.start.rigid_state import RigidStart
 
     stepper = make_stepper(count, **choices)
     state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
@@ -101,7 +102,7 @@ def far_corner(count: int, time_step: float) -> list[float]:
     """Where this program has the far corner [m] at the instant of comparison."""
     from speed_others.plate import CHECKED_STEPS
 
-    from fem.start.start import RigidStart
+    from fem.start.rigid_state import RigidStart
 
     stepper = make_stepper(count, bare=True)
     stepper.loop = stepper.loop._replace(time_step=time_step)

@@ -1,7 +1,8 @@
-"""The one decorator by which everything in this package is compiled.
+"""The one decorator by which everything in this package is compiled, and how laws get into compiled code.
 
-Machine code is kept on disk, in a folder named after a digest of this package's sources: Numba itself only
-looks at the file of the function that it loads, and would go on using a loop whose inlined callee has changed.
+Machine code is kept on disk, in a folder named after a digest of this package's sources and of those of laws from
+outside it: Numba itself only looks at the file of the function that it loads, and would go on using a loop whose
+inlined callee has changed.
 """
 
 from __future__ import annotations
@@ -19,12 +20,16 @@ import numba
 import numba.extending
 import platformdirs
 
+from fem.registry import PACKAGE, LawRegistry, outside_sources, watch
+
 FAST_MATH = {"contract", "nsz", "reassoc"}
 """Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
 
+_dispatchers: list[Any] = []
+
 
 def inlined(function: Callable[..., Any]) -> Any:
-    """A part of a compiled loop that must be merged into it: only then are its lanes packed."""
+    """A part of a compiled loop that must be merged into it: only then are its SIMD blocks vectorised."""
     return numba.njit(fastmath=FAST_MATH, error_model="numpy", inline="always")(function)
 
 
@@ -33,13 +38,30 @@ def compiled(function: Callable[..., Any]) -> Any:
 
     The compiled code lets other Python threads run.
     """
-    # The cache folder is read when a function is decorated; other users of Numba keep theirs.
+    dispatcher = numba.njit(nogil=True, fastmath=FAST_MATH, error_model="numpy")(function)
+    _dispatchers.append(dispatcher)
+    _keep_in(cache_folder(), dispatcher)
+    return dispatcher
+
+
+def _keep_in(folder: Path, *dispatchers: Any) -> None:
+    """Keep the machine code of these functions in this folder."""
+    # Numba reads the setting at this moment; other users of Numba keep theirs.
     before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
+    numba.config.CACHE_DIR = str(folder)
     try:
-        return numba.njit(cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy")(function)
+        for dispatcher in dispatchers:
+            dispatcher.enable_caching()
     finally:
         numba.config.CACHE_DIR = before
+
+
+def _follow_laws() -> None:
+    """Laws have changed: code that knows of them belongs into another folder."""
+    _keep_in(cache_folder(), *_dispatchers)
+
+
+watch(_follow_laws)
 
 
 def has_code(function: Any, *arguments: Any) -> bool:
@@ -64,30 +86,71 @@ def one_process_compiles() -> Iterator[None]:
         yield
 
 
-def implements(generic: Callable[..., Any], *kinds: type, inline: str = "never") -> Callable[..., Any]:
+def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorator: what `generic` is, in compiled code, for a first argument that holds the constants of a law.
+
+    It is the law's field `kernel`, chosen by type when a loop is compiled; arguments are as the generic's.
+    """
+
+    def chooser(merged: bool) -> Callable[..., Any]:
+        def choose(first: Any, *rest: Any) -> Any:
+            law = laws.by_type(_kind(first))
+            if law is None or (kernel in law.inlined) != merged:
+                return None
+            for helper in law.helpers:
+                _callable(helper)
+            return getattr(law, kernel)
+
+        return choose
+
+    def register(generic: Callable[..., Any]) -> Callable[..., Any]:
+        for merged, inline in ((True, "always"), (False, "never")):
+            numba.extending.overload(generic, strict=False, inline=inline)(chooser(merged))
+        return generic
+
+    return register
+
+
+def implements(generic: Callable[..., Any], *kinds: type) -> Callable[..., Any]:
     """Decorator: what `generic` is, in compiled code, for a first argument that is one of these NamedTuples, or None.
 
-    The choice is made by type when a loop is compiled; the function's other arguments are as the generic's.
+    For parts of the loop itself; laws, which a scene names, are found by `by_law`.
     """
 
     def register(implementation: Callable[..., Any]) -> Callable[..., Any]:
         def choose(first: Any, *rest: Any) -> Any:
-            kind = getattr(
-                first, "instance_class", type(None) if isinstance(first, numba.types.NoneType) else None
-            )
-            return implementation if kind in kinds else None
+            return implementation if _kind(first) in kinds else None
 
-        numba.extending.overload(generic, strict=False, inline=inline)(choose)
+        numba.extending.overload(generic, strict=False)(choose)
         return implementation
 
     return register
 
 
 @functools.cache
+def _callable(helper: Callable[..., Any]) -> None:
+    """Let compiled code call this plain function."""
+    numba.extending.register_jitable(helper)
+
+
+def _kind(first: Any) -> type | None:
+    """The Python type behind Numba's type of a NamedTuple or None; None for any other."""
+    none = type(None) if isinstance(first, numba.types.NoneType) else None
+    return getattr(first, "instance_class", none)
+
+
 def cache_folder() -> Path:
     """Folder of the compiled code: under $NUMBA_CACHE_DIR, else under the user's cache folder."""
-    digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.read_bytes())
+    digest = _own_digest().copy()
+    for source in outside_sources():
+        digest.update(source)
     base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
     return Path(base) / digest.hexdigest()[:16]
+
+
+@functools.cache
+def _own_digest() -> Any:
+    digest = hashlib.sha256()
+    for source in sorted(PACKAGE.rglob("*.py")):
+        digest.update(source.read_bytes())
+    return digest

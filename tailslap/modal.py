@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postprocess.comparison.comparison import relative_difference
-from postprocess.pages.report import Check
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
     from fem.modal.modal_run import ModalMotion
@@ -79,7 +79,7 @@ def modal_run(
     """
     from fem.modal.modal_model import modal_plate, with_fewer_modes
     from fem.modal.modal_run import integrate, modal_start
-    from fem.start.start import relieved_fields
+    from fem.start.inertia_relief import relieved_fields
 
     _admit(fe_plan, modes)
     model, start, duration = fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t

@@ -11,15 +11,16 @@ import numpy as np
 
 from postprocess.comparison.comparison import relative_difference
 from postprocess.comparison.metrics import Metrics
-from postprocess.pages.report import Check
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.progress import announced, progress_bar
-from tailslap.verification.checks import SPOILT, energy_error, error_of, friction_by_ringing, run_checks
-from tailslap.verification.crash_practice import history_metrics
+from tailslap.verification.check import Check, history_metrics
+from tailslap.verification.checks import error_of, ringing_checks, run_checks
+from tailslap.verification.mechanics import energy_error
 from tailslap.verification.numerical_error import NumericalError, SecondRun, needs_second_run
+from tailslap.verification.ringing import CORRUPTED, friction_by_ringing
 from tailslap.verification.second_mesh import damped_alike, on_mesh, second_meshes
 
 if TYPE_CHECKING:
@@ -29,15 +30,6 @@ if TYPE_CHECKING:
 
 MORE_DAMPING = 4.0
 """Times the damping that was foreseen, for a run that rings with it."""
-
-RINGING_CHECKS = (
-    "tail-slap reached",
-    "finite numbers",
-    "friction by ringing",
-    "reaction against rigid",
-    "oscillation",
-)
-"""Checks that fail where a run rings."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +149,7 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
 def _simulated(fe_plan: FePlan) -> Run:
     """The run of the model. Raises InputError for a start that the plate cannot have."""
     from fem.explicit.simulate import simulate
-    from fem.start.start import TooSoftError
+    from fem.start.inertia_relief import TooSoftError
 
     scene, start = fe_plan.plan.scene, fe_plan.plate.start
     try:
@@ -170,7 +162,7 @@ def _simulated(fe_plan: FePlan) -> Run:
                 rows=scene.time.rows,
                 threads=scene.time.threads,
                 progress=progress,
-                spoilt=lambda row: friction_by_ringing(fe_plan, row) > SPOILT,
+                corrupted=lambda row: friction_by_ringing(fe_plan, row) > CORRUPTED,
             )
     except TooSoftError:
         why = "the plate is too soft to be in equilibrium under its reaction"
@@ -179,7 +171,8 @@ def _simulated(fe_plan: FePlan) -> Run:
 
 def rings(outcome: Outcome) -> bool:
     """Whether a check says that the reaction rang, or the run came to no answer."""
-    return any(check.name in RINGING_CHECKS and not check.passed for check in outcome.checks)
+    ringing = ringing_checks()
+    return any(check.name in ringing and not check.passed for check in outcome.checks)
 
 
 def damping_is_open(fe_plan: FePlan) -> bool:

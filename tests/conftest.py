@@ -8,15 +8,10 @@ from typing import Any
 
 import pytest
 
-from fem.contact.corner import Drag, Signed
-from fem.discretisation.elements import ELEMENT_KINDS
-from fem.discretisation.model import (
-    CornerProperties,
-    PlateModel,
-    PlateProperties,
-    StepProperties,
-    build_model,
-)
+from fem.contact.friction import Drag, Signed
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.discretisation.model import PlateModel, build_model
+from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
 from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene

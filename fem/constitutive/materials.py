@@ -1,16 +1,37 @@
-"""Materials: stress from strain, in plane stress.
+"""Materials: stress and energy density from strain, in plane stress. Each is one object; adding one is adding it here,
+or in any file that registers it.
 
-A material is a NamedTuple of its constants and two functions of the Green strain (11, 22, twice 12): `stress`,
-the second Piola-Kirchhoff stress [Pa] (11, 22, 12), and `energy_density` [J/m^3]. They are registered for the
-tuple with `implements` and chosen by its type when the loop is compiled.
+Kernels are functions of the constants and the Green strain (11, 22, twice 12). All materials are linear elastic at
+small strain.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from fem.compiled import compiled, implements
+from fem.registry import Law, LawRegistry
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material(Law):
+    """A material.
+
+    make: its constants from Young's modulus [Pa] and Poisson's ratio. stress: kernel (constants, e_11, e_22, g_12) ->
+    second Piola-Kirchhoff stress [Pa] (11, 22, 12). energy_density: kernel of the same -> energy per reference volume
+    [J/m^3]. text: what it is, for reports.
+    """
+
+    make: Callable[[float, float], Any]
+    stress: Callable[[Any, float, float, float], tuple[float, float, float]]
+    energy_density: Callable[[Any, float, float, float], float]
+    text: str
+
+
+MATERIALS: LawRegistry[Material] = LawRegistry("material")
+"""Materials by their names in a scene."""
 
 
 class StVenantKirchhoff(NamedTuple):
@@ -24,17 +45,44 @@ class StVenantKirchhoff(NamedTuple):
     c_33: float
 
 
+def st_venant_kirchhoff(youngs_modulus: float, poissons_ratio: float) -> StVenantKirchhoff:
+    """Plane-stress constants [Pa] from Young's modulus [Pa] and Poisson's ratio."""
+    c_11 = youngs_modulus / (1.0 - poissons_ratio**2)
+    return StVenantKirchhoff(c_11, poissons_ratio * c_11, 0.5 * youngs_modulus / (1.0 + poissons_ratio))
+
+
+def _linear_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
+    return (
+        material.c_11 * e_11 + material.c_12 * e_22,
+        material.c_12 * e_11 + material.c_11 * e_22,
+        material.c_33 * g_12,
+    )
+
+
+def _quadratic_energy(material: Any, e_11: float, e_22: float, g_12: float) -> float:
+    s_11, s_22, s_12 = _linear_stress(material, e_11, e_22, g_12)
+    return 0.5 * (s_11 * e_11 + s_22 * e_22 + s_12 * g_12)
+
+
+MATERIALS.register(
+    Material(
+        name="st-venant-kirchhoff",
+        constants=StVenantKirchhoff,
+        make=st_venant_kirchhoff,
+        stress=_linear_stress,
+        energy_density=_quadratic_energy,
+        text="St. Venant-Kirchhoff, linear between Green strain and second Piola-Kirchhoff stress",
+        inlined=("stress",),
+        helpers=(_linear_stress,),
+    )
+)
+
+
 class NeoHookean(NamedTuple):
     """W = mu/2 (tr C - 3 - 2 ln J) + lambda/2 (ln J)^2, the stretch of the thickness free; Lamé constants [Pa]."""
 
     lame: float
     shear: float
-
-
-def st_venant_kirchhoff(youngs_modulus: float, poissons_ratio: float) -> StVenantKirchhoff:
-    """Plane-stress constants [Pa] from Young's modulus [Pa] and Poisson's ratio."""
-    c_11 = youngs_modulus / (1.0 - poissons_ratio**2)
-    return StVenantKirchhoff(c_11, poissons_ratio * c_11, 0.5 * youngs_modulus / (1.0 + poissons_ratio))
 
 
 def neo_hookean(youngs_modulus: float, poissons_ratio: float) -> NeoHookean:
@@ -43,37 +91,7 @@ def neo_hookean(youngs_modulus: float, poissons_ratio: float) -> NeoHookean:
     return NeoHookean(2.0 * shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio), shear)
 
 
-MATERIALS = {"st-venant-kirchhoff": st_venant_kirchhoff, "neo-hookean": neo_hookean}
-"""Materials by name, made from Young's modulus and Poisson's ratio; all are linear elastic at small strain."""
-
-
-def stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
-    """Second Piola-Kirchhoff stress of any material above; compiled code only."""
-    raise NotImplementedError(type(material))
-
-
-def energy_density(material: Any, e_11: float, e_22: float, g_12: float) -> float:
-    """Strain energy per reference volume of any material above; compiled code only."""
-    raise NotImplementedError(type(material))
-
-
-@implements(stress, StVenantKirchhoff, inline="always")
-def _st_venant_kirchhoff_stress(material, e_11, e_22, g_12):
-    return (
-        material.c_11 * e_11 + material.c_12 * e_22,
-        material.c_12 * e_11 + material.c_11 * e_22,
-        material.c_33 * g_12,
-    )
-
-
-@implements(energy_density, StVenantKirchhoff)
-def _st_venant_kirchhoff_energy(material, e_11, e_22, g_12):
-    s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
-    return 0.5 * (s_11 * e_11 + s_22 * e_22 + s_12 * g_12)
-
-
-@compiled
-def logarithms(lame, shear, area):
+def _logarithms(lame: float, shear: float, area: float) -> tuple[float, float]:
     """ln det C in the plane and ln C_33, from det C - 1 and S_33 = 0: 2 mu (C_33 - 1) + lambda ln(det C C_33) = 0.
 
     Newton from the linear answer; the function is convex and rising, five steps reach rounding for det C from
@@ -87,10 +105,9 @@ def logarithms(lame, shear, area):
     return plane, thickness
 
 
-@implements(stress, NeoHookean)
-def _neo_hookean_stress(material, e_11, e_22, g_12):
+def _neo_hookean_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
     area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
-    plane, thickness = logarithms(material.lame, material.shear, area)
+    plane, thickness = _logarithms(material.lame, material.shear, area)
     volume = 0.5 * material.lame * (plane + thickness)
     scale = 1.0 / (1.0 + area)
     # S = mu (1 - C^-1) + lambda ln J C^-1, the first part written as mu C^-1 (C - 1).
@@ -101,10 +118,22 @@ def _neo_hookean_stress(material, e_11, e_22, g_12):
     )
 
 
-@implements(energy_density, NeoHookean)
-def _neo_hookean_energy(material, e_11, e_22, g_12):
+def _neo_hookean_energy(material: Any, e_11: float, e_22: float, g_12: float) -> float:
     area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
-    plane, thickness = logarithms(material.lame, material.shear, area)
+    plane, thickness = _logarithms(material.lame, material.shear, area)
     volume = plane + thickness
     shear = material.shear * (2.0 * (e_11 + e_22) + math.expm1(thickness) - volume)
     return 0.5 * shear + 0.125 * material.lame * volume * volume
+
+
+MATERIALS.register(
+    Material(
+        name="neo-hookean",
+        constants=NeoHookean,
+        make=neo_hookean,
+        stress=_neo_hookean_stress,
+        energy_density=_neo_hookean_energy,
+        text="neo-Hookean, the stretch of the thickness free",
+        helpers=(_logarithms,),
+    )
+)

@@ -1,14 +1,12 @@
-"""The constrained corner: a two-sided slider on the wall with Coulomb friction; compiled.
+"""The constrained corner: a two-sided slider on the wall; compiled.
 
-    place       P is the weighted mean of the corner's nodes: one node, or a patch of the side
+    place       P is the weighted mean of the corner's nodes: one node, or a support patch of the side
     gap         y_P, its distance from the wall's line Y = 0
-    normal      N by the hold: a penalty spring, with or without a dashpot, or the exact constraint;
-                it acts both ways, N < 0 pulls the corner back to the wall
+    normal      N by the constraint
     stopping    the force that would end this step with the corner at rest
     tangential  R by the friction law: the stopping force, cut to what the law allows
 
-Holds and laws are NamedTuples, each with a function registered for it by `implements`; the law of a scene without
-friction is None, and is compiled to nothing.
+The law of a scene without friction is None, and is compiled to nothing.
 """
 
 from __future__ import annotations
@@ -17,106 +15,59 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled, implements
-
-
-class Penalty(NamedTuple):
-    """N = -k y_P; stiffness [N/m]."""
-
-    stiffness: float
-
-
-class DampedPenalty(NamedTuple):
-    """N = -k y_P - c y_P', the velocity half a step late; stiffness [N/m], damping [N s/m]."""
-
-    stiffness: float
-    damping: float
-
-
-class Exact(NamedTuple):
-    """N is whatever ends this step with y_P = 0. Its one member is there because a tuple needs one."""
-
-    gap: float
+from fem.compiled import by_law, compiled
+from fem.contact.constraints import CONSTRAINTS
+from fem.contact.friction import FRICTION_LAWS
 
 
 class Corner(NamedTuple):
-    """Nodes that carry the corner and their weights, sum 1; sum of weight^2 / mass [1/kg]; how it is held."""
+    """Nodes that carry the corner and their weights, sum 1; sum of weight^2 / mass [1/kg]; its constraint's constants.
+
+    The properties are for Python; compiled code asks the constraint's kernels.
+    """
 
     nodes: np.ndarray
     weights: np.ndarray
     mobility: float
-    hold: Any
+    constraint: Any
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness [N/m] of the constraint; infinite where it is exact."""
+        return CONSTRAINTS.of(self.constraint).stiffness(self.constraint)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the constraint has no spring."""
+        return self.stiffness == np.inf
+
+    @property
+    def spring(self) -> float:
+        """Stiffness [N/m] of the constraint's spring; 0 where it has none."""
+        return 0.0 if self.is_exact else self.stiffness
+
+    @property
+    def dashpot(self) -> float:
+        """Damping [N s/m] of the constraint's dashpot; 0 where it has none."""
+        return CONSTRAINTS.of(self.constraint).damping(self.constraint)
 
 
-class Drag(NamedTuple):
-    """R = -mu |N| sign(v_P), or less where that is enough to stop the corner."""
-
-    coefficient: float
-
-
-class Signed(NamedTuple):
-    """R = -mu N sign(v_P): where N < 0 this drives the corner on. Kept to show what the sign does."""
-
-    coefficient: float
+@by_law(CONSTRAINTS, "forces")
+def constraint_forces(constraint: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
+    """Normal force of spring and of dashpot [N]; compiled code only."""
+    raise NotImplementedError(type(constraint))
 
 
-def hold_forces(hold: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
-    """Normal force of spring and of dashpot [N] of any hold above; compiled code only."""
-    raise NotImplementedError(type(hold))
+@by_law(CONSTRAINTS, "energy")
+def constraint_energy(constraint: Any, gap: float) -> float:
+    """Energy [J] in the constraint's spring; compiled code only."""
+    raise NotImplementedError(type(constraint))
 
 
-def hold_energy(hold: Any, gap: float) -> float:
-    """Energy [J] in the hold's spring; compiled code only."""
-    raise NotImplementedError(type(hold))
-
-
+@by_law(FRICTION_LAWS, "force")
 def friction_force(law: Any, normal: float, stopping: float) -> float:
-    """Tangential force [N] of any law above; compiled code only."""
+    """Tangential force [N]; compiled code only."""
     raise NotImplementedError(type(law))
-
-
-@implements(hold_forces, Penalty)
-def _penalty(hold, gap, rate, closing):
-    return -hold.stiffness * gap, 0.0
-
-
-@implements(hold_forces, DampedPenalty)
-def _damped_penalty(hold, gap, rate, closing):
-    return -hold.stiffness * gap, -hold.damping * rate
-
-
-@implements(hold_forces, Exact)
-def _exact(hold, gap, rate, closing):
-    return closing, 0.0
-
-
-@implements(hold_energy, Penalty, DampedPenalty)
-def _spring_energy(hold, gap):
-    return 0.5 * hold.stiffness * gap * gap
-
-
-@implements(hold_energy, Exact)
-def _no_energy(hold, gap):
-    return 0.0
-
-
-@implements(friction_force, type(None))
-def _no_friction(law, normal, stopping):
-    return 0.0
-
-
-@implements(friction_force, Drag)
-def _drag(law, normal, stopping):
-    limit = law.coefficient * abs(normal)
-    return min(max(stopping, -limit), limit)
-
-
-@implements(friction_force, Signed)
-def _signed(law, normal, stopping):
-    limit = law.coefficient * normal
-    if limit >= 0.0:
-        return min(max(stopping, -limit), limit)
-    return limit if stopping > 0.0 else -limit
 
 
 @compiled
@@ -146,7 +97,7 @@ def add_corner_reaction(positions, velocities, mass, time_step, corner, friction
         pull_x += share * force[0, node] / mass[node]
         pull_y += share * force[1, node] / mass[node]
     closing = -((gap / time_step + rate) / time_step + pull_y) / corner.mobility
-    spring, dashpot = hold_forces(corner.hold, gap, rate, closing)
+    spring, dashpot = constraint_forces(corner.constraint, gap, rate, closing)
     normal = spring + dashpot
     stopping = -(slip / time_step + pull_x) / corner.mobility
     tangential = friction_force(friction, normal, stopping)

@@ -1,6 +1,6 @@
-"""The corner as one node, or as a patch of the side.
+"""The corner as one node, or as a support patch of the side.
 
-A point support has no finite give in two-dimensional elasticity: it grows with the logarithm of the mesh. Spread
+A point support has no finite compliance in two-dimensional elasticity: it grows with the logarithm of the mesh. Spread
 over a given length of side PE, it converges.
 """
 
@@ -9,13 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from fem.discretisation.elements import Discretisation
+from fem.discretisation.properties import ModelError
 
 
 def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights by which the corner P is held; length [m] of side PE, 0 for the node alone.
 
     The weights are the nodes' shares of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
-    first moment about P is 0, so that for every rigid motion the weighted mean is P itself. Raises ValueError
+    first moment about P is 0, so that for every rigid motion the weighted mean is P itself. Raises ModelError
     if the length is not between two nodes and the side.
     """
     if length == 0.0:
@@ -23,8 +24,9 @@ def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.nd
     side = discretisation.side[np.argsort(-discretisation.positions[0, discretisation.side])]
     s = -discretisation.positions[0, side]
     if not s[1] * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
-        raise ValueError(
-            f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m"
+        raise ModelError(
+            "patch_length",
+            f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
         )
     weights = _shares(s, length)
     used = np.abs(weights) > 0.0

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+
 if TYPE_CHECKING:
     import meshio
 
@@ -15,29 +17,6 @@ MIDDLE = (np.array([[0.5], [0.5]]), np.array([1.0]))
 
 UNIFORM_TOLERANCE = 1e-12
 """Relative spread of the gradients below which all elements count as congruent."""
-
-
-@dataclass(frozen=True)
-class ElementKind:
-    """scikit-fem's element, order that the quadrature integrates, cells it sits on, hourglass control needed.
-
-    Order 0 stands for the one point in the middle, which scikit-fem does not choose by itself.
-    """
-
-    element: str
-    order: int
-    cells: str
-    hourglass: bool = False
-
-
-ELEMENT_KINDS = {
-    "quad4": ElementKind("ElementQuad1", 2, "quad"),
-    "quad4-reduced": ElementKind("ElementQuad1", 0, "quad", hourglass=True),
-    "quad9": ElementKind("ElementQuad2", 4, "quad"),
-    "tri3": ElementKind("ElementTriP1", 1, "triangle"),
-    "tri6": ElementKind("ElementTriP2", 2, "triangle"),
-}
-"""Elements by name. All go through the same compiled kernel."""
 
 
 class ElementTable(NamedTuple):

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from fem.discretisation.properties import ModelError
+
 MOMENTS = (
     lambda x, y: np.ones_like(x),
     lambda x, y: x,
@@ -38,7 +40,7 @@ def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.nd
     Row sums overstate the rotary inertia by the order of the squared element size. Of all corrections that
     make the six moments exact, this has the least sum of squared relative changes: m = m_0 + m_0^2 A^T z.
     Elements with row sums that are not positive (tri6) start from the scaled diagonal instead.
-    Raises ValueError if a mass would not stay positive (a mesh too coarse to carry the moments).
+    Raises ModelError if a mass would not stay positive (a mesh too coarse to carry the moments).
     """
     masses = row_sum_masses(scalar, density, thickness)
     if masses.min() < 1e-3 * masses.mean():
@@ -49,9 +51,11 @@ def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.nd
     multipliers = np.linalg.lstsq(weighted @ moments.T, exact - moments @ masses, rcond=None)[0]
     masses = masses + masses**2 * (multipliers @ moments)
     if not (masses > 0.0).all():
-        raise ValueError("the mesh is too coarse to carry the exact inertia with positive nodal masses")
+        raise ModelError(
+            "elements", "the mesh is too coarse to carry the exact inertia with positive nodal masses"
+        )
     if not np.allclose(moments @ masses, exact, rtol=1e-12, atol=1e-12 * exact[0]):
-        raise ValueError("the mesh has too few nodes to carry the exact inertia")
+        raise ModelError("elements", "the mesh has too few nodes to carry the exact inertia")
     return masses
 
 

@@ -9,16 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.constitutive.materials import MATERIALS, StVenantKirchhoff, st_venant_kirchhoff
-from fem.contact.corner import Corner, DampedPenalty, Exact, Penalty
+from fem.contact.constraints import CONSTRAINTS, ConstraintInput
+from fem.contact.corner import Corner
 from fem.contact.support_patch import corner_weights
-from fem.discretisation.elements import (
-    ELEMENT_KINDS,
-    Discretisation,
-    Hourglass,
-    discretise,
-    hourglass_control,
-)
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.discretisation.elements import Discretisation, Hourglass, discretise, hourglass_control
 from fem.discretisation.mass import exact_inertia_masses, row_sum_masses
+from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
 from fem.discretisation.stiffness import Spectrum, hourglass_matrix, stiffness_matrix
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
 from fem.explicit.internal_force import Viscosity
@@ -33,60 +30,12 @@ MASSES = {"exact": exact_inertia_masses, "row-sum": row_sum_masses}
 
 
 @dataclass(frozen=True)
-class PlateProperties:
-    """Thickness [m], density [kg/m^3], Young's modulus [Pa], Poisson's ratio, and choices by name.
-
-    hourglass: share of the stiffness that controls one-point elements; others have none.
-    """
-
-    thickness: float
-    density: float
-    youngs_modulus: float
-    poissons_ratio: float
-    lumping: str = "exact"
-    element: str = "quad4"
-    material: str = "st-venant-kirchhoff"
-    hourglass: float = 0.1
-
-
-@dataclass(frozen=True)
-class CornerProperties:
-    """How the corner is held: `penalty` with this multiple of the program's stiffness, or `exact`.
-
-    patch_length [m]: 0 for the corner node alone. damping_ratio: of the penalty's dashpot, to critical.
-    friction: a law of `fem.contact.corner`, or None. angles [rad]: of the plate during the run, for the time step.
-    """
-
-    friction: Any = None
-    constraint: str = "penalty"
-    penalty_scale: float = 1.0
-    patch_length: float = 0.0
-    damping_ratio: float = 0.0
-    angles: tuple[float, ...] = (0.26, 0.13, 0.0)
-
-
-@dataclass(frozen=True)
-class StepProperties:
-    """Share of the stable time step that is taken, an upper bound on it [s], and damping.
-
-    damping_ratio: stiffness-proportional, to critical at the highest frequency. bulk_viscosity: linear, the
-    dimensionless coefficient of density x wave speed x element size. elastic_rate [1/s]: of the elastic velocities.
-    """
-
-    safety_factor: float = 0.9
-    longest: float = np.inf
-    damping_ratio: float = 0.0
-    bulk_viscosity: float = 0.0
-    elastic_rate: float = 0.0
-
-
-@dataclass(frozen=True)
 class PlateModel:
     """The plate, its corner and its time step."""
 
     discretisation: Discretisation
     stiffness: Any  # scipy.sparse, body frame, at rest, hourglass control included [N/m]
-    highest_frequency: float  # [rad/s], the corner's hold included
+    highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
     loop: LoopParameters
@@ -99,22 +48,12 @@ class PlateModel:
         return float(self.loop.mass.sum())
 
 
-def penalty_stiffness(plate: PlateProperties, scale: float) -> float:
-    """The program's choice of corner stiffness [N/m], 0.3 times Young's modulus times thickness, times `scale`.
-
-    A spring as stiff as the elements brings the corner's frequency among the plate's: with friction the two flutter
-    sooner, and the time step falls by 14 %. A much softer one shows in the results, and flutters with the plate's
-    lowest modes, which stiffness-proportional damping hardly reaches.
-    """
-    return scale * 0.3 * plate.youngs_modulus * plate.thickness
-
-
 def build_model(
     mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties, step: StepProperties
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
-    Raises ValueError where the mesh cannot carry the exact inertia, or has too few nodes for the patch.
+    Raises ModelError where the mesh cannot carry the exact inertia, or has too few nodes for the support patch.
     """
     return finished_model(static_model(mesh, plate, corner), plate, corner, step)
 
@@ -137,10 +76,10 @@ def finished_model(
     return with_elastic_damping(model, step)
 
 
-def held_model(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
-    """The static model with its corner held in another way."""
-    held = _corner(model.discretisation, model.loop.mass, plate, corner)
-    return replace(model, loop=model.loop._replace(corner=held))
+def with_constraint(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
+    """The static model with another constraint of its corner."""
+    constrained = _corner(model.discretisation, model.loop.mass, plate, corner)
+    return replace(model, loop=model.loop._replace(corner=constrained))
 
 
 def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
@@ -158,7 +97,7 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
     discretisation, moduli, masses, stiffness, hourglass = _assemble(mesh, plate)
     loop = LoopParameters(
         table=discretisation.table,
-        material=MATERIALS[plate.material](plate.youngs_modulus, plate.poissons_ratio),
+        material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
         mass=masses,
         corner=_corner(discretisation, masses, plate, corner),
         friction=corner.friction,
@@ -175,7 +114,7 @@ def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: floa
     """Young's modulus [Pa] that gives the free plate this first elastic frequency in its plane [Hz].
 
     The stiffness is in proportion to the modulus: the frequency with the modulus of `plate` tells the other.
-    Raises ValueError where the mesh cannot carry the exact inertia.
+    Raises ModelError where the mesh cannot carry the exact inertia.
     """
     discretisation, _, masses, stiffness, _ = _assemble(mesh, plate)
     frequency = lowest_frequency(stiffness, masses, discretisation.positions)
@@ -207,13 +146,10 @@ def _corner(
 ) -> Corner:
     nodes, weights = corner_weights(d, corner.patch_length)
     mobility = float((weights**2 / masses[nodes]).sum())
-    if corner.constraint == "exact":
-        return Corner(nodes, weights, mobility, Exact(0.0))
-    stiffness = penalty_stiffness(plate, corner.penalty_scale)
-    if not corner.damping_ratio:
-        return Corner(nodes, weights, mobility, Penalty(stiffness))
-    damping = corner.damping_ratio * 2.0 * math.sqrt(stiffness / mobility)
-    return Corner(nodes, weights, mobility, DampedPenalty(stiffness, damping))
+    given = ConstraintInput(
+        plate.youngs_modulus, plate.thickness, mobility, corner.penalty_scale, corner.damping_ratio
+    )
+    return Corner(nodes, weights, mobility, CONSTRAINTS[corner.constraint].make(given))
 
 
 def _viscosity(

@@ -33,22 +33,22 @@ def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> sp.csr_matri
 
 
 class Spectrum:
-    """The plate's stiffness with the corner's hold, for its highest frequency and stable time steps.
+    """The plate's stiffness with the corner's constraint, for its highest frequency and stable time steps.
 
-    angles [rad]: of the plate during its run; the hold acts across the wall, and so turns in the body frame.
+    angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.
     """
 
     def __init__(
         self, stiffness: sp.csr_matrix, masses: np.ndarray, corner: Corner, angles: tuple[float, ...] = (0.0,)
     ) -> None:
         self._root = sp.diags(1.0 / np.sqrt(np.tile(masses, 2)))
-        spring = getattr(corner.hold, "stiffness", 0.0)
+        spring = corner.spring
         # Without a spring all angles are alike.
         self._shapes = [
             _across_the_wall(corner, masses.size, angle) for angle in (angles if spring else angles[:1])
         ]
         self._held = [self._scaled(stiffness + spring * shape) for shape in self._shapes]
-        self._dashpot = getattr(corner.hold, "damping", 0.0)
+        self._dashpot = corner.dashpot
         self._vector = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
 
     def highest_frequency(self) -> float:
@@ -58,7 +58,7 @@ class Spectrum:
     def stable_time_step(self, frequency: float, damping: sp.csr_matrix | None) -> float:
         """Largest stable step [s] of central differences, the damping forces being half a step late.
 
-        damping: the plate's damping matrix [N s/m]; the hold's dashpot is added. An oscillation that changes
+        damping: the plate's damping matrix [N s/m]; the constraint's dashpot is added. An oscillation that changes
         sign every step stays bounded as long as dt^2 K + 2 dt C has no eigenvalue above 4 against the masses.
         For one mass this is w dt = 2 (sqrt(1 + z^2) - z).
         """

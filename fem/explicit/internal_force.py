@@ -1,9 +1,9 @@
 """Internal forces of the plate: total Lagrangian, any element, any material; compiled.
 
-The elements go through in blocks of lanes (`simd_blocks`). A block's nodal values lie in one scratch array, row
-after row: inside one array, with row numbers that are constants to the compiler, it can see that rows do not
-overlap, and packs the lanes into vector instructions; over many separate arrays it cannot. The rows, with n nodes
-an element:
+The elements go through in SIMD blocks (`simd_blocks`), one slot an element. A block's nodal values lie in one scratch
+array, row after row: inside one array, with row numbers that are constants to the compiler, it can see that rows do not
+overlap, and packs neighbouring slots into vector instructions; over many separate arrays it cannot. The rows, with n
+nodes an element:
 
     positions 2n | forces 2n | velocities 2n | viscous power 1
 
@@ -20,10 +20,10 @@ from numba import types
 from numba.extending import overload
 
 from fem.compiled import compiled, inlined
-from fem.constitutive.materials import stress
+from fem.constitutive.stress import stress
 from fem.discretisation.elements import ElementTable
 from fem.explicit.simd_blocks import (
-    LANES,
+    BLOCK_SIZE,
     Lattice,
     aligned,
     balance,
@@ -31,8 +31,8 @@ from fem.explicit.simd_blocks import (
     find_lattice,
     gather,
     in_blocks,
-    lane_count,
     scatter,
+    slot_count,
     subtract_first,
 )
 
@@ -46,10 +46,10 @@ class Viscosity(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room for one block, and the element table as the lanes want it.
+    """Workspace of one block, and the element table as it is read there.
 
     rows: as above. gradients, weights: of all nodes but the first; of congruent elements as tuples, a tuple of
-    gradients and a weight a point, constants of the loop over the lanes; else as arrays, a row a block.
+    gradients and a weight a point, constants of the loop over the slots; else as arrays, a row a block.
     """
 
     rows: np.ndarray
@@ -59,9 +59,9 @@ class Scratch(NamedTuple):
 
 
 def scratch_for(table: ElementTable) -> Scratch:
-    """Make room, and lay out the table."""
+    """The workspace, and the table laid out for it."""
     points, nodes = len(table.weights), len(table.per_element)
-    rows = aligned((6 * nodes + 1) * LANES)
+    rows = aligned((6 * nodes + 1) * BLOCK_SIZE)
     lattice = find_lattice(table.connectivity)
     gradients = table.gradients.reshape(points, 2 * nodes, -1)[:, 2:]
     if table.weights.shape[1] == 1:
@@ -78,9 +78,9 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
     positions, velocities: [m], [m/s], shape (2, nodes). viscosity: None, or a `Viscosity`; hourglass: None, or
     an `Hourglass`. What is None is compiled out.
     """
-    lanes = lane_count(table.connectivity, scratch.lattice)
+    slots = slot_count(table.connectivity, scratch.lattice)
     return subtract_forces_of(
-        0, lanes, positions, velocities, viscosity, hourglass, force, table, material, scratch
+        0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch
     )
 
 
@@ -88,35 +88,35 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
 def subtract_forces_of(
     begin, end, positions, velocities, viscosity, hourglass, force, table, material, scratch
 ):
-    """The same for the lanes from `begin`, the first of a block, to before `end`."""
+    """The same for the slots from `begin`, the first of a block, to before `end`."""
     others, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     connectivity, lattice = table.connectivity, scratch.lattice
     power = 0.0
-    for first in range(begin, end, LANES):
-        count = min(LANES, end - first)
+    for first in range(begin, end, BLOCK_SIZE):
+        count = min(BLOCK_SIZE, end - first)
         gather(positions, connectivity, lattice, first, count, rows)
         subtract_first(others, rows)
-        rows[2 * nodes * LANES : 4 * nodes * LANES] = 0.0
+        rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
         if viscosity is not None:
-            rates = rows[4 * nodes * LANES :]
+            rates = rows[4 * nodes * BLOCK_SIZE :]
             gather(velocities, connectivity, lattice, first, count, rates)
             subtract_first(others, rates)
-            rows[6 * nodes * LANES :] = 0.0
+            rows[6 * nodes * BLOCK_SIZE :] = 0.0
         for point in range(table.weights.shape[0]):
-            gradients = point_of(scratch.gradients, first // LANES, point, 2 * len(others))
-            weights = point_of(scratch.weights, first // LANES, point, 1)
+            gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(others))
+            weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
             _add_point(others, material, viscosity, rows, gradients, weights)
         if hourglass is not None:
             _add_hourglass(hourglass, first, count, others, lattice, rows)
-        forces = rows[2 * nodes * LANES : 4 * nodes * LANES]
+        forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
         balance(others, forces)
-        clear_idle(lattice, first // LANES, 2 * nodes, forces)
+        clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
         if viscosity is not None:
-            powers = rows[6 * nodes * LANES :]
-            clear_idle(lattice, first // LANES, 1, powers)
-            for lane in range(count):
-                power += powers[lane]
+            powers = rows[6 * nodes * BLOCK_SIZE :]
+            clear_idle(lattice, first // BLOCK_SIZE, 1, powers)
+            for slot in range(count):
+                power += powers[slot]
     return power
 
 
@@ -132,32 +132,32 @@ def _point_of(values: Any, block: Any, point: Any, rows: Any) -> Any:
         def numbers(values: Any, block: Any, point: Any, rows: Any) -> Any:
             return values[point]
     else:
-        # Views, because an index that might be negative would keep the lanes from being packed.
+        # Views, because an index that might be negative would keep the loop from being vectorised.
         def numbers(values: Any, block: Any, point: Any, rows: Any) -> Any:
-            return values[block, rows * LANES * point :]
+            return values[block, rows * BLOCK_SIZE * point :]
 
     return numbers
 
 
-def at_lane(values: Any, row: int, lane: int) -> float:
-    """Number `row` of a point, or of an element in its lane; compiled code only."""
+def at_slot(values: Any, row: int, slot: int) -> float:
+    """Number `row` of a point, or of an element in its slot; compiled code only."""
     raise NotImplementedError(type(values))
 
 
-@overload(at_lane, inline="always")
-def _at_lane(values: Any, row: Any, lane: Any) -> Any:
+@overload(at_slot, inline="always")
+def _at_slot(values: Any, row: Any, slot: Any) -> Any:
     if isinstance(values, types.Float):
 
-        def number(values: Any, row: Any, lane: Any) -> Any:
+        def number(values: Any, row: Any, slot: Any) -> Any:
             return values
     elif isinstance(values, types.BaseTuple):
 
-        def number(values: Any, row: Any, lane: Any) -> Any:
+        def number(values: Any, row: Any, slot: Any) -> Any:
             return values[row]
     else:
 
-        def number(values: Any, row: Any, lane: Any) -> Any:
-            return values[row * LANES + lane]
+        def number(values: Any, row: Any, slot: Any) -> Any:
+            return values[row * BLOCK_SIZE + slot]
 
     return number
 
@@ -166,22 +166,22 @@ def _at_lane(values: Any, row: Any, lane: Any) -> Any:
 def _add_point(others, material, viscosity, rows, gradients, weights):
     """Add one quadrature point's nodal forces to the block's rows: P = F S, f_a = w P grad N_a."""
     nodes = len(others) + 1
-    for lane in range(LANES):
-        weight = at_lane(weights, 0, lane)
-        f_11, f_12, f_21, f_22 = _gradient(2, others, rows, gradients, lane)
+    for slot in range(BLOCK_SIZE):
+        weight = at_slot(weights, 0, slot)
+        f_11, f_12, f_21, f_22 = _gradient(2, others, rows, gradients, slot)
         e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
         e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
         g_12 = f_11 * f_12 + f_21 * f_22
         s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
         if viscosity is not None:
-            r_11, r_12, r_21, r_22 = _gradient(4 * nodes + 2, others, rows, gradients, lane)
+            r_11, r_12, r_21, r_22 = _gradient(4 * nodes + 2, others, rows, gradients, slot)
             d_11 = f_11 * r_11 + f_21 * r_21
             d_22 = f_12 * r_12 + f_22 * r_22
             d_12 = f_11 * r_12 + f_12 * r_11 + f_21 * r_22 + f_22 * r_21
             v_11 = viscosity.c_11 * d_11 + viscosity.c_12 * d_22
             v_22 = viscosity.c_12 * d_11 + viscosity.c_11 * d_22
             v_12 = viscosity.c_33 * d_12
-            rows[6 * nodes * LANES + lane] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
+            rows[6 * nodes * BLOCK_SIZE + slot] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
             s_11 += v_11
             s_22 += v_22
             s_12 += v_12
@@ -193,19 +193,19 @@ def _add_point(others, material, viscosity, rows, gradients, weights):
         p_21 = f_21 * s_11 + f_22 * s_12
         p_22 = f_21 * s_12 + f_22 * s_22
         for a in range(len(others)):
-            g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
-            rows[(2 * nodes + 2 * a + 2) * LANES + lane] += p_11 * g_1 + p_12 * g_2
-            rows[(2 * nodes + 2 * a + 3) * LANES + lane] += p_21 * g_1 + p_22 * g_2
+            g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
+            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
+            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
 
 
 @inlined
-def _gradient(row, others, rows, gradients, lane):
+def _gradient(row, others, rows, gradients, slot):
     """Gradient of the vector field in the rows from `row`: F from positions, its rate from velocities."""
     t_11 = t_12 = t_21 = t_22 = 0.0
     for a in range(len(others)):
-        g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
-        x = rows[(row + 2 * a) * LANES + lane]
-        y = rows[(row + 2 * a + 1) * LANES + lane]
+        g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
+        x = rows[(row + 2 * a) * BLOCK_SIZE + slot]
+        y = rows[(row + 2 * a + 1) * BLOCK_SIZE + slot]
         t_11 += x * g_1
         t_12 += x * g_2
         t_21 += y * g_1
@@ -217,18 +217,18 @@ def _gradient(row, others, rows, gradients, lane):
 def _add_hourglass(hourglass, first, count, others, lattice, rows):
     """Add k gamma_a (sum gamma_b x_b) to the block's forces; zero for every linear field, rigid motion included."""
     nodes = len(others) + 1
-    for lane in range(count):
-        column = first + lane
+    for slot in range(count):
+        column = first + slot
         if lattice is not None:
             column = lattice.element[column]
         if hourglass.stiffness.size == 1:
             column = 0
         q_1 = q_2 = 0.0
         for a in range(1, nodes):
-            q_1 += hourglass.vectors[a, column] * rows[2 * a * LANES + lane]
-            q_2 += hourglass.vectors[a, column] * rows[(2 * a + 1) * LANES + lane]
+            q_1 += hourglass.vectors[a, column] * rows[2 * a * BLOCK_SIZE + slot]
+            q_2 += hourglass.vectors[a, column] * rows[(2 * a + 1) * BLOCK_SIZE + slot]
         q_1 *= hourglass.stiffness[column]
         q_2 *= hourglass.stiffness[column]
         for a in range(1, nodes):
-            rows[(2 * nodes + 2 * a) * LANES + lane] += hourglass.vectors[a, column] * q_1
-            rows[(2 * nodes + 2 * a + 1) * LANES + lane] += hourglass.vectors[a, column] * q_2
+            rows[(2 * nodes + 2 * a) * BLOCK_SIZE + slot] += hourglass.vectors[a, column] * q_1
+            rows[(2 * nodes + 2 * a + 1) * BLOCK_SIZE + slot] += hourglass.vectors[a, column] * q_2

@@ -12,38 +12,16 @@ import math
 import numpy as np
 
 from fem.compiled import compiled
-from fem.constitutive.materials import energy_density
-from fem.contact.corner import add_corner_reaction, hold_energy, weighted
+from fem.constitutive.stress import energy_density
+from fem.contact.corner import add_corner_reaction, constraint_energy, weighted
+from fem.explicit.columns import Measures
 from fem.explicit.elastic_damping import SUMS, damp
 from fem.explicit.internal_force import subtract_internal_forces
 
-COLUMNS = (
-    "theta",
-    "omega",
-    "v_gx",
-    "v_gy",
-    "slide",
-    "v_p",
-    "reaction_normal",
-    "reaction_tangential",
-    "kinetic_energy",
-    "strain_energy",
-    "contact_energy",
-    "friction_work",
-    "damping_work",
-    "vibration_energy",
-    "normal_impulse",
-    "normal_impulse_magnitude",
-    "gap",
-    "hourglass_energy",
-)
-"""Columns of a row, SI. `vibration_energy` is the kinetic energy that is not rigid motion's; the impulses are
-those of the normal reaction and of its magnitude: they part where the reaction rings through zero."""
-
 
 @compiled
-def measure(state, loop, viscosity, hourglass, reference, force, scratch, row):
-    """Fill `row` (COLUMNS) with what the state holds at its instant; the state is left as it is.
+def measure(state, loop, viscosity, hourglass, reference, force, scratch):
+    """The `Measures` of the state at its instant; the state is left as it is.
 
     reference: positions in the body frame [m], shape (2, nodes); the plate's angle is that of the rigid
     rotation that carries them onto the positions with the least mass-weighted square of distance.
@@ -61,18 +39,29 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch, row):
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
     )
     theta, omega, v_x, v_y, kinetic, vibration = _motion(positions, velocities, force, loop, reference)
-    row[0], row[1], row[2], row[3] = theta, omega, v_x, v_y
-    row[4], row[5] = origin[0] + weighted(positions[0], loop.corner), 0.5 * (slip + later_slip)
-    row[6], row[7] = normal, tangential
-    row[8], row[9] = kinetic, _strain_energy(positions, loop.table, loop.material)
-    row[10] = hold_energy(loop.corner.hold, weighted(positions[1], loop.corner))
-    row[11], row[12] = sums[0] + half * tangential * slip, sums[1] + half * damping_power
-    row[13] = vibration
-    row[14], row[15] = sums[2] + half * normal, sums[3] + half * abs(normal)
-    row[16] = weighted(positions[1], loop.corner)
-    row[17] = 0.0
+    gap, hourglass_energy = weighted(positions[1], loop.corner), 0.0
     if hourglass is not None:
-        row[17] = _hourglass_energy(positions, loop.table, hourglass)
+        hourglass_energy = _hourglass_energy(positions, loop.table, hourglass)
+    return Measures(
+        theta=theta,
+        omega=omega,
+        v_gx=v_x,
+        v_gy=v_y,
+        slide=origin[0] + weighted(positions[0], loop.corner),
+        v_p=0.5 * (slip + later_slip),
+        reaction_normal=normal,
+        reaction_tangential=tangential,
+        kinetic_energy=kinetic,
+        strain_energy=_strain_energy(positions, loop.table, loop.material),
+        contact_energy=constraint_energy(loop.corner.constraint, gap),
+        friction_work=sums[0] + half * tangential * slip,
+        damping_work=sums[1] + half * damping_power,
+        vibration_energy=vibration,
+        normal_impulse=sums[2] + half * normal,
+        normal_impulse_magnitude=sums[3] + half * abs(normal),
+        gap=gap,
+        hourglass_energy=hourglass_energy,
+    )
 
 
 @compiled

@@ -18,7 +18,7 @@ from numba.extending import intrinsic
 from fem.compiled import compiled
 from fem.explicit.elastic_damping import SUMS, add_up, gained, resist
 from fem.explicit.internal_force import Scratch, subtract_forces_of
-from fem.explicit.simd_blocks import LANES, aligned, lane_count
+from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, drift, follow, react
 
 WORD = 8
@@ -28,7 +28,7 @@ _give_way = types.ExternalFunction("sched_yield", types.int32())
 
 
 class Team:
-    """Threads' own room to work in, for one model."""
+    """Workspaces of the threads, for one model."""
 
     def __init__(self, loop: LoopParameters, scratch: Scratch, threads: int) -> None:
         self._loop, self._threads = loop, threads
@@ -41,8 +41,8 @@ class Team:
         """Advance the state in place by this many steps."""
         turns = np.zeros(self._threads * WORD, dtype=np.int64)
         shared = (self._powers, self._motions, self._shift)
-        room = (self._forces, self._scratch, self._rows, *shared, turns)
-        parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *room)
+        workspaces = (self._forces, self._scratch, self._rows, *shared, turns)
+        parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *workspaces)
         others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
         for thread in others:
             thread.start()
@@ -58,9 +58,9 @@ def advance_thread(
     """What thread t does; see `fem.explicit.time_loop.advance` for the step."""
     positions, velocities, _, _ = state
     threads, nodes = forces.shape[0], loop.mass.size
-    lanes = lane_count(loop.table.connectivity, shared.lattice)
-    blocks = (lanes + LANES - 1) // LANES
-    first, last = blocks * t // threads * LANES, min(lanes, blocks * (t + 1) // threads * LANES)
+    slots = slot_count(loop.table.connectivity, shared.lattice)
+    blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
+    first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
     scratch = Scratch(rows[t], shared.gradients, shared.weights, shared.lattice)
     for step in range(steps):

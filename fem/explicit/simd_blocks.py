@@ -1,7 +1,7 @@
-"""Elements in lanes: nodal values are gathered into rows, one lane an element, and summed back; compiled.
+"""Elements in SIMD blocks: nodal values are gathered into rows, one slot an element, and summed back; compiled.
 
-LANES elements make a block. Where the nodes of all elements are numbered alike, as those of a mesh numbered row
-by row are, the lanes of a block are consecutive nodes, and a row is copied as it lies; else each lane is looked up.
+BLOCK_SIZE elements make a block. Where the nodes of all elements are numbered alike, as those of a mesh numbered row
+by row are, the slots of a block are consecutive nodes, and a row is copied as it lies; else each slot is looked up.
 Rows of the first node hold its values, rows of the others the difference from it: fewer products, and no digits
 lost far from the origin.
 """
@@ -14,14 +14,14 @@ import numpy as np
 
 from fem.compiled import compiled
 
-LANES = 64
+BLOCK_SIZE = 64
 """Elements a block; the rows of a block stay in the first-level cache."""
 
 
 class Lattice(NamedTuple):
-    """Elements numbered alike: corner a of the element in lane l is node first[a] + l.
+    """Elements numbered alike: corner a of the element in slot l is node first[a] + l.
 
-    element: of each lane; lanes between two rows of the mesh hold none, -1. idle: those lanes, within their
+    element: of each slot; slots between two rows of the mesh hold none, -1. idle: those slots, within their
     block; block b has idle[idle_from[b] : idle_from[b + 1]].
     """
 
@@ -34,44 +34,44 @@ class Lattice(NamedTuple):
 def find_lattice(connectivity: np.ndarray) -> Lattice | None:
     """The lattice of this connectivity, shape (nodes per element, elements); None if it has none."""
     lowest = connectivity[0].min()
-    lane = connectivity[0] - lowest
+    slot = connectivity[0] - lowest
     offsets = connectivity - connectivity[0]
-    lanes = int(lane.max()) + 1
-    if (offsets != offsets[:, :1]).any() or lanes > 1.25 * lane.size or np.unique(lane).size < lane.size:
+    slots = int(slot.max()) + 1
+    if (offsets != offsets[:, :1]).any() or slots > 1.25 * slot.size or np.unique(slot).size < slot.size:
         return None
-    element = np.full(lanes, -1)
-    element[lane] = np.arange(lane.size)
+    element = np.full(slots, -1)
+    element[slot] = np.arange(slot.size)
     idle = np.flatnonzero(element < 0)
-    idle_from = np.searchsorted(idle, LANES * np.arange(blocks_of(lanes) + 1))
-    return Lattice((lowest + offsets[:, 0]).astype(np.int64), element, idle % LANES, idle_from)
+    idle_from = np.searchsorted(idle, BLOCK_SIZE * np.arange(blocks_of(slots) + 1))
+    return Lattice((lowest + offsets[:, 0]).astype(np.int64), element, idle % BLOCK_SIZE, idle_from)
 
 
-def blocks_of(lanes: int) -> int:
-    """Number of blocks that hold these lanes."""
-    return -(-lanes // LANES)
+def blocks_of(slots: int) -> int:
+    """Number of blocks that hold these slots."""
+    return -(-slots // BLOCK_SIZE)
 
 
 def in_blocks(values: np.ndarray, lattice: Lattice | None) -> np.ndarray:
-    """Element values of shape (rows, elements), a row of the result for each block, zero in idle lanes."""
+    """Element values of shape (rows, elements), a row of the result for each block, zero in idle slots."""
     if lattice is not None:
         values = np.where(lattice.element < 0, 0.0, values[:, lattice.element])
-    rows, lanes = values.shape
-    laid = np.zeros((blocks_of(lanes), rows, LANES))
+    rows, slots = values.shape
+    laid = np.zeros((blocks_of(slots), rows, BLOCK_SIZE))
     for block in range(len(laid)):
-        part = values[:, block * LANES : (block + 1) * LANES]
+        part = values[:, block * BLOCK_SIZE : (block + 1) * BLOCK_SIZE]
         laid[block, :, : part.shape[1]] = part
-    return laid.reshape(len(laid), rows * LANES)
+    return laid.reshape(len(laid), rows * BLOCK_SIZE)
 
 
 def aligned(size: int) -> np.ndarray:
     """Zeros that begin at a cache line, so that no vector lies across two."""
-    room = np.zeros(size + 8)
-    skip = -(room.ctypes.data // room.itemsize) % 8
-    return room[skip : skip + size]
+    buffer = np.zeros(size + 8)
+    skip = -(buffer.ctypes.data // buffer.itemsize) % 8
+    return buffer[skip : skip + size]
 
 
 @compiled
-def lane_count(connectivity, lattice):
+def slot_count(connectivity, lattice):
     """Lanes in all, idle ones included."""
     if lattice is not None:
         return lattice.element.size
@@ -85,41 +85,41 @@ def gather(values, connectivity, lattice, first, count, rows):
         if lattice is not None:
             start = lattice.first[a] + first
             for i in range(2):
-                source, target = values[i, start : start + count], rows[(2 * a + i) * LANES :]
-                for lane in range(source.size):
-                    target[lane] = source[lane]
+                source, target = values[i, start : start + count], rows[(2 * a + i) * BLOCK_SIZE :]
+                for slot in range(source.size):
+                    target[slot] = source[slot]
         else:
-            for lane in range(count):
-                node = connectivity[a, first + lane]
-                rows[2 * a * LANES + lane] = values[0, node]
-                rows[(2 * a + 1) * LANES + lane] = values[1, node]
+            for slot in range(count):
+                node = connectivity[a, first + slot]
+                rows[2 * a * BLOCK_SIZE + slot] = values[0, node]
+                rows[(2 * a + 1) * BLOCK_SIZE + slot] = values[1, node]
 
 
 @compiled
 def subtract_first(others, rows):
     """Make the rows of all corners but the first relative to it."""
-    for lane in range(2 * LANES):
+    for slot in range(2 * BLOCK_SIZE):
         for a in range(len(others)):
-            rows[(2 * a + 2) * LANES + lane] -= rows[lane]
+            rows[(2 * a + 2) * BLOCK_SIZE + slot] -= rows[slot]
 
 
 @compiled
 def balance(others, rows):
     """Fill the first corner's rows with what makes the sum of all corners zero."""
-    for lane in range(2 * LANES):
+    for slot in range(2 * BLOCK_SIZE):
         total = 0.0
         for a in range(len(others)):
-            total += rows[(2 * a + 2) * LANES + lane]
-        rows[lane] = -total
+            total += rows[(2 * a + 2) * BLOCK_SIZE + slot]
+        rows[slot] = -total
 
 
 @compiled
 def clear_idle(lattice, block, count, rows):
-    """Zero the first `count` rows in lanes of this block that hold no element."""
+    """Zero the first `count` rows in slots of this block that hold no element."""
     if lattice is not None:
         for i in range(lattice.idle_from[block], lattice.idle_from[block + 1]):
             for row in range(count):
-                rows[row * LANES + lattice.idle[i]] = 0.0
+                rows[row * BLOCK_SIZE + lattice.idle[i]] = 0.0
 
 
 @compiled
@@ -129,11 +129,11 @@ def scatter(force, connectivity, lattice, first, count, rows):
         if lattice is not None:
             start = lattice.first[a] + first
             for i in range(2):
-                target, source = force[i, start : start + count], rows[(2 * a + i) * LANES :]
-                for lane in range(target.size):
-                    target[lane] -= source[lane]
+                target, source = force[i, start : start + count], rows[(2 * a + i) * BLOCK_SIZE :]
+                for slot in range(target.size):
+                    target[slot] -= source[slot]
         else:
-            for lane in range(count):
-                node = connectivity[a, first + lane]
-                force[0, node] -= rows[2 * a * LANES + lane]
-                force[1, node] -= rows[(2 * a + 1) * LANES + lane]
+            for slot in range(count):
+                node = connectivity[a, first + slot]
+                force[0, node] -= rows[2 * a * BLOCK_SIZE + slot]
+                force[1, node] -= rows[(2 * a + 1) * BLOCK_SIZE + slot]

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fem.compiled import has_code, one_process_compiles
 from fem.contact.corner import add_corner_reaction
 from fem.discretisation.model import PlateModel
+from fem.explicit.columns import COLUMNS, Measures, row_of
 from fem.explicit.elastic_damping import SUMS, damp
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
-from fem.explicit.measures import COLUMNS, measure
+from fem.explicit.measures import measure
 from fem.explicit.time_loop import State, advance, copy_state
 from fem.stability.deformed import deformed_frequency
-from fem.start.start import RigidStart, start_fields
+from fem.start.rigid_state import RigidStart
+from fem.start.start import start_fields
 
 LOOKS = 4
 """Instants of a run at which the stable time step is looked at again, in the deformed plate."""
 
 GLANCES = 50
-"""Instants of a run at which it is asked whether it is spoilt."""
+"""Instants of a run at which it is asked whether it is corrupted."""
 
 OVERTIME = 1.5
 """Multiples of the expected duration after which a run that has not struck is given up."""
@@ -50,7 +53,7 @@ class Run:
 
 
 class Stepper:
-    """The compiled loop with its parameters and its room to work in; the state is the caller's.
+    """The compiled loop with its parameters and its workspace; the state is the caller's.
 
     threads: 1, or more for large meshes; numbers repeat to the bit for the same number.
     """
@@ -87,7 +90,7 @@ class Stepper:
         return state
 
     def _react(self, state: State) -> tuple[float, float, float]:
-        """Put all forces into the room for them; returns the normal and the tangential reaction [N], and the power
+        """Put all forces into the workspace; returns the normal and the tangential reaction [N], and the power
         [W] of the elastic damping with the velocities half a step back."""
         loop, force, motion = self.loop, self._force, np.zeros(SUMS)
         positions, velocities, *_ = state
@@ -110,11 +113,16 @@ class Stepper:
             advance(later, steps, self.loop, *self._parts, self._force, self._scratch)
         return later
 
-    def measure(self, state: State) -> np.ndarray:
-        """Values of COLUMNS at the state's instant."""
-        row = np.empty(len(COLUMNS))
-        measure(state, self.loop, *self._parts, self._reference, self._force, self._scratch, row)
-        return row
+    def measure(self, state: State) -> Measures:
+        """The record of the state's instant."""
+        measures: Measures = measure(
+            state, self.loop, *self._parts, self._reference, self._force, self._scratch
+        )
+        return measures
+
+    def row(self, state: State) -> tuple[float, ...]:
+        """Values of all COLUMNS at the state's instant."""
+        return row_of(self.measure(state), state, self.model)
 
     def nodal_velocities(self, state: State) -> np.ndarray:
         """Velocities [m/s] at the state's instant, shape (2, nodes)."""
@@ -138,41 +146,46 @@ def simulate(
     rows: int = 400,
     threads: int = 1,
     progress: Callable[[float], None] = lambda share: None,
-    spoilt: Callable[[dict[str, float]], bool] = lambda row: False,
+    corrupted: Callable[[dict[str, float]], bool] = lambda row: False,
     make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
     duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
-    spoilt: told a row of the history now and then, by its names; when it says so, the run is given up there.
+    corrupted: told a row of the history now and then, by its names; when it says so, the run is given up there.
     """
     stepper, time_step = make_stepper(model, threads), model.loop.time_step
     stride = max(1, round(duration / time_step / rows))
     last = OVERTIME * duration / time_step
     began = time.perf_counter()
     state, step = stepper.start(start, kind), 0
-    table, strike, seen = [(0.0, *stepper.measure(state))], None, []
+    table, strike, seen = [(0.0, *stepper.row(state))], None, []
     while strike is None and step < last and np.isfinite(table[-1]).all():
         later = stepper.advance(state, stride)
-        row = (time_step * (step + stride), *stepper.measure(later))
+        row = (time_step * (step + stride), *stepper.row(later))
         if row[1] <= 0.0:
             strike, step = _locate(stepper, state, step)
-            row = (strike.values["t"], *(strike.values[name] for name in COLUMNS))
+            row = tuple(strike.values[name] for name in ("t", *COLUMNS))
         else:
             if len(table) % (rows // LOOKS) == 0:
                 seen.append(later.positions)
             state, step = later, step + stride
         table.append(row)
         progress(min(1.0, row[0] / duration))
-        if len(table) % max(1, rows // GLANCES) == 0 and spoilt(dict(zip(("t", *COLUMNS), row, strict=True))):
+        if len(table) % max(1, rows // GLANCES) == 0 and corrupted(_named(row)):
             break
     elapsed = time.perf_counter() - began
-    history = dict(zip(("t", *COLUMNS), np.array(table).T, strict=True))
+    history = _named(np.array(table).T)
     finite = [
         positions for positions in (*seen[: LOOKS - 1], state.positions) if np.isfinite(positions).all()
     ]
     frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
     return Run(history, strike, step, elapsed, frequency)
+
+
+def _named(values: Iterable[Any]) -> dict[str, Any]:
+    """Values of a row, or columns of a history, by name."""
+    return dict(zip(("t", *COLUMNS), values, strict=True))
 
 
 def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
@@ -181,10 +194,10 @@ def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
     Steps on singly to one step past the first angle <= 0, and interpolates by the polynomial, cubic where four
     instants are there, that gives everything as a function of the angle.
     """
-    found = [(step, state, stepper.measure(state))]
+    found = [(step, state, stepper.row(state))]
     while len(found) < 2 or found[-2][2][0] > 0.0:
         step, state = step + 1, stepper.advance(state, 1)
-        found = [*found[-3:], (step, state, stepper.measure(state))]
+        found = [*found[-3:], (step, state, stepper.row(state))]
     steps, states, rows = zip(*found, strict=True)
     weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
     values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))

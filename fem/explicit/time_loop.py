@@ -15,11 +15,12 @@ from fem.contact.corner import Corner, add_corner_reaction
 from fem.discretisation.elements import ElementTable
 from fem.explicit.elastic_damping import SUMS, damp, gained
 from fem.explicit.internal_force import subtract_forces_of
-from fem.explicit.simd_blocks import lane_count
+from fem.explicit.simd_blocks import slot_count
 
 
 class LoopParameters(NamedTuple):
-    """Everything that stays as it is during a run; a part that is None is compiled out of the loop."""
+    """Everything that stays as it is during a run; a part that is None is compiled out of the loop,
+    by the type of an argument: see `advance`."""
 
     table: ElementTable
     material: Any
@@ -60,14 +61,18 @@ def copy_state(state: State) -> State:
 
 @compiled
 def advance(state, steps, loop, viscosity, hourglass, force, scratch):
-    """Advance the state in place by this many steps. `force` and `scratch` are room to work in."""
+    """Advance the state in place by this many steps. `force` and `scratch` are workspace.
+
+    viscosity, hourglass: the fields of `loop`. They come as arguments too because Numba drops a branch on `is None` for
+    an argument, by its type, but not for the field of a record: only so is their code left out where they are None.
+    """
     positions, velocities, _, _ = state
-    lanes, nodes = lane_count(loop.table.connectivity, scratch.lattice), loop.mass.size
+    slots, nodes = slot_count(loop.table.connectivity, scratch.lattice), loop.mass.size
     motion = np.zeros(SUMS)
     for _ in range(steps):
         force[:] = 0.0
         power = subtract_forces_of(
-            0, lanes, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+            0, slots, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
         )
         power -= damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
         react(state, loop, power, force)

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.contact.corner import Exact, Penalty
 from fem.discretisation.model import PlateModel
 from fem.modal.modes import free_modes
 from fem.start.elastic import elastic_solver
@@ -27,7 +26,8 @@ class ModalModel(NamedTuple):
     coordinate of one [sqrt(kg) m], shape (modes,). turning: angular momentum of coordinate k against the rate of l,
     shape (modes, modes), antisymmetric. flexibility: work of load i on what load j does to the modes left out,
     shape (3, 3): along x and y at the corner [m/N], and by the squared spin [m s^2], [kg m^2 s^2].
-    hold: give of the corner's hold [m/N], 0 for the exact constraint. friction: a law of `fem.contact.corner`, or None.
+    compliance: of the corner's constraint [m/N], 0 where it is exact. friction: constants of a law of
+    `fem.contact.friction`, or None.
     """
 
     mass: float
@@ -38,7 +38,7 @@ class ModalModel(NamedTuple):
     growth: np.ndarray
     turning: np.ndarray
     flexibility: np.ndarray
-    hold: float
+    compliance: float
     friction: Any
 
 
@@ -61,7 +61,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     Raises ValueError for a count the mesh does not have, a dashpot at the corner, and damping of the plate.
     """
     loop, modes = plate.loop, free_modes(plate, count)
-    if not isinstance(loop.corner.hold, Penalty | Exact):
+    if loop.corner.dashpot:
         raise ValueError("the modal model has no dashpot at the corner")
     if loop.viscosity is not None:
         raise ValueError("the modal model has no damping of the plate")
@@ -82,7 +82,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
         growth=np.ascontiguousarray(shares[:, 2]),
         turning=np.ascontiguousarray(turning - turning.T),
         flexibility=np.tensordot(loads, fields, ((1, 2), (1, 2))) - shares.T @ (shares / squares[:, None]),
-        hold=0.0 if isinstance(loop.corner.hold, Exact) else 1.0 / loop.corner.hold.stiffness,
+        compliance=1.0 / loop.corner.stiffness,
         friction=loop.friction,
     )
     return ModalPlate(model, weighted)

@@ -1,7 +1,8 @@
-"""Accelerations of the modal model, and what is read off its state; compiled. The equations: docs/modal.md.
+"""Accelerations of the modal model, and what is read off its state; compiled. Symbols and equations: docs/modal.md.
 
 A place is x and y of the corner as the kept modes alone put it [m], the frame's turn [rad], which is minus the angle
-to the wall, and the modes' coordinates [sqrt(kg) m]: shape (3 + modes,). A speed is its rate.
+to the wall, and the modes' coordinates q [sqrt(kg) m]: shape (3 + modes,). A speed is its rate. In the code w is the
+spin, a suffix `dot` a rate, and `_k` a number of mode k.
 """
 
 from __future__ import annotations
@@ -9,25 +10,36 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
+from fem.compiled import by_law, compiled
+from fem.contact.friction import FRICTION_LAWS
 
-from fem.compiled import compiled, implements
-from fem.contact.corner import Drag, Signed
 
-MEASURED = ("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "energy")
-"""What `measure_rows` fills in, SI: as in `fem.explicit.measures`; `energy`: kinetic and elastic."""
+class ModalMeasures(NamedTuple):
+    """What is read off a state, SI: as in `fem.explicit.columns`; energy: kinetic and elastic."""
+
+    theta: float
+    omega: float
+    v_gx: float
+    v_gy: float
+    slide: float
+    reaction_normal: float
+    energy: float
+
+
+MEASURED = ModalMeasures._fields
+"""What `measure_rows` fills in."""
 
 
 class Reaction(NamedTuple):
     """The wall's reaction, and the flexibility it follows from, turned to the wall's frame.
 
-    normal: N [N]; slope: R over N; give: of hold and modes left out, by which N closes the gap [m/N]. z_xx, z_xy,
-    z_yy: displacement of the corner by a force on it [m/N]; d_x, d_y: by the squared spin [m s^2].
+    normal: N [N]; sigma: R over N; compliance: 1/k + Z_yy + sigma Z_xy, by which N closes the gap [m/N]. z_xx, z_xy,
+    z_yy: Z, displacement of the corner by a force on it [m/N]; d_x, d_y: d, the same by the squared spin [m s^2].
     """
 
     normal: float
-    slope: float
-    give: float
+    sigma: float
+    compliance: float
     z_xx: float
     z_xy: float
     z_yy: float
@@ -35,87 +47,135 @@ class Reaction(NamedTuple):
     d_y: float
 
 
+@by_law(FRICTION_LAWS, "slope")
 def friction_slope(law, normal, speed):
-    """R over N of any law of `fem.contact.corner` while the corner slides; compiled code only."""
+    """R over N while the corner slides; compiled code only."""
     raise NotImplementedError(type(law))
-
-
-@implements(friction_slope, type(None))
-def _no_friction(law, normal, speed):
-    return 0.0
-
-
-@implements(friction_slope, Drag)
-def _drag(law, normal, speed):
-    return -law.coefficient * np.sign(normal) * np.sign(speed)
-
-
-@implements(friction_slope, Signed)
-def _signed(law, normal, speed):
-    return -law.coefficient * np.sign(speed)
 
 
 @compiled
 def reaction(place, speed, model):
     """The `Reaction`: N is what keeps the corner, moved by it and the spin, on the wall or its spring."""
     cosine, sine, z = math.cos(place[2]), math.sin(place[2]), model.flexibility
+    # Z and d of the modes left out in the wall's frame: A Z A^T and A d
     z_xx = cosine * cosine * z[0, 0] - 2.0 * cosine * sine * z[0, 1] + sine * sine * z[1, 1]
     z_yy = sine * sine * z[0, 0] + 2.0 * cosine * sine * z[0, 1] + cosine * cosine * z[1, 1]
     z_xy = cosine * sine * (z[0, 0] - z[1, 1]) + (cosine * cosine - sine * sine) * z[0, 1]
     d_x, d_y = cosine * z[0, 2] - sine * z[1, 2], sine * z[0, 2] + cosine * z[1, 2]
+    # N = -(y + w^2 d_y) / (1/k + Z_yy + sigma Z_xy)
     gap = place[1] + speed[2] * speed[2] * d_y
-    slope = friction_slope(model.friction, -gap, speed[0])
-    give = model.hold + z_yy + slope * z_xy
-    return Reaction(-gap / give, slope, give, z_xx, z_xy, z_yy, d_x, d_y)
+    sigma = friction_slope(model.friction, -gap, speed[0])
+    compliance = model.compliance + z_yy + sigma * z_xy
+    return Reaction(-gap / compliance, sigma, compliance, z_xx, z_xy, z_yy, d_x, d_y)
 
 
 @compiled
-def accelerate(place, speed, model, room, result):
-    """Fill `result` with the accelerations, shape (3 + modes,); room: to work in, shape (2, modes)."""
-    wall, spin = reaction(place, speed, model), speed[2]
-    normal, tangential, square = wall.normal, wall.slope * wall.normal, spin * spin
+def accelerate(place, speed, model, workspace, result):
+    """Fill `result` with the accelerations, shape (3 + modes,); workspace: shape (2, modes)."""
+    phi, kappa = model.corner, model.flexibility[2, 2]
+    wall, w = reaction(place, speed, model), speed[2]
+    n, r, ww = wall.normal, wall.sigma * wall.normal, w * w
     cosine, sine = math.cos(place[2]), math.sin(place[2])
-    force_x, force_y = cosine * tangential + sine * normal, cosine * normal - sine * tangential
-    arm_x, arm_y, rate_x, rate_y = model.arm[0], model.arm[1], 0.0, 0.0
-    inertia, growing, pushed, swept = model.inertia, 0.0, 0.0, 0.0
+    f_x, f_y = cosine * r + sine * n, cosine * n - sine * r  # A^T F
+
+    # s_P + phi_P q and its rate; J = J_0 + 2 b.q + q.q and J' = 2 (b + q).q'; per mode (G q)_k, and q_k'' but for w':
+    # Q_k = phi_Pk . A^T F - W_k^2 q_k + w^2 (b_k + q_k) + 2 w (G q')_k
+    s_x, s_y, sdot_x, sdot_y = model.arm[0], model.arm[1], 0.0, 0.0
+    j, jdot, gq_load, gq_gq = model.inertia, 0.0, 0.0, 0.0
     for k in range(model.squares.size):
-        q, rate, sweep, swirl = place[3 + k], speed[3 + k], 0.0, 0.0
+        q_k, qdot_k, gq_k, gqdot_k = place[3 + k], speed[3 + k], 0.0, 0.0
         for other in range(model.squares.size):
-            sweep += model.turning[k, other] * place[3 + other]
-            swirl += model.turning[k, other] * speed[3 + other]
-        arm_x += model.corner[0, k] * q
-        arm_y += model.corner[1, k] * q
-        rate_x += model.corner[0, k] * rate
-        rate_y += model.corner[1, k] * rate
-        force = model.corner[0, k] * force_x + model.corner[1, k] * force_y - model.squares[k] * q
-        force += square * (model.growth[k] + q) + 2.0 * spin * swirl
-        room[0, k], room[1, k] = sweep, force
-        inertia += (2.0 * model.growth[k] + q) * q
-        growing += 2.0 * (model.growth[k] + q) * rate
-        pushed += sweep * force
-        swept += sweep * sweep
-    a_x, a_y = cosine * arm_x - sine * arm_y, sine * arm_x + cosine * arm_y
-    # The modes left out: they lengthen the arm, and grow the inertia with N and the spin.
-    full_x = a_x + wall.z_xx * tangential + wall.z_xy * normal + square * wall.d_x
-    full_y = a_y + wall.z_xy * tangential + wall.z_yy * normal + square * wall.d_y
-    shift, across = wall.d_y + wall.slope * wall.d_x, wall.d_x - wall.slope * wall.d_y
-    softening = spin * (2.0 * wall.z_xy + wall.slope * (wall.z_xx - wall.z_yy))
-    climb = -(speed[1] + square * spin * wall.d_x + normal * softening) / wall.give
-    inertia += 2.0 * (shift * normal + square * model.flexibility[2, 2])
-    growing += 2.0 * (shift * climb + spin * across * normal)
-    own = 4.0 * square * (model.flexibility[2, 2] - shift * wall.d_y / wall.give)
-    torque = full_x * normal - full_y * tangential - spin * growing + pushed
-    angular = torque / (inertia + own - swept)
+            gq_k += model.turning[k, other] * place[3 + other]
+            gqdot_k += model.turning[k, other] * speed[3 + other]
+        s_x += phi[0, k] * q_k
+        s_y += phi[1, k] * q_k
+        sdot_x += phi[0, k] * qdot_k
+        sdot_y += phi[1, k] * qdot_k
+        load_k = phi[0, k] * f_x + phi[1, k] * f_y - model.squares[k] * q_k
+        load_k += ww * (model.growth[k] + q_k) + 2.0 * w * gqdot_k
+        workspace[0, k], workspace[1, k] = gq_k, load_k
+        j += (2.0 * model.growth[k] + q_k) * q_k
+        jdot += 2.0 * (model.growth[k] + q_k) * qdot_k
+        gq_load += gq_k * load_k
+        gq_gq += gq_k * gq_k
+
+    # a = A (s_P + phi_P q), and with the modes left out a + Z F + w^2 d
+    a_x, a_y = cosine * s_x - sine * s_y, sine * s_x + cosine * s_y
+    full_x = a_x + wall.z_xx * r + wall.z_xy * n + ww * wall.d_x
+    full_y = a_y + wall.z_xy * r + wall.z_yy * n + ww * wall.d_y
+
+    # They add 2 (d.F + w^2 kappa) to J, where d.F = N (d_y + sigma d_x); to J' with N' from the rate of the gap, and
+    # what of that goes with w' to the factor of w'
+    d_n, d_t = wall.d_y + wall.sigma * wall.d_x, wall.d_x - wall.sigma * wall.d_y
+    turned = w * (2.0 * wall.z_xy + wall.sigma * (wall.z_xx - wall.z_yy))
+    ndot = -(speed[1] + ww * w * wall.d_x + n * turned) / wall.compliance
+    j += 2.0 * (d_n * n + ww * kappa)
+    jdot += 2.0 * (d_n * ndot + w * d_t * n)
+    j_wdot = 4.0 * ww * (kappa - d_n * wall.d_y / wall.compliance)
+
+    # (J - |G q|^2) w' = a x F - w J' + (G q).Q
+    torque = full_x * n - full_y * r - w * jdot + gq_load
+    wdot = torque / (j + j_wdot - gq_gq)
+
+    # q_k'' = Q_k + w' (G q)_k, and what it moves at the corner: phi_P q'' + 2 w z x phi_P q'
     bend_x = bend_y = 0.0
     for k in range(model.squares.size):
-        result[3 + k] = room[1, k] + angular * room[0, k]
-        bend_x += model.corner[0, k] * result[3 + k]
-        bend_y += model.corner[1, k] * result[3 + k]
-    bend_x -= 2.0 * spin * rate_y
-    bend_y += 2.0 * spin * rate_x
-    result[0] = tangential / model.mass - angular * a_y - square * a_x + cosine * bend_x - sine * bend_y
-    result[1] = normal / model.mass + angular * a_x - square * a_y + sine * bend_x + cosine * bend_y
-    result[2] = angular
+        result[3 + k] = workspace[1, k] + wdot * workspace[0, k]
+        bend_x += phi[0, k] * result[3 + k]
+        bend_y += phi[1, k] * result[3 + k]
+    bend_x -= 2.0 * w * sdot_y
+    bend_y += 2.0 * w * sdot_x
+
+    # M c'' = F, and the corner at c + a: F / M + w' z x a - w^2 a + A (phi_P q'' + 2 w z x phi_P q')
+    result[0] = r / model.mass - wdot * a_y - ww * a_x + cosine * bend_x - sine * bend_y
+    result[1] = n / model.mass + wdot * a_x - ww * a_y + sine * bend_x + cosine * bend_y
+    result[2] = wdot
+
+
+@compiled
+def measure_state(place, speed, model):
+    """The `ModalMeasures` of a state."""
+    phi, kappa = model.corner, model.flexibility[2, 2]
+    wall, w = reaction(place, speed, model), speed[2]
+    n, r = wall.normal, wall.sigma * wall.normal
+    cosine, sine, ww = math.cos(place[2]), math.sin(place[2]), w * w
+
+    # s_P + phi_P q and its rate, J, q.G q', and (q'.q' + sum W_k^2 q_k^2) / 2
+    s_x, s_y, sdot_x, sdot_y = model.arm[0], model.arm[1], 0.0, 0.0
+    j, q_gqdot, energy = model.inertia, 0.0, 0.0
+    for k in range(model.squares.size):
+        q_k, qdot_k = place[3 + k], speed[3 + k]
+        for other in range(model.squares.size):
+            q_gqdot += q_k * model.turning[k, other] * speed[3 + other]
+        s_x += phi[0, k] * q_k
+        s_y += phi[1, k] * q_k
+        sdot_x += phi[0, k] * qdot_k
+        sdot_y += phi[1, k] * qdot_k
+        j += (2.0 * model.growth[k] + q_k) * q_k
+        energy += 0.5 * (qdot_k * qdot_k + model.squares[k] * q_k * q_k)
+
+    # c' = corner's speed - A (phi_P q' + w z x (s_P + phi_P q))
+    sdot_x, sdot_y = sdot_x - w * s_y, sdot_y + w * s_x
+    v_x, v_y = speed[0] - cosine * sdot_x + sine * sdot_y, speed[1] - sine * sdot_x - cosine * sdot_y
+
+    # E = T + sum W^2 q^2 / 2 + F.Z F / 2 + 2 w^2 d.F + 3/2 w^4 kappa + N^2 / (2 k)
+    zf_x, zf_y = wall.z_xx * r + wall.z_xy * n, wall.z_xy * r + wall.z_yy * n
+    energy += 0.5 * (model.mass * (v_x * v_x + v_y * v_y) + j * ww) + w * q_gqdot
+    energy += 0.5 * (zf_x * r + zf_y * n + model.compliance * n * n)
+    df = wall.d_x * r + wall.d_y * n
+    energy += ww * (2.0 * df + 1.5 * ww * kappa)
+
+    # The angular momentum J w + q.G q', over J with the modes left out, is the spin that fits best
+    j += 2.0 * (df + ww * kappa)
+    return ModalMeasures(
+        theta=-place[2],
+        omega=w + q_gqdot / j,
+        v_gx=v_x,
+        v_gy=v_y,
+        slide=place[0] + zf_x + ww * wall.d_x,
+        reaction_normal=n,
+        energy=energy,
+    )
 
 
 @compiled
@@ -123,32 +183,6 @@ def measure_rows(table, model, result):
     """Fill `result`, shape (rows, MEASURED), from the times, places and speeds of `table`."""
     modes = model.squares.size
     for row in range(table.shape[0]):
-        place, speed = table[row, 1 : 4 + modes], table[row, 4 + modes :]
-        wall, spin = reaction(place, speed, model), speed[2]
-        normal, tangential = wall.normal, wall.slope * wall.normal
-        cosine, sine, square = math.cos(place[2]), math.sin(place[2]), spin * spin
-        arm_x, arm_y, rate_x, rate_y = model.arm[0], model.arm[1], 0.0, 0.0
-        inertia, momentum, energy = model.inertia, 0.0, 0.0
-        for k in range(modes):
-            q, rate = place[3 + k], speed[3 + k]
-            for other in range(modes):
-                momentum += q * model.turning[k, other] * speed[3 + other]
-            arm_x += model.corner[0, k] * q
-            arm_y += model.corner[1, k] * q
-            rate_x += model.corner[0, k] * rate
-            rate_y += model.corner[1, k] * rate
-            inertia += (2.0 * model.growth[k] + q) * q
-            energy += 0.5 * (rate * rate + model.squares[k] * q * q)
-        rate_x, rate_y = rate_x - spin * arm_y, rate_y + spin * arm_x
-        v_x, v_y = speed[0] - cosine * rate_x + sine * rate_y, speed[1] - sine * rate_x - cosine * rate_y
-        pull_x = wall.z_xx * tangential + wall.z_xy * normal
-        pull_y = wall.z_xy * tangential + wall.z_yy * normal
-        energy += 0.5 * (model.mass * (v_x * v_x + v_y * v_y) + inertia * square) + spin * momentum
-        energy += 0.5 * (pull_x * tangential + pull_y * normal + model.hold * normal * normal)
-        swing = wall.d_x * tangential + wall.d_y * normal
-        energy += square * (2.0 * swing + 1.5 * square * model.flexibility[2, 2])
-        inertia += 2.0 * (swing + square * model.flexibility[2, 2])
-        result[row, 0], result[row, 1] = -place[2], spin + momentum / inertia
-        result[row, 2], result[row, 3] = v_x, v_y
-        result[row, 4] = place[0] + pull_x + square * wall.d_x
-        result[row, 5], result[row, 6] = normal, energy
+        measures = measure_state(table[row, 1 : 4 + modes], table[row, 4 + modes :], model)
+        for i in range(len(measures)):
+            result[row, i] = measures[i]

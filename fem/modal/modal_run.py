@@ -11,7 +11,8 @@ from fem.discretisation.model import PlateModel
 from fem.modal.modal_model import ModalPlate
 from fem.modal.modal_motion import MEASURED, measure_rows
 from fem.modal.modal_steps import REACHED, run_to_strike
-from fem.start.start import ElasticFields, RigidStart, to_global
+from fem.start.inertia_relief import ElasticFields
+from fem.start.rigid_state import RigidStart, to_global
 
 OVERTIME = 1.5
 """Multiples of the expected duration after which a run that has not struck is given up."""

@@ -29,7 +29,7 @@ TOLERANCE = 1e-13
 STAGNATION = 1e-9
 """The same, where rounding keeps it from falling further."""
 
-MOST_ITERATIONS = 30
+MAX_ITERATIONS = 30
 """Of Newton's method in one step: it takes three to six."""
 
 REACHED, STOPPED, DIVERGED, LATE = 0, 1, 2, 3
@@ -47,17 +47,17 @@ def stiff_part(place, speed, model, column, shapes):
     cosine, sine = math.cos(place[2]), math.sin(place[2])
     a_x = cosine * model.arm[0] - sine * model.arm[1]
     a_y = sine * model.arm[0] + cosine * model.arm[1]
-    angular = (a_x - wall.slope * a_y) / model.inertia
-    column[0] = wall.slope / model.mass - angular * a_y
+    angular = (a_x - wall.sigma * a_y) / model.inertia
+    column[0] = wall.sigma / model.mass - angular * a_y
     column[1] = 1.0 / model.mass + angular * a_x
     column[2] = angular
     for k in range(model.squares.size):
         shapes[0, k] = cosine * model.corner[0, k] - sine * model.corner[1, k]
         shapes[1, k] = sine * model.corner[0, k] + cosine * model.corner[1, k]
-        column[3 + k] = wall.slope * shapes[0, k] + shapes[1, k]
+        column[3 + k] = wall.sigma * shapes[0, k] + shapes[1, k]
         column[0] += shapes[0, k] * column[3 + k]
         column[1] += shapes[1, k] * column[3 + k]
-    return 1.0 / wall.give
+    return 1.0 / wall.compliance
 
 
 @compiled
@@ -65,9 +65,9 @@ def solve_stiff(factor, spring, column, shapes, squares, vector):
     """Replace `vector` by (1 + factor K)^-1 vector, K being what `stiff_part` describes; complex."""
     pivot, gap = 1.0 + factor * spring * column[1], vector[1]
     for k in range(squares.size):
-        held = factor * squares[k] / (1.0 + factor * squares[k]) * shapes[1, k]
-        gap -= held * vector[3 + k]
-        pivot -= held * factor * spring * column[3 + k]
+        flexed = factor * squares[k] / (1.0 + factor * squares[k]) * shapes[1, k]
+        gap -= flexed * vector[3 + k]
+        pivot -= flexed * factor * spring * column[3 + k]
     gap /= pivot
     pushed = factor * spring * gap
     vector[0] -= column[0] * pushed
@@ -79,9 +79,9 @@ def solve_stiff(factor, spring, column, shapes, squares, vector):
 
 
 @compiled
-def step_residual(place, speed, stages, step, model, room, vector):
+def step_residual(place, speed, stages, step, model, workspace, vector):
     """Fill `vector` with what the stages' accelerations lack, in the part that belongs to ROOT."""
-    at, rate, result, sweep = room[0], room[1], room[2], room[3:, 3:]
+    at, rate, result, sweep = workspace[0], workspace[1], workspace[2], workspace[3:, 3:]
     vector[:] = 0.0
     for stage in range(2):
         along = step * (NODE if stage == 0 else 1.0 - NODE)
@@ -96,21 +96,21 @@ def step_residual(place, speed, stages, step, model, room, vector):
 
 
 @compiled
-def gauss_step(place, speed, stages, step, model, room, vector):
+def gauss_step(place, speed, stages, step, model, workspace, vector):
     """Advance place and speed in place by one step [s].
 
     stages: guess of the accelerations at the step's two instants, shape (2, 3 + modes); replaced by what they were.
-    room, shape (8, 3 + modes), and vector, complex, shape (3 + modes,): to work in. Returns the number of iterations,
-    or 0 if they did not converge; place and speed are then as they were.
+    workspace: shape (8, 3 + modes); vector: complex workspace, shape (3 + modes,). Returns the number of iterations, or
+    0 if they did not converge; place and speed are then as they were.
     """
-    at, column, shapes = room[0], room[5], room[6:, 3:]
+    at, column, shapes = workspace[0], workspace[5], workspace[6:, 3:]
     for i in range(place.size):
         at[i] = place[i] + 0.5 * step * speed[i]
     spring = stiff_part(at, speed, model, column, shapes)
     radius = math.hypot(model.arm[0], model.arm[1])
     scale, before, count = speed[2] * speed[2] * radius, math.inf, 0
     while True:
-        step_residual(place, speed, stages, step, model, room, vector)
+        step_residual(place, speed, stages, step, model, workspace, vector)
         solve_stiff(step * step * ROOT, spring, column, shapes, model.squares, vector)
         change = abs(vector[0]) + abs(vector[1]) + radius * abs(vector[2])
         for i in range(3, place.size):
@@ -121,7 +121,7 @@ def gauss_step(place, speed, stages, step, model, room, vector):
         count += 1
         if change <= TOLERANCE * scale or (change <= STAGNATION * scale and change > 0.3 * before):
             break
-        if not change < math.inf or count == MOST_ITERATIONS:
+        if not change < math.inf or count == MAX_ITERATIONS:
             return 0
         before = change
     for i in range(place.size):
@@ -139,17 +139,17 @@ def run_to_strike(step, model, table):
     the number of rows filled, and the iterations of all steps.
     """
     size = table.shape[1] // 2
-    room, vector = np.empty((8, size)), np.empty(size, dtype=np.complex128)
+    workspace, vector = np.empty((8, size)), np.empty(size, dtype=np.complex128)
     stages, guess = np.empty((2, size)), np.empty((2, size))
     place, speed = table[0, 1 : 1 + size].copy(), table[0, 1 + size :].copy()
-    accelerate(place, speed, model, room[3:, 3:], stages[0])
+    accelerate(place, speed, model, workspace[3:, 3:], stages[0])
     guess[:] = stages[0]
     iterations = 0
     for row in range(1, table.shape[0]):
         length = step
-        for _ in range(MOST_ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             stages[:] = guess
-            taken = gauss_step(place, speed, stages, length, model, room, vector)
+            taken = gauss_step(place, speed, stages, length, model, workspace, vector)
             iterations += taken
             if not taken:
                 return DIVERGED, row, iterations

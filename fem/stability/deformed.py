@@ -23,7 +23,7 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
 
     loop = model.loop
     root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
-    spring = getattr(loop.corner.hold, "stiffness", 0.0)
+    spring = loop.corner.spring
     size = STEP * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
     scratch, still = scratch_for(loop.table), np.zeros(shape)
 

@@ -20,10 +20,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.compiled import compiled
+from fem.contact.friction import friction_slope
 from fem.discretisation.model import PlateModel
-from fem.start.start import RigidStart, friction_slope, to_global
+from fem.start.rigid_state import RigidStart, to_global
 
-MOST_UNKNOWNS = 1200
+MAX_UNKNOWNS = 1200
 """Above this all modes cost more than many a run; a coarser mesh of the same plate then stands in."""
 
 INSTANTS = 9
@@ -96,8 +97,7 @@ def _rate(
     residues[2] = residues[:3].sum()  # rigid motions have no stiffness
     squares, residues = modes.squares[2:], residues[2:]
     squares[0] = 0.0
-    hold = model.loop.corner.hold
-    stiffness, dashpot = getattr(hold, "stiffness", math.inf), getattr(hold, "damping", 0.0)
+    stiffness, dashpot = model.loop.corner.stiffness, model.loop.corner.dashpot
     rate, top = least, 1.5 * highest_mode(squares, residues, stiffness)
     while rate < top and growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
         rate *= FACTOR
@@ -105,7 +105,7 @@ def _rate(
 
 
 def highest_mode(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
-    """Frequency [rad/s] above which the held plate has no mode."""
+    """Frequency [rad/s] above which the constrained plate has no mode."""
     spring = stiffness * np.abs(residues).sum() if math.isfinite(stiffness) else 0.0
     return math.sqrt(squares[-1] + spring)
 
@@ -132,14 +132,14 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
         turned, frequency, before = turned + turn, later, value
         longest = 2.0 * ahead
         step = min(longest, 1.5 * step)
-    # Far out f is real and positive, or where the hold is exact s^2 f is.
+    # Far out f is real and positive, or where the constraint is exact s^2 f is.
     turned -= np.angle(before)
     return round(abs(turned) / math.pi)
 
 
 @compiled
 def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
-    """f(s) at s = real + i imaginary; of an exact hold s^2 f(s)."""
+    """f(s) at s = real + i imaginary; of an exact constraint s^2 f(s)."""
     p, q = real * real - imaginary * imaginary, 2.0 * real * imaginary
     f_real = f_imaginary = 0.0
     for mode in range(squares.size):

@@ -41,5 +41,5 @@ def rounding_noise(model: PlateModel) -> RoundingNoise:
     moved = np.finfo(float).eps * float(np.ptp(model.discretisation.positions)) / math.sqrt(12.0)
     # Half the largest eigenvalue is a typical diagonal element of the stiffness over the mass.
     energy = 0.25 * model.mass * (model.highest_frequency * moved) ** 2
-    stiffness = getattr(corner.hold, "stiffness", 1.0 / (corner.mobility * step**2))
+    stiffness = 1.0 / (corner.mobility * step**2) if corner.is_exact else corner.stiffness
     return RoundingNoise(energy / step, SEEN * math.sqrt(stiffness / loop.mass.size))

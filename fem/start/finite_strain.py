@@ -17,7 +17,7 @@ from fem.discretisation.stiffness import hourglass_matrix
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.start.elastic import elastic_solver
 
-MOST_STEPS, TOLERANCE, GOOD = 15, 1e-10, 1e-3
+MAX_STEPS, TOLERANCE, GOOD = 15, 1e-10, 1e-3
 """Newton steps; the residual over the largest load at which they end; and the one from which on they end where rounding
 no longer lets it fall."""
 
@@ -31,7 +31,7 @@ def equilibrium(
     Raises ValueError if the steps do not converge.
     """
     before = np.inf
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         load = load_at(place)
         residual = load - internal_forces(model, place)
         size = float(np.abs(residual).max() / np.abs(load).max())

@@ -19,7 +19,7 @@ UNSEEN = 1e-5
 """Deflection of the spring, over the way of the centre, below which it changes no digit that is reported."""
 
 
-def decide_hold(plan: Plan, plate: Plate, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
+def decide_constraint(plan: Plan, plate: Plate, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
     """The plan with its constraint: exact where a spring would ring, or be seen beside the plate's flexibility."""
     corner = plan.scene.corner
     if not corner.constraint_is_open:
@@ -34,7 +34,7 @@ def decide_hold(plan: Plan, plate: Plate, model: PlateModel) -> tuple[Plan, tupl
     return with_tables(plan, corner=exact), (Decision("corner.constraint", "exact", why),)
 
 
-def softened_hold(plan: Plan, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
+def softened_constraint(plan: Plan, model: PlateModel) -> tuple[Plan, tuple[Decision, ...]]:
     """The plan with the softest spring that is not seen: friction then feeds high modes less. As it is where the scene
     gives the constraint, or the exact one was chosen."""
     corner = plan.scene.corner
@@ -48,7 +48,7 @@ def softened_hold(plan: Plan, model: PlateModel) -> tuple[Plan, tuple[Decision, 
 
 def spring_share(plan: Plan, model: PlateModel) -> float:
     """Deflection of the corner's spring under the start's reaction, over the centre's way to the wall."""
-    from fem.start.start import relieved_fields
+    from fem.start.inertia_relief import relieved_fields
 
     gap = relieved_fields(model, rigid_start(plan)).gap
     return abs(gap) / centre_travel(plan)

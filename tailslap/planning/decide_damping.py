@@ -71,18 +71,18 @@ def foresee(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
 
 
 def _by_friction(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
-    from fem.stability.flutter import HARMLESS, MOST_UNKNOWNS, foresee_flutter, viscous_rate
+    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, foresee_flutter, viscous_rate
 
     harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
     duration, start, viscous = plan.motion.strike.t, rigid_start(plan), viscous_rate(model)
     if model.loop.friction is None:
         return Growth(0.0, 0.0, 0.0)
-    if 2 * model.loop.mass.size <= MOST_UNKNOWNS:
+    if 2 * model.loop.mass.size <= MAX_UNKNOWNS:
         found = foresee_flutter(model, start, duration, viscous, harmless)
         return _growth(found, harmless)
     found_by = [
         foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
-        for coarse in _coarser_models(plan, plate, MOST_UNKNOWNS)
+        for coarse in _coarser_models(plan, plate, MAX_UNKNOWNS)
     ]
     fastest: Flutter | None = max(found_by, key=lambda each: each.rate, default=None)
     if fastest is None:

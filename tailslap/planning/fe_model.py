@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from fem.contact.friction import FRICTION_LAWS
+from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate, Scene
@@ -13,7 +15,8 @@ from tailslap.scene.schema import Plate, Scene
 if TYPE_CHECKING:
     import meshio
 
-    from fem.discretisation.model import CornerProperties, PlateModel, PlateProperties, StepProperties
+    from fem.discretisation.model import PlateModel
+    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
 
 LEAST_STEPS = 1000
 """Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
@@ -73,11 +76,11 @@ def finished(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
     return _within_steps(plan, plate, model)
 
 
-def held(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
-    """The static model with its corner held as the plan's scene now has it."""
-    from fem.discretisation.model import held_model
+def constrained(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
+    """The static model with the constraint that the plan's scene now has."""
+    from fem.discretisation.model import with_constraint
 
-    return held_model(static, _plate(plan, plate), _corner(plan))
+    return with_constraint(static, _plate(plan, plate), _corner(plan))
 
 
 def damped(plan: Plan, plate: Plate, model: PlateModel) -> PlateModel:
@@ -90,12 +93,16 @@ def damped(plan: Plan, plate: Plate, model: PlateModel) -> PlateModel:
 @contextmanager
 def _refusals(scene: Scene, plate: Plate) -> Iterator[None]:
     """Turn what no model can be made of into a message that names the scene's key."""
+    from fem.discretisation.properties import ModelError
+
+    keys = {
+        "elements": ("plate.elements", list(plate.counts)),
+        "patch_length": ("corner.patch_length", scene.corner.patch_length),
+    }
     try:
         yield
-    except ValueError as error:
-        key = "corner.patch_length" if "patch" in str(error) else "plate.elements"
-        given = scene.corner.patch_length if "patch" in str(error) else list(plate.counts)
-        raise InputError(key, given, str(error)) from None
+    except ModelError as error:
+        raise InputError(*keys[error.wrong], str(error)) from None
 
 
 def plate_density(plan: Plan, plate: Plate) -> float:
@@ -105,7 +112,6 @@ def plate_density(plan: Plan, plate: Plate) -> float:
 
 
 def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
-    from fem.discretisation.elements import ELEMENT_KINDS
     from meshes import distorted, plate_mesh
 
     vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
@@ -114,7 +120,7 @@ def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
 
 
 def _plate(plan: Plan, plate: Plate) -> PlateProperties:
-    from fem.discretisation.model import PlateProperties
+    from fem.discretisation.properties import PlateProperties
 
     assert plate.youngs_modulus is not None
 
@@ -131,7 +137,7 @@ def _plate(plan: Plan, plate: Plate) -> PlateProperties:
 
 
 def _corner(plan: Plan) -> CornerProperties:
-    from fem.discretisation.model import CornerProperties
+    from fem.discretisation.properties import CornerProperties
 
     corner, angle = plan.scene.corner, plan.start.angle
     return CornerProperties(
@@ -145,16 +151,13 @@ def _corner(plan: Plan) -> CornerProperties:
 
 
 def _friction(scene: Scene) -> Any:
-    """The friction law of the scene, or None: then there is no friction code."""
-    from fem.contact.corner import Drag, Signed
-
-    laws = {"drag": Drag, "signed": Signed}
-    law, friction = laws.get(scene.corner.reaction), scene.corner_friction
-    return law(friction) if law and friction > 0.0 else None
+    """Constants of the scene's friction law, or None: then there is no friction code."""
+    law, friction = FRICTION_LAWS[scene.corner.reaction], scene.corner_friction
+    return law.constants(friction) if friction > 0.0 else None
 
 
 def _step(plan: Plan) -> StepProperties:
-    from fem.discretisation.model import StepProperties
+    from fem.discretisation.properties import StepProperties
 
     scene, damping = plan.scene, plan.scene.damping
     return StepProperties(

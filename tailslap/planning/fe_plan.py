@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Missing
-from tailslap.planning.decide_constraint import decide_hold, softened_hold
+from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
 from tailslap.planning.decide_damping import Growth, decide_damping, foresee
 from tailslap.planning.decide_mesh import decide_mesh
 from tailslap.planning.decisions import Decision, with_tables
-from tailslap.planning.fe_model import damped, finished, held
+from tailslap.planning.fe_model import constrained, damped, finished
 from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate, Scene
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.discretisation.model import PlateModel
-    from fem.start.start import RigidStart
+    from fem.start.rigid_state import RigidStart
 
 UPDATES_PER_SECOND = 2e7
 """Element updates a second that the expected cost is reckoned with; `benchmarks/speed.py` measures them."""
@@ -82,21 +82,21 @@ class FePlan:
     @cached_property
     def damping_lag(self) -> float:
         """What the damping of elastic velocities holds the corner back by, over the centre's way to the wall."""
-        from fem.start.start import damping_lag
+        from fem.start.statics import damping_lag
 
         return damping_lag(self.model, self.start) / self.travel
 
     @cached_property
     def elastic_energy(self) -> float:
         """Energy [J] of the quasi-static elastic state at the start, the corner's spring included."""
-        from fem.start.start import elastic_energy
+        from fem.start.statics import elastic_energy
 
         return elastic_energy(self.model, self.start)
 
     @cached_property
     def spring_share(self) -> float:
         """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
-        stiffness = getattr(self.model.loop.corner.hold, "stiffness", math.inf)
+        stiffness = self.model.loop.corner.stiffness
         normal = self.plan.motion_of_mass(self.model.mass).at(0.0).reaction_normal
         return abs(float(normal)) / stiffness / self.travel
 
@@ -138,27 +138,27 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     plate, model = mesh.plate, mesh.model
     choices = {"elements": plate.elements, "element": plate.element}
     plan = with_tables(plan, plate=given.model_copy(update=choices))
-    plan, hold_decisions = decide_hold(plan, plate, model)
-    if hold_decisions:
-        model = held(plan, plate, model)
+    plan, constraint_decisions = decide_constraint(plan, plate, model)
+    if constraint_decisions:
+        model = constrained(plan, plate, model)
     model = finished(plan, plate, model)
     growth = foresee(plan, plate, model)
-    if growth.overdamps and not hold_decisions:
-        plan, hold_decisions = softened_hold(plan, model)
-        model = finished(plan, plate, held(plan, plate, mesh.model)) if hold_decisions else model
-        growth = foresee(plan, plate, model) if hold_decisions else growth
+    if growth.overdamps and not constraint_decisions:
+        plan, constraint_decisions = softened_constraint(plan, model)
+        model = finished(plan, plate, constrained(plan, plate, mesh.model)) if constraint_decisions else model
+        growth = foresee(plan, plate, model) if constraint_decisions else growth
     plan, damping_decisions = decide_damping(plan, growth, more_damping)
     return FePlan(
         asked=asked,
         plan=plan,
-        decisions=(*mesh_decisions, *hold_decisions, *damping_decisions),
+        decisions=(*mesh_decisions, *constraint_decisions, *damping_decisions),
         growth=growth,
         plate=plate,
         wall=_wall(plan),
         model=damped(plan, plate, model) if damping_decisions else model,
         start=rigid_start(plan),
         travel=centre_travel(plan),
-        give=share_given(plan, model) if hold_decisions else mesh.give,
+        give=share_given(plan, model) if constraint_decisions else mesh.give,
         other_give=mesh.other_give,
     )
 

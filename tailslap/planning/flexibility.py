@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
-    from fem.start.start import RigidStart
-
-RICHER = {"quad4": "quad9", "quad4-reduced": "quad9", "tri3": "tri6"}
-"""Elements of twice the order on the same mesh."""
+    from fem.start.rigid_state import RigidStart
 
 RICHER_UP_TO = 20_000
 """Elements above which the mesh is judged by a coarser one."""
@@ -30,16 +28,16 @@ def sensitivity(angle: float) -> float:
 
 def rigid_start(plan: Plan) -> RigidStart:
     """What the plate starts from."""
-    from fem.start.start import RigidStart
+    from fem.start.rigid_state import RigidStart
 
     return RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
 
 
 def share_given(plan: Plan, model: PlateModel) -> float:
     """The give of a model of the plate at the start, as a share of the centre's travel to the wall."""
-    from fem.start.start import elastic_give
+    from fem.start.statics import static_deflection
 
-    return abs(elastic_give(model, rigid_start(plan))) / centre_travel(plan)
+    return abs(static_deflection(model, rigid_start(plan))) / centre_travel(plan)
 
 
 def centre_travel(plan: Plan) -> float:
@@ -53,7 +51,7 @@ def comparable_plate(plate: Plate) -> Plate:
     along, across = plate.counts
     if along * across > RICHER_UP_TO:
         return plate.model_copy(update={"elements": (max(1, along // 2), max(1, across // 2))})
-    if plate.element in RICHER:
+    if richer := ELEMENT_KINDS[plate.element].richer:
         # Row sums give the corners of quadratic triangles no mass.
-        return plate.model_copy(update={"element": RICHER[plate.element], "lumping": "exact"})
+        return plate.model_copy(update={"element": richer, "lumping": "exact"})
     return plate.model_copy(update={"elements": (2 * along, 2 * across)})

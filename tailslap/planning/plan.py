@@ -166,7 +166,12 @@ def _start(scene: Scene, stage1: ImpulseResult[float] | None) -> StageTwoStart:
 def _motion(scene: Scene, body: RectangularBody[float], start: StageTwoStart) -> PlaneMotion:
     with _refusals(scene, "start"):
         return plane_motion(
-            body, start.angle, start.omega, start.corner_speed, scene.corner_friction, scene.corner.reaction
+            body,
+            start.angle,
+            start.omega,
+            start.corner_speed,
+            scene.corner_friction,
+            scene.corner.rigid_reaction,
         )
 
 

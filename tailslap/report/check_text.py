@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fem.contact.constraints import CONSTRAINTS
+from fem.contact.friction import FRICTION_LAWS
 from tailslap.planning.plan import Plan
 from tailslap.report.omitted_parts import left_out
 
@@ -19,7 +21,8 @@ def rigid_part(plan: Plan, pictures: bool = True) -> list[str]:
         f"start        angle {start.angle:.6g} rad, omega {start.omega:.6g} rad/s, "
         f"corner speed {start.corner_speed:.6g} m/s"
         + ("" if plan.stage1 is None else " (see `tailslap rigid`)"),
-        f"reaction     {plan.scene.corner.reaction}, friction {plan.scene.corner_friction:g}",
+        f"reaction     {plan.scene.corner.reaction}, friction {plan.scene.corner_friction:g}: "
+        f"{FRICTION_LAWS[plan.scene.corner.reaction].text}",
         f"tail-slap    expected at {strike.t:.6g} s after {strike.slide:.5g} m of sliding",
     ]
     return lines + [f"left out     {part}: {why}" for part, why in left_out(plan.scene, pictures)]
@@ -36,7 +39,7 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, "
         f"{fe_plan.plate.element}, {fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",
         f"stiffness    {_stiffness(fe_plan)}",
-        f"corner       {_hold(model.loop.corner)}",
+        f"corner       {_constraint(model.loop.corner)}",
         f"frequency    {model.highest_frequency:.6g} rad/s, the highest, by Lanczos with the corner's spring",
         f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the "
         f"stable {model.stable_time_step:.4g} s",
@@ -62,9 +65,7 @@ def _stiffness(fe_plan: FePlan) -> str:
     )
 
 
-def _hold(corner: Any) -> str:
+def _constraint(corner: Any) -> str:
     where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
-    stiffness = getattr(corner.hold, "stiffness", None)
-    return (
-        f"{where}, held exactly" if stiffness is None else f"{where}, penalty stiffness {stiffness:.4g} N/m"
-    )
+    text = CONSTRAINTS.of(corner.constraint).text
+    return f"{where}, {text}" if corner.is_exact else f"{where}, {text} of {corner.stiffness:.4g} N/m"

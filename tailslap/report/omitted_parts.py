@@ -10,7 +10,7 @@ def left_out(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
     parts = []
     if scene.impact is None:
         parts.append(("stage 1", "the scene has no [impact] table; [start] gives the state after the impact"))
-    if scene.corner.reaction == "none":
+    if scene.corner.frictionless:
         parts.append(("friction", 'corner.reaction is "none": no friction code in the time loop'))
     elif scene.corner_friction == 0.0:
         parts.append(("friction", "the coefficient of friction is 0: no friction code in the time loop"))

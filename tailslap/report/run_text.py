@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import math
 
+from fem.contact.constraints import CONSTRAINTS
+from fem.contact.friction import FRICTION_LAWS
 from tailslap.planning.plan import Plan, other_convention
 from tailslap.run import Outcome
-
-REACTIONS = {
-    "drag": "friction mu |N| against the sliding, whichever way the reaction acts (Eqs 66-67)",
-    "none": "no friction",
-    "signed": "friction of the sign of the reaction, which here drives the corner on; kept to show what the sign does",
-}
 
 
 def statements(outcome: Outcome) -> tuple[str, ...]:
@@ -58,10 +54,10 @@ def _picked(outcome: Outcome) -> str:
 
 
 def _constraint(plan: Plan) -> str:
-    reaction, hold = plan.scene.corner.reaction, HOLDS[plan.scene.corner.constraint]
+    law, constraint = FRICTION_LAWS[plan.scene.corner.reaction], CONSTRAINTS[plan.scene.corner.constraint]
     return (
-        f"The corner is held on the wall by a two-sided slider, in the FE model by {hold}, with "
-        f'{REACTIONS[reaction]} (reaction "{reaction}"). It is not unilateral contact: a real wall can only push.'
+        f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
+        f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.'
     )
 
 
@@ -84,8 +80,6 @@ def _plate_mass(outcome: Outcome) -> str:
         "Stages 1 and 3 use the vehicle's."
     )
 
-
-HOLDS = {"penalty": "a penalty spring", "exact": "an exact constraint"}
 
 STARTS = {
     "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "

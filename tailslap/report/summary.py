@@ -45,7 +45,7 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
             "give": outcome.fe_plan.give,
             "highest_frequency": outcome.fe_plan.model.highest_frequency,
             "stable_time_step": outcome.fe_plan.model.stable_time_step,
-            "penalty_stiffness": getattr(outcome.fe_plan.model.loop.corner.hold, "stiffness", None),
+            "penalty_stiffness": outcome.fe_plan.model.loop.corner.spring or None,
         },
         "tolerance": outcome.choice and _picked(outcome.choice),
     }

@@ -11,6 +11,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from fem.contact.constraints import CONSTRAINTS
+from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Damping, Scene
 
@@ -182,11 +184,11 @@ def _check_together(scene: Scene) -> None:
             "impact", Missing, "this table is required unless [start] gives angle, omega and corner_speed"
         )
     friction = scene.corner.friction
-    if scene.corner.reaction == "none" and friction is not None:
+    if scene.corner.frictionless and friction is not None:
         raise InputError(
             "corner.friction", friction, 'it has no meaning with corner.reaction = "none"; leave it out'
         )
-    if scene.corner.reaction != "none" and friction is None and scene.impact is None:
+    if not scene.corner.frictionless and friction is None and scene.impact is None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
     _check_plate(scene)
 
@@ -203,12 +205,10 @@ def _check_plate(scene: Scene) -> None:
         if table and not scene.plate:
             raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
     for key in ("penalty_scale", "damping_ratio"):
-        if scene.corner.constraint == "exact" and key in scene.corner.model_fields_set:
-            raise InputError(
-                f"corner.{key}",
-                getattr(scene.corner, key),
-                'constraint = "exact" has no spring; leave it out',
-            )
+        constraint = CONSTRAINTS[scene.corner.constraint]
+        if key not in constraint.keys and key in scene.corner.model_fields_set:
+            allowed = f'constraint = "{constraint.name}" has no spring; leave it out'
+            raise InputError(f"corner.{key}", getattr(scene.corner, key), allowed)
     plate = scene.plate
     if plate and plate.youngs_modulus is None and plate.first_frequency is None:
         raise InputError("plate.youngs_modulus", Missing, "this key or plate.first_frequency is required")
@@ -217,14 +217,13 @@ def _check_plate(scene: Scene) -> None:
             "it sets the modulus; leave out this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
         )
         raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
-    if plate and plate.element != "quad4-reduced" and "hourglass" in plate.model_fields_set:
+    if plate and not ELEMENT_KINDS[plate.element].hourglass and "hourglass" in plate.model_fields_set:
         raise InputError(
             "plate.hourglass", plate.hourglass, 'only element = "quad4-reduced" needs it; leave it out'
         )
-    if plate and plate.element == "tri6" and plate.lumping == "row-sum":
-        allowed = (
-            'row sums of tri6 give its corners no mass; allowed with them is another element, or "exact"'
-        )
+    if plate and plate.lumping == "row-sum" and not ELEMENT_KINDS[plate.element].row_sums:
+        why = f"row sums of {plate.element} give its corners no mass"
+        allowed = f'{why}; allowed with them is another element, or "exact"'
         raise InputError("plate.lumping", plate.lumping, allowed)
     if scene.damping:
         _check_damping(scene.damping)

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticKnownError
 
+from fem.constitutive.materials import MATERIALS
+from fem.contact.constraints import CONSTRAINTS
+from fem.contact.friction import FRICTION_LAWS
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.registry import Registry
 from tailslap.scene.units import Quantity
 
 MOST_ELEMENTS = 4_000_000
@@ -36,6 +42,17 @@ Viscosity = Annotated[
 Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', above=0.0)]
 Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", above=0.0, below=1.0)]
 Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
+
+
+def _registered(registry: Registry[Any]) -> BeforeValidator:
+    """One of the names in a registry, whenever the scene is read."""
+
+    def name(given: object) -> object:
+        if not isinstance(given, str) or given not in registry:
+            raise PydanticKnownError("literal_error", {"expected": registry.expected})
+        return given
+
+    return BeforeValidator(name)
 
 
 def _element_counts(given: object) -> object:
@@ -106,12 +123,22 @@ class Start(Table):
 class Corner(Table):
     """The constrained corner. Where neither constraint nor spring is given, the program chooses the constraint."""
 
-    reaction: Literal["drag", "none", "signed"] = "drag"
+    reaction: Annotated[str, _registered(FRICTION_LAWS)] = "drag"
     friction: Friction | None = None
-    constraint: Literal["penalty", "exact"] = "penalty"
+    constraint: Annotated[str, _registered(CONSTRAINTS)] = "penalty"
     penalty_scale: Scale = 1.0
     damping_ratio: DampingRatio | None = None
     patch_length: Length | None = None
+
+    @property
+    def frictionless(self) -> bool:
+        """Whether the reaction is one without friction."""
+        return FRICTION_LAWS[self.reaction].frictionless
+
+    @property
+    def rigid_reaction(self) -> str:
+        """What the rigid-body theory calls the reaction."""
+        return FRICTION_LAWS[self.reaction].rigid
 
     @property
     def constraint_is_open(self) -> bool:
@@ -137,7 +164,7 @@ class Plate(Table):
     first_frequency: Frequency | None = None
     poissons_ratio: PoissonsRatio
     elements: ElementCounts | None = None
-    element: Literal["quad4", "quad4-reduced", "quad9", "tri3", "tri6"] = "quad4"
+    element: Annotated[str, _registered(ELEMENT_KINDS)] = "quad4"
     distortion: Distortion = 0.0
     hourglass: Share = 0.1
     lumping: Literal["exact", "row-sum"] = "exact"
@@ -154,7 +181,7 @@ class Plate(Table):
 class Material(Table):
     """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
 
-    law: Literal["st-venant-kirchhoff", "neo-hookean"]
+    law: Annotated[str, _registered(MATERIALS)]
 
 
 class Damping(Table):
@@ -210,7 +237,7 @@ class Scene(Table):
     @property
     def corner_friction(self) -> float:
         """Friction of Stage 2: the corner's, else the impact's, and 0 with reaction "none"."""
-        if self.corner.reaction == "none":
+        if self.corner.frictionless:
             return 0.0
         given = self.corner.friction
         return given if given is not None else self.impact.friction if self.impact else math.nan

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from postprocess.comparison.comparison import largest
-from postprocess.pages.report import Check
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import Outcome, run_scene
@@ -15,6 +14,7 @@ from tailslap.scene.files import read_scene
 from tailslap.tolerance.candidates import answered, candidate
 from tailslap.tolerance.choose import RIGID, Choice
 from tailslap.tolerance.ladder import Rung
+from tailslap.verification.check import Check
 
 TINY = 1e-15
 """In place of a distance of zero."""

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from postprocess.comparison.comparison import largest
-from postprocess.pages.report import Check
 from tailslap.planning.flexibility import sensitivity
 
 if TYPE_CHECKING:
@@ -71,15 +70,6 @@ class NumericalError:
     def allowed(self) -> float:
         """What the total is held to."""
         return FLOOR + SHARE * self.flexibility
-
-    @property
-    def check(self) -> Check:
-        """The check of the total."""
-        meaning = (
-            f"what mesh, time step, constraint, damping and ringing may change in the five quantities; {FLOOR:g} and "
-            f"{100 * SHARE:g} % of what the plate's flexibility changes are allowed"
-        )
-        return Check.at_most("numerical error", self.total, self.allowed, meaning)
 
 
 def needs_second_run(fe_plan: FePlan, differences: Mapping[str, float], error: NumericalError) -> bool:

@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.planning.decisions import with_tables
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.flexibility import RICHER
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Damping, Plate
 
@@ -22,12 +22,10 @@ def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
     plate = fe_plan.plate
     along, across = plate.counts
     finer, coarser = (2 * along, 2 * across), (max(1, along // 2), max(1, across // 2))
-    few, linear = math.prod(plate.counts) <= FINER_UP_TO, plate.element in RICHER
-    counts = (plate.counts, finer) if few and linear else (finer, coarser) if few else (coarser, finer)
+    few, richer = math.prod(plate.counts) <= FINER_UP_TO, ELEMENT_KINDS[plate.element].richer
+    counts = (plate.counts, finer) if few and richer else (finer, coarser) if few else (coarser, finer)
     for elements in counts:
-        yield plate.model_copy(
-            update={"elements": elements, "element": RICHER.get(plate.element, plate.element)}
-        )
+        yield plate.model_copy(update={"elements": elements, "element": richer or plate.element})
 
 
 def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:

@@ -7,28 +7,24 @@ from typing import TYPE_CHECKING
 
 from postprocess.comparison.comparison import largest
 from tailslap.planning.decide_damping import suppressing_rate
+from tailslap.verification.checks import reaction_checks
 from tailslap.verification.numerical_error import FLOOR
 
 if TYPE_CHECKING:
     from tailslap.planning.fe_plan import FePlan
     from tailslap.run import Outcome
 
-OF_THE_REACTION = {
-    *("reaction against rigid", "friction work against rigid", "mean residual", "deviation of residuals"),
-    *("Sprague-Geers magnitude", "Sprague-Geers phase", "Sprague-Geers combined"),
-}
-"""Checks that a reaction which rings can fail while the five quantities are right."""
-
 
 def verdict_sentence(outcome: Outcome) -> str:
     """The verdict on a run."""
+    of_the_reaction = reaction_checks()
     failed = {check.name for check in outcome.checks if not check.passed}
     if not outcome.fe:
         return "The run did not reach the tail-slap."
-    if failed - OF_THE_REACTION - {"agreement with rigid"}:
+    if failed - of_the_reaction - {"agreement with rigid"}:
         return "Not to be relied on: a check of the run failed."
     words = _comparison(outcome)
-    if failed & OF_THE_REACTION:
+    if failed & of_the_reaction:
         words += " The motion is right, but the history of the reaction is not: it rings."
     if "agreement with rigid" in failed:
         words += " It does not agree with the rigid motion as closely as the scene demands."

@@ -123,7 +123,7 @@ def test_a_spring_that_does_not_give_back_what_it_took(
     assert failed(outcome("paper-table-3"), **columns) == {"contact work"}
 
 
-def test_a_spring_with_a_dashpot_and_a_hold_without_spring(outcome: Callable[..., Any]) -> None:
+def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome: Callable[..., Any]) -> None:
     """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere."""
     for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
         result = outcome("paper-table-3", change, "plate.start=sudden", "damping.ratio=0.1")
@@ -219,10 +219,10 @@ def test_mesh_and_spring_that_statics_does_not_allow(outcome: Callable[..., Any]
     coarse = replace(result, fe_plan=replace(result.fe_plan, other_give=2e-3))
     assert failed(coarse) == {"mesh", "numerical error"}
     loop = result.fe_plan.model.loop
-    hold = loop.corner.hold._replace(stiffness=1e-4 * loop.corner.hold.stiffness)
-    soft = replace(result.fe_plan.model, loop=loop._replace(corner=loop.corner._replace(hold=hold)))
-    spring = replace(result, fe_plan=replace(result.fe_plan, model=soft))
-    assert failed(spring) >= {"contact spring", "numerical error"}
+    spring = loop.corner.constraint._replace(stiffness=1e-4 * loop.corner.stiffness)
+    soft = replace(result.fe_plan.model, loop=loop._replace(corner=loop.corner._replace(constraint=spring)))
+    softened = replace(result, fe_plan=replace(result.fe_plan, model=soft))
+    assert failed(softened) >= {"contact spring", "numerical error"}
 
 
 def test_second_run_that_says_otherwise(outcome: Callable[..., Any]) -> None:

@@ -68,7 +68,7 @@ def test_constraint_left_open_is_exact_where_the_spring_would_be_seen() -> None:
     assert decided("plate.start=unstressed")["corner.constraint"] == "exact"
     for given in ("corner.penalty_scale=2", "corner.constraint=penalty", "corner.damping_ratio=0.1"):
         assert "corner.constraint" not in decided(*SOFT, given)
-        assert fe_plan(*SOFT, given).model.loop.corner.hold.stiffness > 0.0
+        assert fe_plan(*SOFT, given).model.loop.corner.stiffness > 0.0
 
 
 def test_damping_is_decided_unless_the_scene_says_what_it_wants() -> None:

@@ -10,12 +10,13 @@ import pytest
 
 from fem.constitutive.materials import MATERIALS, neo_hookean, st_venant_kirchhoff
 from fem.contact.support_patch import corner_weights
-from fem.discretisation.elements import ELEMENT_KINDS, discretise, hourglass_control
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.discretisation.elements import discretise, hourglass_control
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.measures import _hourglass_energy, _strain_energy
 from fem.explicit.simulate import simulate
 from fem.stability.deformed import deformed_frequency
-from fem.start.start import RigidStart, to_global
+from fem.start.rigid_state import RigidStart, to_global
 from meshes import distorted, plate_mesh
 
 pytestmark = pytest.mark.verification

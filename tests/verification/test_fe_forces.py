@@ -11,7 +11,7 @@ from fem.constitutive.materials import st_venant_kirchhoff
 from fem.discretisation.elements import ElementTable, discretise
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.explicit.measures import _strain_energy
-from fem.start.start import to_global
+from fem.start.rigid_state import to_global
 from meshes import plate_mesh
 
 pytestmark = pytest.mark.verification

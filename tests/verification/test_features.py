@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 
 from fem.constitutive.materials import NeoHookean
-from fem.contact.corner import DampedPenalty, Drag, Exact, Penalty
+from fem.contact.constraints import DampedPenalty, Exact, Penalty
+from fem.contact.friction import Drag
 from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import copy_state
-from fem.start.start import RigidStart
+from fem.start.rigid_state import RigidStart
 from meshes import distorted, plate_mesh
 from tailslap.command_line import _status
 from tailslap.planning.plan import make_plan
@@ -100,8 +101,8 @@ def test_each_part_is_added_alone() -> None:
             for label, there in (
                 ("friction", isinstance(loop.friction, Drag)),
                 ("damping", loop.viscosity is not None),
-                ("dashpot", isinstance(loop.corner.hold, DampedPenalty)),
-                ("exact hold", isinstance(loop.corner.hold, Exact)),
+                ("dashpot", isinstance(loop.corner.constraint, DampedPenalty)),
+                ("exact hold", isinstance(loop.corner.constraint, Exact)),
                 ("patch", loop.corner.nodes.size > 1),
                 ("neo-Hookean", isinstance(loop.material, NeoHookean)),
                 ("hourglass control", loop.hourglass is not None),
@@ -114,7 +115,7 @@ def test_each_part_is_added_alone() -> None:
     assert found.pop("two threads", set()) == found.pop(PLAIN) == set()
     assert found == {name: {name} for name in found}
     assert len(found) == 7
-    assert isinstance(fe_plan_of(parts[PLAIN]).model.loop.corner.hold, Penalty)
+    assert isinstance(fe_plan_of(parts[PLAIN]).model.loop.corner.constraint, Penalty)
     assert "0.1" in parts["damping"].what
     assert "2" in parts["patch"].what
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.contact.corner import Exact
+from fem.contact.constraints import Exact
+from fem.contact.friction import friction_slope
 from fem.discretisation.stiffness import stiffness_matrix
-from fem.explicit.measures import COLUMNS
 from fem.explicit.simulate import Stepper
 from fem.stability.flutter import FACTOR, INSTANTS, corner_modes, foresee_flutter, growing_modes, highest_mode
-from fem.start.start import RigidStart, friction_slope, to_global
+from fem.start.rigid_state import RigidStart, to_global
 from tailslap.planning.decide_damping import CURE
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
@@ -36,11 +36,11 @@ def growth_rates(model: Any, angle: float, ratio: float = 0.0) -> np.ndarray:
     push = gap + friction_slope(model.loop.friction, START.corner_speed) * np.kron(along, spread) * root
     plate = root[:, None] * model.stiffness.toarray() * root
     stiffness = plate.copy()
-    if isinstance(corner.hold, Exact):
+    if isinstance(corner.constraint, Exact):
         stiffness -= np.outer(push, gap @ plate) / (gap @ push)
     else:
-        stiffness += corner.hold.stiffness * np.outer(push, gap)
-    damping = np.outer(push, gap) * getattr(corner.hold, "damping", 0.0)
+        stiffness += corner.stiffness * np.outer(push, gap)
+    damping = np.outer(push, gap) * getattr(corner.constraint, "damping", 0.0)
     if ratio:
         viscous = stiffness_matrix(model.discretisation.scalar, model.thickness, model.loop.viscosity)
         damping += root[:, None] * viscous.toarray() * root
@@ -67,20 +67,20 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(
     model = plate_model((10, 3), "drag", corner=CORNERS[corner], damping_ratio=ratio)
     modes, slope = corner_modes(model), friction_slope(model.loop.friction, START.corner_speed)
     viscous = 0.5 * model.loop.viscosity.c_33 / model.tangent_moduli.c_33 if ratio else 0.0
-    hold, seen = model.loop.corner.hold, 0
+    constraint, seen = model.loop.corner.constraint, 0
     for angle in (0.26, 0.1, 0.0):
         rates = growth_rates(model, angle, ratio)
         along, across = to_global(angle) @ modes.corner
         residues = across * (across + slope * along)
         residues[2], squares = residues[:3].sum(), modes.squares.copy()
         squares[2] = 0.0
-        stiffness = getattr(hold, "stiffness", np.inf)
+        stiffness = getattr(constraint, "stiffness", np.inf)
         top = 1.5 * highest_mode(squares, residues[2:], stiffness)
         for rate in (3.0, 10.0, 30.0, 100.0, 300.0):
             if np.abs(rates - rate).min() < 0.02 * rate:
                 continue  # too near to tell
             counted = growing_modes(
-                squares[2:], residues[2:], stiffness, getattr(hold, "damping", 0.0), viscous, rate, top
+                squares[2:], residues[2:], stiffness, getattr(constraint, "damping", 0.0), viscous, rate, top
             )
             expected = int((rates > rate).sum())
             assert counted == expected, (angle, rate)
@@ -116,7 +116,7 @@ def measured_rate(model: Any, size: float, calls: slice) -> float:
     energies, instants = [], 1000 * model.loop.time_step * np.arange(calls.stop)
     for _ in instants:
         state = stepper.advance(state, 1000)
-        energies.append(stepper.measure(state)[COLUMNS.index("vibration_energy")])
+        energies.append(stepper.measure(state).vibration_energy)
     return float(0.5 * np.polyfit(instants[calls], np.log(energies[calls]), 1)[0])
 
 

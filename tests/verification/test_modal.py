@@ -18,7 +18,8 @@ from fem.modal.modal_model import ModalPlate, modal_plate, with_fewer_modes
 from fem.modal.modal_motion import MEASURED, accelerate, measure_rows
 from fem.modal.modal_motion import reaction as corner_reaction
 from fem.modal.modal_run import ModalMotion, integrate, modal_start
-from fem.start.start import RigidStart, relieved_fields, to_global
+from fem.start.inertia_relief import relieved_fields
+from fem.start.rigid_state import RigidStart, to_global
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.modal import ModalRun, modal_run
@@ -104,7 +105,7 @@ def test_spin_of_a_free_plate(plate_model: Callable[..., Any]) -> None:
     """Without a wall the plate turns with constant angular momentum, stretched by what its own spin does to it."""
     plate = plate_model(plate={"youngs_modulus": 2e7})
     modal = modal_plate(plate, 6)
-    free = modal.model._replace(hold=1e300)
+    free = modal.model._replace(compliance=1e300)
     q = 0.707**2 * free.growth / (free.squares - 0.707**2)
     place, speed = np.concatenate([np.zeros(3), q]), np.concatenate([[25.0, 0.0, 0.707], 0.0 * q])
     result = np.empty(9)
@@ -127,7 +128,7 @@ def test_the_energy_changes_by_frictions_work(plate_model: Callable[..., Any], r
         measure_rows(np.array(rows), model, measured)
         change = dict(zip(MEASURED, (measured[1] - measured[0]) / (2.0 * step), strict=True))
         wall = corner_reaction(place, speed, model)
-        power = wall.slope * wall.normal * change["slide"]
+        power = wall.sigma * wall.normal * change["slide"]
         exchanged = np.abs(result[3:] * speed[3:]).sum()
         assert abs(change["energy"] - power) < 1e-6 * (exchanged + abs(power))
 
@@ -154,7 +155,7 @@ def test_newtons_law_on_the_nodes(plate_model: Callable[..., Any]) -> None:
         before, now, after = (nodes(moved(place, speed, result, s)[0]) for s in (-step, 0.0, step))
         inertia = masses * (before - 2.0 * now + after) / step**2
         wall, turn = corner_reaction(place, speed, model), to_global(-place[2])
-        force = np.array([wall.slope * wall.normal, wall.normal])
+        force = np.array([wall.sigma * wall.normal, wall.normal])
         in_modes = np.tensordot(shapes, turn.T @ inertia, ((1, 2), (0, 1)))
         assert in_modes == pytest.approx(
             model.corner.T @ turn.T @ force - model.squares * place[3:], rel=1e-4, abs=0.01

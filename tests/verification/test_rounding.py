@@ -10,7 +10,7 @@ import pytest
 
 from fem.explicit.simulate import Stepper, simulate
 from fem.stability.rounding import rounding_noise
-from fem.start.start import RigidStart
+from fem.start.rigid_state import RigidStart
 from tailslap.planning.plan import make_plan
 from tailslap.run import attempt
 from tailslap.scene.files import read_scene
@@ -32,8 +32,8 @@ def test_positions_stay_within_the_span(plate_model: Callable[..., Any], threads
         assert abs(state.positions[0, corner]) <= model.loop.span + 1e-2
     row = stepper.measure(state)
     assert state.origin[0] > 7.0
-    assert row[4] == pytest.approx(state.positions_on_wall[0, corner], rel=1e-14)
-    assert row[4] == pytest.approx(25.053 * 5000 * model.loop.time_step, rel=0.05)
+    assert row.slide == pytest.approx(state.positions_on_wall[0, corner], rel=1e-14)
+    assert row.slide == pytest.approx(25.053 * 5000 * model.loop.time_step, rel=0.05)
 
 
 def test_span_has_one_digit_in_binary(plate_model: Callable[..., Any]) -> None:

@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fem.contact.corner import Exact
+from fem.contact.constraints import Exact
 from fem.discretisation.model import PlateModel
-from fem.explicit.measures import COLUMNS
 from fem.explicit.simulate import Stepper, simulate
 from fem.start.finite_strain import internal_forces
-from fem.start.start import KINDS, RigidStart, TooSoftError, start_fields, to_global
+from fem.start.inertia_relief import TooSoftError
+from fem.start.rigid_state import RigidStart, to_global
+from fem.start.start import START_KINDS, start_fields
 from meshes import plate_mesh
 from tailslap.command_line import WRONG_INPUT, _status
 
@@ -119,22 +120,22 @@ def test_speed_of_the_corner_and_spin(model: PlateModel, kind: str) -> None:
     assert (before - after) / 1e-3 == pytest.approx(START.omega, rel=1e-6)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", START_KINDS)
 def test_angle_of_the_best_rotation(model: PlateModel, kind: str) -> None:
     assert best_angle(model, start_fields(model, START, kind)[0]) == pytest.approx(START.angle, rel=1e-10)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", START_KINDS)
 def test_the_corner_stays_on_the_wall(model: PlateModel, kind: str) -> None:
     """On it, or off it by what the spring gives; its velocity across is that of the gap in the first milliseconds."""
     positions, velocities = start_fields(model, START, kind)
     (slide, height), rate = at_corner(model, positions), at_corner(model, velocities)[1]
     assert slide == pytest.approx(0.0, abs=1e-14)
-    hold = model.loop.corner.hold
-    if kind == "unstressed" or isinstance(hold, Exact):
+    corner = model.loop.corner
+    if kind == "unstressed" or isinstance(corner.constraint, Exact):
         assert (height, rate) == (pytest.approx(0.0, abs=1e-14), pytest.approx(0.0, abs=1e-13))
         return
-    assert height == pytest.approx(-balance(model, positions).normal / hold.stiffness, rel=1e-5)
+    assert height == pytest.approx(-balance(model, positions).normal / corner.stiffness, rel=1e-5)
     assert rate == pytest.approx(_gap_rate(model, kind), rel=0.05)
 
 
@@ -144,7 +145,7 @@ def _gap_rate(model: PlateModel, kind: str) -> float:
     counts = [round(time / step) for time in (1e-3, 5e-3)]
     for count in counts:
         values = stepper.measure(stepper.advance(stepper.start(START, kind), count))
-        row = dict(zip(COLUMNS, values, strict=True))
+        row = values._asdict()
         later = RigidStart(row["theta"], row["omega"], row["v_p"])
         gaps.append(at_corner(model, start_fields(model, later, "inertia-relief")[0])[1])
     return float(gaps[1] - gaps[0]) / ((counts[1] - counts[0]) * step)

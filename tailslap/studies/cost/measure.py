@@ -44,7 +44,12 @@ def measure(name: str, changes: tuple[str, ...], setting: Setting) -> Record:
 def _exact(plan: Plan) -> Any:
     start, scene = plan.start, plan.scene
     motion = plane_motion(
-        plan.body, start.angle, start.omega, start.corner_speed, scene.corner_friction, scene.corner.reaction
+        plan.body,
+        start.angle,
+        start.omega,
+        start.corner_speed,
+        scene.corner_friction,
+        scene.corner.rigid_reaction,
     )
     return motion.strike
 
@@ -57,7 +62,7 @@ def _integrated(plan: Plan, setting: Setting) -> Any:
         start.omega,
         start.corner_speed,
         scene.corner_friction,
-        scene.corner.reaction,
+        scene.corner.rigid_reaction,
         method=setting.group,
         rtol=setting.rtol,
         atol=0.01 * setting.rtol,

@@ -13,7 +13,7 @@ import numpy as np
 from fem.discretisation.model import PlateModel
 from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import State
-from fem.start.start import RigidStart
+from fem.start.rigid_state import RigidStart
 
 
 def single(values: np.ndarray) -> np.ndarray:

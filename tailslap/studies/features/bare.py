@@ -1,7 +1,7 @@
 """A loop with internal forces, a penalty spring and drift, and no code for anything else; compiled.
 
 It is what the program's loop of a scene without further parts must cost: no friction, damping, dashpot, hourglass
-control, patch, works or impulses are in its source. Element tables and lanes are the program's own.
+control, patch, works or impulses are in its source. Element tables and slots are the program's own.
 """
 
 from __future__ import annotations
@@ -11,11 +11,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.compiled import compiled, inlined
-from fem.constitutive.materials import stress
-from fem.contact.corner import Penalty
+from fem.constitutive.stress import stress
+from fem.contact.constraints import Penalty
 from fem.discretisation.elements import ElementTable
-from fem.explicit.internal_force import at_lane, point_of
-from fem.explicit.simd_blocks import LANES, balance, clear_idle, gather, lane_count, scatter, subtract_first
+from fem.explicit.internal_force import at_slot, point_of
+from fem.explicit.simd_blocks import (
+    BLOCK_SIZE,
+    balance,
+    clear_idle,
+    gather,
+    scatter,
+    slot_count,
+    subtract_first,
+)
 from fem.explicit.time_loop import LoopParameters, drift
 
 
@@ -35,9 +43,9 @@ def bare_parameters(loop: LoopParameters) -> BareParameters:
     parts = (loop.friction, loop.viscosity, loop.hourglass, loop.elastic_damping)
     if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
         raise ValueError("the bare loop has no code for a part of this model")
-    if not isinstance(loop.corner.hold, Penalty):
-        raise ValueError("the bare loop has a penalty spring and no other hold")
-    node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.hold.stiffness)
+    if not isinstance(loop.corner.constraint, Penalty):
+        raise ValueError("the bare loop has a penalty spring and no other constraint")
+    node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.stiffness)
     return BareParameters(loop.table, loop.material, loop.mass, node, stiffness, loop.time_step)
 
 
@@ -55,28 +63,28 @@ def advance_bare(positions: Any, velocities: Any, steps: Any, model: Any, force:
 def _subtract_forces(positions: Any, force: Any, table: Any, material: Any, scratch: Any) -> Any:
     others, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     connectivity, lattice = table.connectivity, scratch.lattice
-    lanes = lane_count(connectivity, lattice)
-    for first in range(0, lanes, LANES):
-        count = min(LANES, lanes - first)
+    slots = slot_count(connectivity, lattice)
+    for first in range(0, slots, BLOCK_SIZE):
+        count = min(BLOCK_SIZE, slots - first)
         gather(positions, connectivity, lattice, first, count, rows)
         subtract_first(others, rows)
-        rows[2 * nodes * LANES : 4 * nodes * LANES] = 0.0
+        rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
         for point in range(table.weights.shape[0]):
-            gradients = point_of(scratch.gradients, first // LANES, point, 2 * len(others))
-            weights = point_of(scratch.weights, first // LANES, point, 1)
+            gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(others))
+            weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
             _add_point(others, material, rows, gradients, weights)
-        forces = rows[2 * nodes * LANES : 4 * nodes * LANES]
+        forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
         balance(others, forces)
-        clear_idle(lattice, first // LANES, 2 * nodes, forces)
+        clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
 
 
 @compiled
 def _add_point(others: Any, material: Any, rows: Any, gradients: Any, weights: Any) -> Any:
     nodes = len(others) + 1
-    for lane in range(LANES):
-        weight = at_lane(weights, 0, lane)
-        f_11, f_12, f_21, f_22 = _gradient(others, rows, gradients, lane)
+    for slot in range(BLOCK_SIZE):
+        weight = at_slot(weights, 0, slot)
+        f_11, f_12, f_21, f_22 = _gradient(others, rows, gradients, slot)
         e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
         e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
         s_11, s_22, s_12 = stress(material, e_11, e_22, f_11 * f_12 + f_21 * f_22)
@@ -88,18 +96,18 @@ def _add_point(others: Any, material: Any, rows: Any, gradients: Any, weights: A
         p_21 = f_21 * s_11 + f_22 * s_12
         p_22 = f_21 * s_12 + f_22 * s_22
         for a in range(len(others)):
-            g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
-            rows[(2 * nodes + 2 * a + 2) * LANES + lane] += p_11 * g_1 + p_12 * g_2
-            rows[(2 * nodes + 2 * a + 3) * LANES + lane] += p_21 * g_1 + p_22 * g_2
+            g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
+            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
+            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
 
 
 @inlined
-def _gradient(others: Any, rows: Any, gradients: Any, lane: Any) -> Any:
+def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
     f_11 = f_12 = f_21 = f_22 = 0.0
     for a in range(len(others)):
-        g_1, g_2 = at_lane(gradients, 2 * a, lane), at_lane(gradients, 2 * a + 1, lane)
-        x = rows[(2 * a + 2) * LANES + lane]
-        y = rows[(2 * a + 3) * LANES + lane]
+        g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
+        x = rows[(2 * a + 2) * BLOCK_SIZE + slot]
+        y = rows[(2 * a + 3) * BLOCK_SIZE + slot]
         f_11 += x * g_1
         f_12 += x * g_2
         f_21 += y * g_1

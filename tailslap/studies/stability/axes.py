@@ -59,7 +59,7 @@ def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
         Axis("time step", "time.safety_factor", even(0.5, 1.2), _time_step),
         Axis("damping", "damping.ratio", (0.0, *ratios(3e-3, 1.0, points - 1)), _damping),
     ]
-    absent = {"friction"} if scene.corner.reaction == "none" else set()
+    absent = {"friction"} if scene.corner.frictionless else set()
     absent |= {"penalty"} if scene.corner.constraint == "exact" else set()
     return tuple(axis for axis in axes if axis.name not in absent)
 

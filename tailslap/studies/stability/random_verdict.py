@@ -15,7 +15,7 @@ from tailslap.run import Outcome, run_scene
 from tailslap.scene.files import validate
 from tailslap.studies.stability.axes import Tables
 from tailslap.studies.stability.reference import Reference, find_reference
-from tailslap.verification.verdict import OF_THE_REACTION
+from tailslap.verification.checks import reaction_checks
 
 RIGHT, REACTION_ONLY, GOOD, CAUGHT, REFUSED, UNJUDGED, WRONG = KINDS = (
     *("right", "reaction only", "good but failed", "caught", "refused", "unjudged", "wrong"),
@@ -96,7 +96,7 @@ def _kind(distance: float, reference: float, failed: tuple[str, ...]) -> str:
         return RIGHT if distance <= _limit(WRONG_FROM, reference) else WRONG
     if distance > _limit(GOOD_TO, reference):
         return CAUGHT
-    return GOOD if set(failed) - OF_THE_REACTION else REACTION_ONLY
+    return GOOD if set(failed) - reaction_checks() else REACTION_ONLY
 
 
 def _limit(parts: tuple[float, float], reference: float) -> float:

@@ -7,8 +7,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError
-from tailslap.planning.flexibility import RICHER
 from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
 from tailslap.scene.files import validate
@@ -95,9 +95,10 @@ def _richer(tables: Tables, plate: Plate) -> Tables:
     """Quadratic elements and the exact constraint, on finer elements where they were quadratic already."""
     model, corner = tables["plate"], tables.setdefault("corner", {})
     along, across = plate.counts
-    times = 1 if plate.element in RICHER else 2
+    richer = ELEMENT_KINDS[plate.element].richer
+    times = 1 if richer else 2
     model["elements"] = (times * along, times * across)
-    model["element"] = "tri6" if plate.element.startswith("tri") else "quad9"
+    model["element"] = richer or plate.element
     model.pop("hourglass", None)
     for key in ("penalty_scale", "damping_ratio"):
         corner.pop(key, None)

@@ -41,9 +41,9 @@ def _block(scene: Scene, inputs: Mapping[str, Array]) -> Array:
     vehicle, corner = combined.vehicle, combined.corner
     body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
     angle, omega, corner_speed = _start(combined, body)
-    friction = 0.0 if corner.reaction == "none" else corner.friction
+    friction = 0.0 if corner.frictionless else corner.friction
     friction = combined.impact.friction if friction is None else friction
-    state = tail_slap(body, angle, omega, corner_speed, friction, corner.reaction, invalid="nan")
+    state = tail_slap(body, angle, omega, corner_speed, friction, corner.rigid_reaction, invalid="nan")
     speed = np.asarray(state.v_gy)
     known = np.isfinite(speed)
     force = strike_force(vehicle.mass, np.where(known, speed, 0.0), combined.strike.duration).peak_force

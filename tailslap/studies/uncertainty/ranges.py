@@ -80,9 +80,9 @@ def used_keys(scene: Scene) -> tuple[str, ...]:
     unused = set(STAGE_ONE) if overridden or not scene.impact else set()
     if scene.impact and "start.angle" not in start:
         unused.discard("impact.angle")
-    if scene.impact and scene.corner.friction is None and scene.corner.reaction != "none":
+    if scene.impact and scene.corner.friction is None and not scene.corner.frictionless:
         unused.discard("impact.friction")
-    if scene.corner.reaction == "none":
+    if scene.corner.frictionless:
         unused.add("corner.friction")
     return tuple(key for key in KEYS if key not in unused)
 

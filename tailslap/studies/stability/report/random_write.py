@@ -14,10 +14,10 @@ from postprocess.pages.study_page import StudyContent, StudySection, StudyTable,
 from tailslap.studies.stability.axes import Tables
 from tailslap.studies.stability.random_survey import RandomSurvey
 from tailslap.studies.stability.random_verdict import CAUGHT, GOOD, WRONG, RandomVerdict
-from tailslap.studies.stability.report.advice import advice
 from tailslap.studies.stability.report.random_words import MEANINGS, SHOWN, headline, sentence
 from tailslap.studies.stability.report.write import ADVISED
 from tailslap.studies.stability.toml_text import toml_text
+from tailslap.verification.checks import advice
 
 VERDICT_COLUMNS = tuple(field.name for field in fields(RandomVerdict))
 

@@ -14,10 +14,10 @@ from postprocess.figures.style import Curve
 from postprocess.files.summary import write_summary
 from postprocess.pages.study_page import StudyContent, StudySection, StudyTable, write_study_page
 from tailslap.studies.stability.axes import Axis, Cell
-from tailslap.studies.stability.report.advice import advice
 from tailslap.studies.stability.report.words import MEANINGS, caught_alone, failed_checks, headline, refusals
 from tailslap.studies.stability.survey import Survey
 from tailslap.studies.stability.verdict import CAUGHT, WRONG, Verdict
+from tailslap.verification.checks import advice
 
 COLOUR_MEANINGS = {
     "right": "as the rigid motion",

@@ -1,4 +1,4 @@
-"""Elements in lanes: the layout of a mesh numbered row by row gives the forces of any other numbering."""
+"""Elements in SIMD blocks: the layout of a mesh numbered row by row gives the forces of any other numbering."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_forces_do_not_depend_on_the_numbering(kind: str, share: float) -> None:
     assert other_power == pytest.approx(power, rel=1e-12)
 
 
-def test_a_plate_is_a_lattice_with_one_idle_lane_between_rows() -> None:
+def test_a_plate_is_a_lattice_with_one_idle_slot_between_rows() -> None:
     lattice = find_lattice(discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table.connectivity)
     assert lattice is not None
     assert lattice.element.size == 6 * 21 - 1

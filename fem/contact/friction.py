@@ -1,0 +1,125 @@
+"""Friction laws of the corner. Each is one object; adding one is adding it here, or in any file that registers it.
+
+A law gives the tangential force R [N] from the normal force N [N], negative where the wall pulls, and from the
+stopping force that would end the step with the corner at rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import NoneType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.registry import Law, LawRegistry
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionLaw(Law):
+    """A friction law; `constants` is made from the scene's coefficient of friction alone.
+
+    force: kernel (constants, normal, stopping) -> R [N]. slope: kernel (constants, normal, speed) -> R over N while the
+    corner slides at this speed [m/s]. text: what it is, for reports. rigid: name of the rigid-body theory's reaction.
+    impulse: history column J with friction work = -mu integral of v_P dJ, "" where there is none. dissipative: whether
+    it can only take energy.
+    """
+
+    force: Callable[[Any, float, float], float]
+    slope: Callable[[Any, float, float], float]
+    text: str
+    rigid: str
+    impulse: str = ""
+    dissipative: bool = True
+
+    @property
+    def frictionless(self) -> bool:
+        """Whether there is no code for it in the loop."""
+        return self.constants is NoneType
+
+
+FRICTION_LAWS: LawRegistry[FrictionLaw] = LawRegistry("friction law")
+"""Friction laws by their names in a scene."""
+
+
+def friction_slope(constants: Any, speed: float) -> float:
+    """Tangential force per normal force while the reaction pulls, the corner sliding at this speed [m/s]."""
+    return FRICTION_LAWS.of(constants).slope(constants, -1.0, speed)
+
+
+class Drag(NamedTuple):
+    """R = -mu |N| sign(v_P), or less where that is enough to stop the corner."""
+
+    coefficient: float
+
+
+def _drag_force(law: Any, normal: float, stopping: float) -> float:
+    limit = law.coefficient * abs(normal)
+    return min(max(stopping, -limit), limit)
+
+
+def _drag_slope(law: Any, normal: float, speed: float) -> float:
+    return -law.coefficient * np.sign(normal) * np.sign(speed)
+
+
+FRICTION_LAWS.register(
+    FrictionLaw(
+        name="drag",
+        constants=Drag,
+        force=_drag_force,
+        slope=_drag_slope,
+        text="Coulomb friction on N's magnitude: mu |N| against the sliding, whichever way the reaction acts "
+        "(Eqs 66-67)",
+        rigid="drag",
+        impulse="normal_impulse_magnitude",
+    )
+)
+
+
+def _no_force(law: Any, normal: float, stopping: float) -> float:
+    return 0.0
+
+
+FRICTION_LAWS.register(
+    FrictionLaw(
+        name="none",
+        constants=NoneType,
+        force=_no_force,
+        slope=_no_force,
+        text="no friction",
+        rigid="none",
+        impulse="normal_impulse",
+    )
+)
+
+
+class Signed(NamedTuple):
+    """R = -mu N sign(v_P): where N < 0 this drives the corner on. Kept to show what the sign does."""
+
+    coefficient: float
+
+
+def _signed_force(law: Any, normal: float, stopping: float) -> float:
+    limit = law.coefficient * normal
+    if limit >= 0.0:
+        return min(max(stopping, -limit), limit)
+    return limit if stopping > 0.0 else -limit
+
+
+def _signed_slope(law: Any, normal: float, speed: float) -> float:
+    return -law.coefficient * np.sign(speed)
+
+
+FRICTION_LAWS.register(
+    FrictionLaw(
+        name="signed",
+        constants=Signed,
+        force=_signed_force,
+        slope=_signed_slope,
+        text="Coulomb friction on N's sign, which here drives the corner on; kept to show what the sign does",
+        rigid="signed",
+        impulse="normal_impulse",
+        dissipative=False,
+    )
+)

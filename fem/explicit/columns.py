@@ -1,0 +1,90 @@
+"""Columns of the history. Each is one object; adding one is adding it here, or in any file that registers it.
+
+The compiled record of an instant has a field for each of the program's own columns; what other columns need is worked
+out from that record and the state, in Python, once a recorded row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from fem.registry import Registry
+
+
+class Measures(NamedTuple):
+    """The compiled record of an instant, SI.
+
+    Angle between side and wall, spin, velocity of the centre of mass; slide and speed of the corner along the wall; the
+    wall's reaction; energies and works; kinetic energy beside rigid motion; impulses of the normal reaction and of its
+    magnitude, which part where the reaction rings through zero; distance of the corner from the wall's line.
+    """
+
+    theta: float
+    omega: float
+    v_gx: float
+    v_gy: float
+    slide: float
+    v_p: float
+    reaction_normal: float
+    reaction_tangential: float
+    kinetic_energy: float
+    strain_energy: float
+    contact_energy: float
+    friction_work: float
+    damping_work: float
+    vibration_energy: float
+    normal_impulse: float
+    normal_impulse_magnitude: float
+    gap: float
+    hourglass_energy: float
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the history.
+
+    name: in `history.csv`. unit: SI. value: number of a record, the state it was taken of and the model; None for the
+    record's own field of that name. symbol, caption: of its plot; without a symbol it is not drawn by itself.
+    """
+
+    name: str
+    unit: str
+    value: Callable[[Measures, Any, Any], float] | None = None
+    symbol: str = ""
+    caption: str = ""
+
+
+COLUMNS: Registry[Column] = Registry("column")
+"""Columns by name, in the order of the history; the record's own come first."""
+
+_UNITS = [
+    "rad",
+    "rad/s",
+    "m/s",
+    "m/s",
+    "m",
+    "m/s",
+    "N",
+    "N",
+    "J",
+    "J",
+    "J",
+    "J",
+    "J",
+    "J",
+    "N.s",
+    "N.s",
+    "m",
+    "J",
+]
+
+for _name, _unit in zip(Measures._fields, _UNITS, strict=True):
+    COLUMNS.register(Column(_name, _unit.replace(".", " ")))
+
+
+def row_of(measures: Measures, state: Any, model: Any) -> tuple[float, ...]:
+    """Values of all columns: the record, then what other columns make of it."""
+    others = [column.value for column in COLUMNS.values() if column.value is not None]
+    return (*measures, *(float(value(measures, state, model)) for value in others))

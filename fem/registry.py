@@ -1,0 +1,152 @@
+"""Registries: what a scene may name, and the one object behind each name.
+
+An extension is one frozen object, registered once, in the file that defines it. Nothing here needs Numba: the kernels
+of a law are plain functions, and `fem.compiled` compiles them when a loop with that law is built.
+"""
+
+from __future__ import annotations
+
+import marshal
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import FunctionType
+from typing import Any, Protocol, TypeVar
+
+
+class Named(Protocol):
+    """Anything with a name: in a scene, a file or a report."""
+
+    @property
+    def name(self) -> str:
+        """The name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Law:
+    """A law of compiled code: fields that are functions of its constants are its kernels.
+
+    constants: a NamedTuple, by whose type the kernels are chosen; the type of None for a law without code. inlined:
+    fields whose kernels must be merged into the loop that calls them. helpers: plain functions that the kernels call.
+    """
+
+    name: str
+    constants: type
+    inlined: tuple[str, ...] = ()
+    helpers: tuple[Callable[..., Any], ...] = ()
+
+
+PACKAGE = Path(__file__).resolve().parent
+
+T = TypeVar("T", bound=Named)
+L = TypeVar("L", bound=Law)
+
+
+class Registry(Mapping[str, T]):
+    """Objects by their names, in the order of registration."""
+
+    def __init__(self, what: str) -> None:
+        self.what, self._entries = what, dict[str, T]()
+
+    def register(self, entry: T) -> T:
+        """Add an object; returns it. Raises ValueError for a name that is taken."""
+        if entry.name in self._entries:
+            raise ValueError(f'the {self.what} "{entry.name}" is registered already')
+        self._entries[entry.name] = entry
+        return entry
+
+    def remove(self, name: str) -> None:
+        """Take an object out again. Raises KeyError for a name that is not there."""
+        del self._entries[name]
+
+    def __getitem__(self, name: str) -> T:
+        return self._entries[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    @property
+    def expected(self) -> str:
+        """The names as a choice: "'a', 'b' or 'c'"."""
+        *others, last = map(repr, self)
+        return f"{', '.join(others)} or {last}" if others else last
+
+
+class LawRegistry(Registry[L]):
+    """Laws of compiled code, by name and by the type of their constants."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(what)
+        self._by_constants = dict[type, L]()
+        _REGISTRIES.append(self)
+
+    def register(self, entry: L) -> L:
+        """Add a law; returns it. Raises ValueError for a name, or a type of constants, that is taken."""
+        if entry.constants in self._by_constants:
+            raise ValueError(f"the {self.what} of {entry.constants.__name__} is registered already")
+        super().register(entry)
+        return self.register_variant(entry)
+
+    def register_variant(self, entry: L) -> L:
+        """Add a law that no scene names: its constants come from another law."""
+        self._by_constants[entry.constants] = entry
+        _tell_watchers(entry)
+        return entry
+
+    def remove(self, name: str) -> None:
+        """Take a law out again."""
+        law = self[name]
+        del self._by_constants[law.constants]
+        super().remove(name)
+        _tell_watchers(law)
+
+    def of(self, constants: object) -> L:
+        """The law that these constants belong to."""
+        return self._by_constants[type(constants)]
+
+    def by_type(self, kind: type | None) -> L | None:
+        """The law with constants of this type, or None."""
+        return self._by_constants.get(kind) if kind else None
+
+    @property
+    def laws(self) -> tuple[L, ...]:
+        """All laws, variants included."""
+        return tuple(self._by_constants.values())
+
+
+_REGISTRIES: list[LawRegistry[Any]] = []
+_WATCHERS: list[Callable[[], None]] = []
+
+
+def watch(told: Callable[[], None]) -> None:
+    """Have this called whenever a law from outside this package is registered or taken out."""
+    _WATCHERS.append(told)
+
+
+def outside_sources() -> tuple[bytes, ...]:
+    """Sources of the laws from outside this package: compiled code depends on them too."""
+    functions = [f for registry in _REGISTRIES for law in registry.laws for f in _outside(law)]
+    return tuple(sorted({_source(function) for function in functions}))
+
+
+def _tell_watchers(law: Law) -> None:
+    for told in _WATCHERS if _outside(law) else ():
+        told()
+
+
+def _outside(law: Law) -> list[FunctionType]:
+    """Kernels and helpers of a law that are written outside this package."""
+    values = (*vars(law).values(), *law.helpers)
+    functions = [value for value in values if isinstance(value, FunctionType)]
+    return [f for f in functions if PACKAGE not in Path(f.__code__.co_filename).resolve().parents]
+
+
+def _source(function: FunctionType) -> bytes:
+    """The file that a function is written in; its bytecode where there is none."""
+    try:
+        return Path(function.__code__.co_filename).read_bytes()
+    except OSError:
+        return marshal.dumps(function.__code__)

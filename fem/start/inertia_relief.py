@@ -1,0 +1,153 @@
+"""Inertia relief: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
+constraint already carrying the reaction, and the slow change of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.discretisation.model import PlateModel
+from fem.start.elastic import elastic_solver, rigid_motions
+from fem.start.rigid_state import (
+    RigidStart,
+    at_corner,
+    corner_gap,
+    inertia_load,
+    rigid_accelerations,
+    to_global,
+)
+
+
+class TooSoftError(ValueError):
+    """The plate has no quasi-static elastic state: it finds no equilibrium under its reaction."""
+
+
+SMALL = 1e-5
+"""Elastic displacement over the plate's length below which what is not linear in it is rounding."""
+
+FOLLOWS = 0.1
+"""Lag by damping over the elastic displacement up to which the plate is taken to follow its loads with that lag."""
+
+CORRECTIONS = 2
+"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the deflection ratio's
+share."""
+
+
+class ElasticFields(NamedTuple):
+    """A start by inertia relief beside the corner's rigid motion: elastic displacement [m] and its rate [m/s] in the
+    body frame, shape (2, nodes), both zero at the corner; the corner's gap [m] and its rate [m/s]."""
+
+    elastic: np.ndarray
+    rate: np.ndarray
+    gap: float
+    gap_rate: float
+
+
+def relieved_fields(model: PlateModel, start: RigidStart) -> ElasticFields:
+    """The start by inertia relief in the body frame."""
+    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
+    solve = elastic_solver(model.stiffness, model.loop.mass, body)
+    return _changing(model, start, body, lambda *now: _elastic(model, solve, body, *now))
+
+
+def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticFields:
+    """The fields of inertia relief; of a plate that deforms visibly, in equilibrium on its deformed shape."""
+    fields = linear = relieved_fields(model, start)
+
+    def at(angle: float, omega: float, speed: float) -> tuple[np.ndarray, float]:
+        return _in_equilibrium(model, body, linear, RigidStart(angle, omega, speed))
+
+    if np.abs(linear.elastic).max() >= SMALL * np.ptp(body):
+        fields = _changing(model, start, body, at)
+    behind = lag_by_damping(model, fields.rate)
+    behind = behind - at_corner(model, behind)
+    if np.abs(behind).max() > FOLLOWS * np.abs(fields.elastic).max():
+        return fields  # it is damped too strongly to follow its loads
+    return fields._replace(elastic=fields.elastic + behind)
+
+
+def relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    """The fields of inertia relief, and the spin [rad/s] and corner speed [m/s] that give the rigid body's momentum.
+
+    The elastic state goes with the spin that it is to have, and is found again for it.
+    """
+    share, turn = model.loop.mass / model.mass, to_global(start.angle)
+    arm = turn @ (body @ share)
+    wanted = np.array([start.corner_speed - start.omega * arm[1], start.omega * arm[0]])
+    kept = start
+    for _ in range(CORRECTIONS):
+        fields = relieved(model, kept, body)
+        elastic, rate, _, gap_rate = fields
+        arm, drift = turn @ ((body + elastic) @ share), turn @ (rate @ share)
+        spin = (wanted[1] - drift[1] - gap_rate) / arm[0]
+        kept = RigidStart(start.angle, float(spin), float(wanted[0] - drift[0] + spin * arm[1]))
+    return (*fields, kept.omega, kept.corner_speed)
+
+
+def lag_by_damping(model: PlateModel, rate: np.ndarray) -> np.ndarray:
+    """Displacement [m] by which the damping of elastic velocities makes the elastic state lag behind, free of rigid
+    motion, shape (2, nodes); rate: of the elastic state [m/s], body frame."""
+    damping = model.loop.elastic_damping
+    if damping is None:
+        return np.zeros_like(rate)
+    masses, positions = model.loop.mass, model.discretisation.positions
+    rigid = rigid_motions(positions - (positions @ masses / masses.sum())[:, None])
+    weighted = rigid * np.tile(masses, 2)[:, None]
+    elastic = rate.ravel() - rigid @ np.linalg.solve(rigid.T @ weighted, weighted.T @ rate.ravel())
+    load = -damping.rate * np.tile(masses, 2) * elastic
+    return elastic_solver(model.stiffness, masses, positions)(load).reshape(2, -1)
+
+
+def _changing(
+    model: PlateModel,
+    start: RigidStart,
+    body: np.ndarray,
+    at: Callable[[float, float, float], tuple[np.ndarray, float]],
+) -> ElasticFields:
+    """The fields of a state that follows angle, spin and corner speed: `at` gives displacement and gap for them."""
+    now = rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
+    span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
+
+    def after(time: float) -> tuple[np.ndarray, float]:
+        angle = start.angle - start.omega * time - 0.5 * now.angular * time**2
+        return at(angle, start.omega + now.angular * time, start.corner_speed)
+
+    (elastic, gap), (late, late_gap), (early, early_gap) = after(0.0), after(span), after(-span)
+    return ElasticFields(elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span))
+
+
+def _elastic(
+    model: PlateModel, solve: Any, body: np.ndarray, angle: float, omega: float, speed: float
+) -> tuple[np.ndarray, float]:
+    """Elastic displacement relative to the corner [m], body frame, and the corner's gap [m]; linear."""
+    load, normal = inertia_load(model, body, RigidStart(angle, omega, speed))
+    displacement = solve(load.ravel()).reshape(2, -1)
+    return displacement - at_corner(model, displacement), corner_gap(model, normal)
+
+
+def _in_equilibrium(
+    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
+) -> tuple[np.ndarray, float]:
+    """The same in equilibrium on the deformed shape, its best rigid rotation none. Raises TooSoftError."""
+    from fem.start.finite_strain import equilibrium
+
+    def load_at(place: np.ndarray) -> np.ndarray:
+        return inertia_load(model, place - at_corner(model, place), start)[0]
+
+    try:
+        place = equilibrium(model, body + linear.elastic, load_at)
+    except ValueError as error:  # Newton's method fails, or on its way the wall's reaction pushes
+        raise TooSoftError(str(error)) from None
+    place = _unturned(model, body, place - at_corner(model, place))
+    return place - body, corner_gap(model, inertia_load(model, place, start)[1])
+
+
+def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """The positions turned about the corner so that the body fits them best without a rotation."""
+    share = model.loop.mass / model.mass
+    x, y = place - (place @ share)[:, None]
+    r_x, r_y = (body - (body @ share)[:, None]) * share
+    turned = np.arctan2((r_x * y - r_y * x).sum(), (r_x * x + r_y * y).sum())
+    return to_global(float(turned)) @ place

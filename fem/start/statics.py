@@ -1,0 +1,30 @@
+"""What the elastic state at the start says by statics alone: deflection, lag by damping, energy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.discretisation.model import PlateModel
+from fem.start.inertia_relief import lag_by_damping, relieved_fields
+from fem.start.rigid_state import RigidStart, at_corner, to_global
+
+
+def static_deflection(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
+    fields = relieved_fields(model, start)
+    moved = (to_global(start.angle) @ fields.elastic)[1] + fields.gap
+    return -float(model.loop.mass @ moved / model.mass)
+
+
+def damping_lag(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the damping of elastic velocities holds back the corner in the slow change of the elastic state."""
+    behind = lag_by_damping(model, relieved_fields(model, start).rate)
+    return float(np.abs(at_corner(model, behind)).max())
+
+
+def elastic_energy(model: PlateModel, start: RigidStart) -> float:
+    """Energy [J] of the elastic state at the start by inertia relief, that of the corner's constraint included."""
+    fields = relieved_fields(model, start)
+    displacement = fields.elastic.ravel()
+    spring = model.loop.corner.spring
+    return float(0.5 * (displacement @ (model.stiffness @ displacement) + spring * fields.gap**2))

@@ -1,0 +1,132 @@
+"""What a check is: a kind, registered once with its name, judgement and advice, and its outcome for a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from postprocess.comparison.metrics import Metrics, compare_histories
+from tailslap.verification.numerical_error import NumericalError, SecondRun, numerical_error
+from tailslap.verification.ringing import friction_by_ringing
+
+if TYPE_CHECKING:
+    from fem.contact.friction import FrictionLaw
+    from fem.explicit.simulate import Run
+    from tailslap.planning.fe_plan import FePlan
+
+Columns = Mapping[str, np.ndarray]
+
+FINER = "refine plate.elements, or leave plate.elements and plate.element out"
+STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
+CALMER = "leave damping.kind out, or give damping.rate"
+STEP = "a smaller time.safety_factor"
+SOFT = "a stiffer plate: it is softer than the theory of this start allows"
+ROUGH = f"{CALMER}; leave the corner's spring out"
+"""Advice that several checks share."""
+
+COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
+"""Histories that are compared with the rigid motion's."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """The outcome of a check: its value, the limit it was held to, whether it passed, and what it guards against."""
+
+    name: str
+    value: float
+    limit: float
+    passed: bool
+    meaning: str = ""
+
+    @classmethod
+    def at_most(cls, name: str, value: float, limit: float, meaning: str) -> Check:
+        """A check that passes where the value is a finite number and not above the limit."""
+        return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a run is judged by: plan and run, the rigid histories at the run's instants, differences of the five
+    quantities, empty where it came to no answer, and a second run on another mesh, if there was one."""
+
+    fe_plan: FePlan
+    run: Run
+    rigid: Columns
+    differences: Mapping[str, float]
+    second: SecondRun | None = None
+
+    @property
+    def history(self) -> Columns:
+        """The run's history."""
+        return self.run.history
+
+    @property
+    def relieved(self) -> bool:
+        """Whether the plate starts by inertia relief."""
+        return self.fe_plan.plate.start != "unstressed"
+
+    @property
+    def friction(self) -> FrictionLaw:
+        """The friction law of the scene."""
+        from fem.contact.friction import FRICTION_LAWS
+
+        return FRICTION_LAWS[self.fe_plan.plan.scene.corner.reaction]
+
+    @cached_property
+    def ringing(self) -> float:
+        """Friction by ringing at the end of the run."""
+        return friction_by_ringing(self.fe_plan, {name: float(c[-1]) for name, c in self.history.items()})
+
+    @cached_property
+    def error(self) -> NumericalError:
+        """The run's numerical error."""
+        return numerical_error(self.fe_plan, self.differences, self.ringing, self.second)
+
+    @cached_property
+    def metrics(self) -> dict[str, Metrics]:
+        """Metrics of each compared history while the rigid solution is known."""
+        return history_metrics(self.history, self.rigid)
+
+
+class Judgement(NamedTuple):
+    """Value, the limit that it may reach, and what both are."""
+
+    value: float
+    limit: float
+    meaning: str
+
+
+@dataclass(frozen=True)
+class CheckKind:
+    """A check.
+
+    judge: its judgement of the evidence, None where it does not apply. advice: what could be changed in a scene whose
+    run fails it. shows_ringing: whether a run that rings fails it. of_reaction: whether a reaction that rings can fail
+    it while the five quantities are right.
+    """
+
+    name: str
+    judge: Callable[[Evidence], Judgement | None]
+    advice: str
+    shows_ringing: bool = False
+    of_reaction: bool = False
+
+    def outcome(self, evidence: Evidence) -> Check | None:
+        """The check of this run, or None where it does not apply."""
+        judged = self.judge(evidence)
+        return judged and Check.at_most(self.name, *judged)
+
+
+def history_metrics(history: Columns, rigid: Columns) -> dict[str, Metrics]:
+    """Metrics of each compared history while the rigid solution is known."""
+    known = np.isfinite(rigid["v_gx"])
+    instants = history["t"][known]
+    return {
+        name: compare_histories(instants, history[name][known], rigid[name][known])
+        for name in COMPARED_HISTORIES
+    }
