@@ -7,7 +7,7 @@ of a law are plain functions, and `fem.compiled` compiles them when a loop with 
 from __future__ import annotations
 
 import marshal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import FunctionType
@@ -28,12 +28,14 @@ class Law:
 
     constants: a NamedTuple, by whose type the kernels are chosen; the type of None for a law without code. inlined:
     fields whose kernels must be merged into the loop that calls them. helpers: plain functions that the kernels call.
+    variants: the same law with other constants, which no scene names.
     """
 
     name: str
     constants: type
     inlined: tuple[str, ...] = ()
     helpers: tuple[Callable[..., Any], ...] = ()
+    variants: tuple[Any, ...] = ()
 
 
 PACKAGE = Path(__file__).resolve().parent
@@ -42,31 +44,23 @@ T = TypeVar("T", bound=Named)
 L = TypeVar("L", bound=Law)
 
 
-class Registry(Mapping[str, T]):
+class Registry(dict[str, T]):
     """Objects by their names, in the order of registration."""
 
     def __init__(self, what: str) -> None:
-        self.what, self._entries = what, dict[str, T]()
+        super().__init__()
+        self.what = what
 
     def register(self, entry: T) -> T:
         """Add an object; returns it. Raises ValueError for a name that is taken."""
-        if entry.name in self._entries:
+        if entry.name in self:
             raise ValueError(f'the {self.what} "{entry.name}" is registered already')
-        self._entries[entry.name] = entry
+        self[entry.name] = entry
         return entry
 
-    def remove(self, name: str) -> None:
+    def remove(self, name: str) -> T:
         """Take an object out again. Raises KeyError for a name that is not there."""
-        del self._entries[name]
-
-    def __getitem__(self, name: str) -> T:
-        return self._entries[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._entries)
-
-    def __len__(self) -> int:
-        return len(self._entries)
+        return self.pop(name)
 
     @property
     def expected(self) -> str:
@@ -80,41 +74,38 @@ class LawRegistry(Registry[L]):
 
     def __init__(self, what: str) -> None:
         super().__init__(what)
-        self._by_constants = dict[type, L]()
         _REGISTRIES.append(self)
 
     def register(self, entry: L) -> L:
         """Add a law; returns it. Raises ValueError for a name, or a type of constants, that is taken."""
-        if entry.constants in self._by_constants:
+        if self.by_type(entry.constants):
             raise ValueError(f"the {self.what} of {entry.constants.__name__} is registered already")
         super().register(entry)
-        return self.register_variant(entry)
-
-    def register_variant(self, entry: L) -> L:
-        """Add a law that no scene names: its constants come from another law."""
-        self._by_constants[entry.constants] = entry
         _tell_watchers(entry)
         return entry
 
-    def remove(self, name: str) -> None:
-        """Take a law out again."""
-        law = self[name]
-        del self._by_constants[law.constants]
-        super().remove(name)
+    def remove(self, name: str) -> L:
+        """Take a law out again. Raises KeyError for a name that is not there."""
+        law = super().remove(name)
         _tell_watchers(law)
+        return law
 
     def of(self, constants: object) -> L:
-        """The law that these constants belong to."""
-        return self._by_constants[type(constants)]
+        """The law that these constants belong to. Raises TypeError for constants of none."""
+        law = self.by_type(type(constants))
+        if law is None:
+            raise TypeError(f"no {self.what} has constants of {type(constants).__name__}")
+        return law
 
     def by_type(self, kind: type | None) -> L | None:
         """The law with constants of this type, or None."""
-        return self._by_constants.get(kind) if kind else None
+        return next((law for law in self.laws if law.constants is kind), None)
 
     @property
-    def laws(self) -> tuple[L, ...]:
+    def laws(self) -> Iterator[L]:
         """All laws, variants included."""
-        return tuple(self._by_constants.values())
+        for law in self.values():
+            yield from (law, *law.variants)
 
 
 _REGISTRIES: list[LawRegistry[Any]] = []
@@ -128,7 +119,7 @@ def watch(told: Callable[[], None]) -> None:
 
 def outside_sources() -> tuple[bytes, ...]:
     """Sources of the laws from outside this package: compiled code depends on them too."""
-    functions = [f for registry in _REGISTRIES for law in registry.laws for f in _outside(law)]
+    functions = [f for registry in _REGISTRIES for law in registry.values() for f in _outside(law)]
     return tuple(sorted({_source(function) for function in functions}))
 
 
@@ -139,7 +130,7 @@ def _tell_watchers(law: Law) -> None:
 
 def _outside(law: Law) -> list[FunctionType]:
     """Kernels and helpers of a law that are written outside this package."""
-    values = (*vars(law).values(), *law.helpers)
+    values = [value for each in (law, *law.variants) for value in (*vars(each).values(), *each.helpers)]
     functions = [value for value in values if isinstance(value, FunctionType)]
     return [f for f in functions if PACKAGE not in Path(f.__code__.co_filename).resolve().parents]
 

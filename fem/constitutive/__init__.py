@@ -1,1 +1,14 @@
-"""Materials: stress and energy density from the deformation gradient."""
+"""Materials: stress and energy density from strain.
+
+`materials` registers them, each with its constants and two plain functions; `stress` is what compiled loops call.
+"""
+
+from fem.lazy import lazily
+
+__all__, __getattr__ = lazily(
+    __name__,
+    {
+        "materials": "MATERIALS Material neo_hookean st_venant_kirchhoff",
+        "stress": "energy_density",
+    },
+)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from fem.registry import Law, LawRegistry
@@ -88,35 +88,24 @@ def _spring_energy(constants: Any, gap: float) -> float:
     return 0.5 * constants.stiffness * gap * gap
 
 
-def _spring_stiffness(constants: Any) -> float:
-    return constants.stiffness
-
-
-PENALTY = CONSTRAINTS.register(
-    Constraint(
-        name="penalty",
-        constants=Penalty,
-        make=penalty,
-        forces=_spring,
-        energy=_spring_energy,
-        stiffness=_spring_stiffness,
-        text="a penalty spring",
-        keys=("penalty_scale", "damping_ratio"),
-    )
+_PENALTY = Constraint(
+    name="penalty",
+    constants=Penalty,
+    make=penalty,
+    forces=_spring,
+    energy=_spring_energy,
+    stiffness=lambda constants: constants.stiffness,
+    text="a penalty spring",
+    keys=("penalty_scale", "damping_ratio"),
 )
-CONSTRAINTS.register_variant(
-    Constraint(
-        name="penalty",
-        constants=DampedPenalty,
-        make=penalty,
-        forces=_spring_and_dashpot,
-        energy=_spring_energy,
-        stiffness=_spring_stiffness,
-        damping=lambda constants: constants.damping,
-        text="a penalty spring with a dashpot",
-        keys=("penalty_scale", "damping_ratio"),
-    )
+_DAMPED = replace(
+    _PENALTY,
+    constants=DampedPenalty,
+    forces=_spring_and_dashpot,
+    damping=lambda constants: constants.damping,
+    text="a penalty spring with a dashpot",
 )
+CONSTRAINTS.register(replace(_PENALTY, variants=(_DAMPED,)))
 
 
 class Exact(NamedTuple):

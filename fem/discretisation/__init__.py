@@ -1,1 +1,18 @@
-"""Space: element tables from scikit-fem, masses, the plate as the time loop takes it, its largest stable step."""
+"""Space: the plate as the time loop takes it, from a mesh and its properties.
+
+`properties` says what a model is made from and what is wrong where none can be made, `element_kinds` registers the
+elements, `elements` draws their tables from scikit-fem, `mass` lumps masses with the exact inertia, `stiffness` finds
+the largest stable step, `model` puts them together, and `fields` carries results to nodes for pictures.
+"""
+
+from fem.lazy import lazily
+
+__all__, __getattr__ = lazily(
+    __name__,
+    {
+        "element_kinds": "ELEMENT_KINDS ElementKind",
+        "elements": "Discretisation discretise",
+        "model": "PlateModel build_model",
+        "properties": "CornerProperties ModelError PlateProperties StepProperties",
+    },
+)

@@ -159,8 +159,9 @@ def measure_state(place, speed, model):
     v_x, v_y = speed[0] - cosine * sdot_x + sine * sdot_y, speed[1] - sine * sdot_x - cosine * sdot_y
 
     # E = T + sum W^2 q^2 / 2 + F.Z F / 2 + 2 w^2 d.F + 3/2 w^4 kappa + N^2 / (2 k)
-    zf_x, zf_y = wall.z_xx * r + wall.z_xy * n, wall.z_xy * r + wall.z_yy * n
     energy += 0.5 * (model.mass * (v_x * v_x + v_y * v_y) + j * ww) + w * q_gqdot
+    zf_x = wall.z_xx * r + wall.z_xy * n
+    zf_y = wall.z_xy * r + wall.z_yy * n
     energy += 0.5 * (zf_x * r + zf_y * n + model.compliance * n * n)
     df = wall.d_x * r + wall.d_y * n
     energy += ww * (2.0 * df + 1.5 * ww * kappa)
