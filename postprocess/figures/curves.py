@@ -37,17 +37,20 @@ class Sheet:
     axes: tuple["Axes", ...]
 
 
-def draw_histories(fe: History, rigid: History) -> tuple[Curve, ...]:
+def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[Curve, ...]:
     """The plots of all known columns that the FE history has: motion first, then reaction, then energy.
 
     fe, rigid: column name -> values of shape (n,), SI, each with its instants "t" [s]; the rigid ones are
     interpolated to the instants of the FE run. A compared column that `rigid` lacks is not drawn.
+    more: plots beside those of `panels`.
     """
     both = {*fe} & {*rigid}
     with style(), np.errstate(all="ignore"):
         double, single = make_sheet((0.42, 0.48), (0.16, 0.2)), make_sheet((0.16, 0.74))
         compared = [_draw_compared(double, panel, fe, rigid) for panel in COMPARED if panel.name in both]
-        ledger = [_draw_ledger(single, panel, fe) for panel in LEDGER if {*fe} & {*dict(panel.columns)}]
+        ledger = [
+            _draw_ledger(single, panel, fe) for panel in (*LEDGER, *more) if {*fe} & {*dict(panel.columns)}
+        ]
     return (*compared, *ledger)
 
 

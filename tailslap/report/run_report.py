@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fem.explicit.columns import COLUMNS
 from postprocess.comparison.comparison import (
     PAPER_SOURCE,
     PAPER_TABLE_3,
@@ -12,6 +13,7 @@ from postprocess.comparison.comparison import (
     largest,
 )
 from postprocess.figures.curves import draw_histories
+from postprocess.figures.panels import Panel
 from postprocess.report.numbers import number, shown
 from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report
@@ -147,7 +149,7 @@ def sections(outcome: Outcome, pictures: bool) -> list[Section]:
 
 
 def _curves(outcome: Outcome) -> list[Section]:
-    curves = draw_histories(outcome.fe_history, outcome.rigid_history)
+    curves = draw_histories(outcome.fe_history, outcome.rigid_history, _panels())
     groups = dict.fromkeys(curve.group for curve in curves)
     return [Section(group, figures=[c for c in curves if c.group == group]) for group in groups]
 
@@ -172,3 +174,12 @@ def _terminal(outcome: Outcome) -> list[Table | str]:
         f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s, pictures "
         f"{outcome.pictures_s:.2f} s",
     ]
+
+
+def _panels() -> tuple[Panel, ...]:
+    """Plots of the columns that bring one of their own."""
+    drawn = [column for column in COLUMNS.values() if column.symbol]
+    return tuple(
+        Panel(each.name, ((each.name, each.name),), each.symbol, each.unit, "Further columns", each.caption)
+        for each in drawn
+    )

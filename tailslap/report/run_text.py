@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fem.constitutive.materials import MATERIALS
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from tailslap.planning.plan import Plan, other_convention
@@ -16,6 +17,7 @@ def statements(outcome: Outcome) -> tuple[str, ...]:
     made = [
         _picked(outcome),
         _constraint(plan),
+        _material(plan),
         _pull(outcome),
         _plate_mass(outcome),
         *_chosen(outcome),
@@ -59,6 +61,11 @@ def _constraint(plan: Plan) -> str:
         f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
         f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.'
     )
+
+
+def _material(plan: Plan) -> str:
+    material = plan.scene.material
+    return f"The plate's material: {MATERIALS[material.law].text}." if material else ""
 
 
 def _pull(outcome: Outcome) -> str:

@@ -11,8 +11,9 @@ from fem.constitutive.materials import st_venant_kirchhoff
 from fem.discretisation.elements import ElementTable, discretise
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.explicit.measures import _strain_energy
+from fem.explicit.simd_blocks import BLOCK_SIZE
 from fem.start.rigid_state import to_global
-from meshes import plate_mesh
+from meshes import distorted, plate_mesh
 
 pytestmark = pytest.mark.verification
 
@@ -99,13 +100,32 @@ def test_forces_are_the_gradient_of_the_energy(discretisation: Any) -> None:
 
 
 def test_a_partly_filled_block_gives_what_full_blocks_give() -> None:
-    """37 elements are one block and five lanes: stretched alike, they carry what one element carries."""
-    many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (37, 1))
+    """Two full blocks and five elements beside: stretched alike, every element carries what one alone carries."""
+    count = 2 * BLOCK_SIZE + 5
+    many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (count, 1))
     stretch = np.diag([1.001, 1.0])
     ends = [
         internal_forces(d.table, stretch @ d.positions)[0][0][d.positions[0] > -0.01] for d in (many, one)
     ]
     np.testing.assert_allclose(np.sort(ends[0]), np.sort(ends[1]), rtol=1e-10)
+
+
+def test_every_block_counts() -> None:
+    """A distorted mesh of two full blocks and a rest: its forces are the sum of those of each element alone."""
+    mesh = distorted(plate_mesh(10.0, 2.438, (19, 7)), 0.2, (19, 7))
+    d = discretise(mesh, THICKNESS)
+    assert d.table.connectivity.shape[1] == 2 * BLOCK_SIZE + 5
+    positions = d.positions + np.random.default_rng(7).normal(0.0, 1e-3, d.positions.shape)
+    forces, _ = internal_forces(d.table, positions)
+    expected = np.zeros_like(forces)
+    for element in range(d.table.connectivity.shape[1]):
+        alone = d.table._replace(
+            connectivity=np.ascontiguousarray(d.table.connectivity[:, element : element + 1]),
+            gradients=np.ascontiguousarray(d.table.gradients[:, element : element + 1]),
+            weights=np.ascontiguousarray(d.table.weights[:, element : element + 1]),
+        )
+        expected += internal_forces(alone, positions)[0]
+    np.testing.assert_allclose(forces, expected, atol=1e-12 * np.abs(forces).max(), rtol=0.0)
 
 
 def test_rigid_rotation_dissipates_nothing(discretisation: Any) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures.curves import draw_histories, power_of_ten, thinned
-from postprocess.figures.style import Curve
+from postprocess.figures.style import FE, Curve
 
 pytestmark = pytest.mark.verification
 
@@ -131,11 +131,24 @@ def test_rigid_history_at_other_instants() -> None:
 
 
 def test_a_run_that_went_wrong_is_still_drawn() -> None:
+    """Its other plots are as they were; of the broken column the part before, and where it goes if that is finite."""
     fe, rigid = histories(900)
-    for bad in (np.nan, np.inf, 1e300):
-        fe["omega"] = np.where(fe["t"] > 0.2, bad, fe["omega"])
-        for curve in draw_histories(fe, rigid):
-            ElementTree.fromstring(curve.svg)
+    good = {curve.name: curve for curve in draw_histories(fe, rigid)}
+    for bad, points, shown in ((np.nan, 150, ""), (np.inf, 150, ""), (1e300, 2, "1e300")):
+        broken = fe | {"omega": np.where(fe["t"] > 0.2, bad, fe["omega"])}
+        found = {curve.name: curve for curve in draw_histories(broken, rigid)}
+        omega = found["omega"]
+        assert found | {"omega": good["omega"]} == good
+        assert points <= vertices(omega) < vertices(good["omega"])
+        assert any(shown in words for words in texts(omega))
+
+
+def vertices(curve: Curve) -> int:
+    """Of the line of the FE history."""
+    paths = [
+        path for path in ElementTree.fromstring(curve.svg).iter(SVG + "path") if FE in path.get("style", "")
+    ]
+    return sum(path.get("d", "").count("L") for path in paths)
 
 
 def test_equal_input_gives_equal_text_and_leaves_the_settings_alone() -> None:

@@ -1,0 +1,15 @@
+"""A column from outside: the mean height of the plate's nodes above the wall's line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fem import COLUMNS, Column
+
+
+def height(measures: Any, state: Any, model: Any) -> float:
+    return float(state.positions[1].mean())
+
+
+COLUMN = Column("height", "m", height, symbol="y", caption="Mean height of the nodes above the wall")
+COLUMNS.register(COLUMN)

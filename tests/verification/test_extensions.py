@@ -1,0 +1,173 @@
+"""Verification: what is added from outside the packages, each in one file, goes through a run to the report."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem import COLUMNS, CONSTRAINTS, ELEMENT_KINDS, FRICTION_LAWS, MATERIALS
+from fem.compiled import cache_folder
+from fem.registry import Registry
+from postprocess.report.report import write_report
+from solver import REACTIONS
+from tailslap.errors import InputError
+from tailslap.planning.plan import make_plan
+from tailslap.report.run_report import run_report
+from tailslap.run import Outcome, run_scene
+from tailslap.scene.files import read_scene
+from tailslap.verification.checks import CHECKS, advice
+
+pytestmark = pytest.mark.verification
+
+FOLDER = Path(__file__).parents[1] / "extensions"
+ADDED: dict[str, tuple[Registry[Any], str]] = {
+    "smoothed_friction": (FRICTION_LAWS, "smoothed"),
+    "cubic_constraint": (CONSTRAINTS, "cubic"),
+    "hardening_material": (MATERIALS, "hardening"),
+    "height_column": (COLUMNS, "height"),
+    "rise_check": (CHECKS, "rise"),
+}
+"""File, and what it registers under which name."""
+
+SCENE = ("corner.reaction=smoothed", "corner.constraint=cubic", "material.law=hardening")
+
+
+def load(name: str) -> ModuleType:
+    """Import a file as a module of its own, as a user's script would."""
+    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    sys.modules[name] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def registered() -> Iterator[None]:
+    for name in ADDED:
+        load(name)
+    yield
+    for registry, name in ADDED.values():
+        registry.remove(name)
+
+
+@pytest.fixture(scope="module")
+def result(registered: None) -> Outcome:
+    return run_scene(make_plan(*read_scene("paper-table-3", SCENE)))
+
+
+@pytest.fixture(scope="module")
+def folder(result: Outcome, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("results")
+    write_report(run_report(result, pictures=False), place)
+    return place
+
+
+def test_a_run_with_all_of_them_is_right(result: Outcome) -> None:
+    """Each is built to change next to nothing: the motion is the rigid one, and every check passes."""
+    assert [check.name for check in result.checks if not check.passed] == []
+    assert max(map(abs, result.difference.values())) < 1e-3
+
+
+def test_the_loop_is_made_of_them(result: Outcome) -> None:
+    loop = result.fe_plan.model.loop
+    kinds = [type(part).__name__ for part in (loop.friction, loop.corner.constraint, loop.material)]
+    assert kinds == ["Smoothed", "Cubic", "Hardening"]
+    history = result.run.history
+    limit = 0.47 * np.sqrt(history["reaction_normal"] ** 2 + 1.0)
+    np.testing.assert_allclose(np.abs(history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
+
+
+def test_its_energies_are_in_the_ledger(result: Outcome) -> None:
+    history, constraint = result.run.history, result.fe_plan.model.loop.corner.constraint
+    gap = history["gap"][:-1]
+    energy = 0.5 * constraint.stiffness * gap**2 * (1.0 + 0.5 * gap**2)
+    np.testing.assert_allclose(history["contact_energy"][:-1], energy, rtol=1e-12)
+
+
+def test_the_files_and_the_page_show_them(result: Outcome, folder: Path) -> None:
+    with (folder / "history.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    recorded = [float(row["height"]) for row in rows]
+    np.testing.assert_array_equal(recorded, result.run.history["height"])
+    assert result.run.strike is not None
+    assert recorded[-1] == pytest.approx(result.run.strike.positions[1].mean(), rel=1e-12)
+    summary = json.loads((folder / "summary.json").read_text())
+    assert {"name": "rise", "passed": True}.items() <= next(
+        check for check in summary["checks"] if check["name"] == "rise"
+    ).items()
+    page = (folder / "report.html").read_text()
+    texts = (
+        "smoothed Coulomb friction",
+        "a spring that hardens",
+        "a plate that hardens",
+        "largest rise of the plate",
+    )
+    assert [text for text in (*texts, "Mean height of the nodes above the wall") if text not in page] == []
+
+
+def test_a_check_from_outside_can_fail(result: Outcome) -> None:
+    from tailslap.verification.checks import run_checks
+
+    history = result.run.history | {"height": -result.run.history["height"]}
+    run = replace(result.run, history=history)
+    checks = run_checks(result.fe_plan, run, result.rigid_history, result.difference)
+    assert [check.name for check in checks if not check.passed] == ["rise"]
+    assert advice(["rise"]) == "less of everything"
+
+
+def test_a_law_that_is_taken_out_is_unknown(registered: None) -> None:
+    """To scenes, and to the machine code, which lies in a folder of its own with laws from outside."""
+    with_it, law = cache_folder(), FRICTION_LAWS.remove("smoothed")
+    try:
+        assert cache_folder() != with_it
+        with pytest.raises(InputError, match=r"'drag', 'none' or 'signed'$"):
+            read_scene("paper-table-3", ("corner.reaction=smoothed",))
+    finally:
+        FRICTION_LAWS.register(law)
+    assert cache_folder() == with_it
+
+
+@pytest.mark.parametrize("name", ADDED)
+def test_a_name_is_registered_once(registered: None, name: str) -> None:
+    registry, key = ADDED[name]
+    with pytest.raises(ValueError, match="is registered already"):
+        registry.register(registry[key])
+
+
+def test_two_laws_may_not_share_their_constants(registered: None) -> None:
+    with pytest.raises(ValueError, match="the friction law of Smoothed is registered already"):
+        FRICTION_LAWS.register(replace(FRICTION_LAWS["smoothed"], name="another"))
+    assert "another" not in FRICTION_LAWS
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "registry"),
+    [
+        ("corner.reaction=sticky", "corner.reaction", FRICTION_LAWS),
+        ("corner.constraint=sticky", "corner.constraint", CONSTRAINTS),
+        ("material.law=sticky", "material.law", MATERIALS),
+        ("plate.element=sticky", "plate.element", ELEMENT_KINDS),
+    ],
+)
+def test_a_scene_names_what_is_registered_and_nothing_else(
+    registered: None, change: str, key: str, registry: Registry[Any]
+) -> None:
+    with pytest.raises(InputError) as caught:
+        read_scene("paper-table-3", (change,))
+    assert caught.value.key == key
+    assert [name for name in registry if repr(name) not in str(caught.value)] == []
+
+
+def test_every_law_names_a_reaction_of_the_rigid_theory() -> None:
+    assert {law.rigid for law in FRICTION_LAWS.values()} <= set(REACTIONS)
