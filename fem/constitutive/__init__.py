@@ -8,7 +8,6 @@ from fem.lazy import lazily
 __all__, __getattr__ = lazily(
     __name__,
     {
-        "materials": "MATERIALS Material neo_hookean st_venant_kirchhoff",
-        "stress": "energy_density",
+        "materials": "MATERIALS Material",
     },
 )

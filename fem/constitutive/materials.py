@@ -17,11 +17,28 @@ from fem.registry import Law, LawRegistry
 
 @dataclass(frozen=True, kw_only=True)
 class Material(Law):
-    """A material.
+    """A material; strains are Green's, 11, 22 and twice 12.
 
-    make: its constants from Young's modulus [Pa] and Poisson's ratio. stress: kernel (constants, e_11, e_22, g_12) ->
-    second Piola-Kirchhoff stress [Pa] (11, 22, 12). energy_density: kernel of the same -> energy per reference volume
-    [J/m^3]. text: what it is, for reports.
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    constants : type
+        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
+    inlined : tuple of str
+        Fields whose kernels must be merged into the loop that calls them.
+    helpers : tuple of callable
+        Plain functions that the kernels call.
+    variants : tuple
+        The same law with other constants, which no scene names.
+    make : callable
+        Constants from Young's modulus [Pa] and Poisson's ratio.
+    stress : callable
+        Kernel (constants, e_11, e_22, g_12) -> second Piola-Kirchhoff stress [Pa], 11, 22 and 12.
+    energy_density : callable
+        Kernel of the same arguments -> energy per reference volume [J/m^3].
+    text : str
+        What it is, for reports.
     """
 
     make: Callable[[float, float], Any]

@@ -10,8 +10,6 @@ __all__, __getattr__ = lazily(
     __name__,
     {
         "constraints": "CONSTRAINTS Constraint ConstraintInput",
-        "corner": "Corner",
-        "friction": "FRICTION_LAWS FrictionLaw friction_slope",
-        "support_patch": "corner_weights",
+        "friction": "FRICTION_LAWS FrictionLaw",
     },
 )

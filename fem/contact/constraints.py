@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from fem.registry import Law, LawRegistry
@@ -17,8 +17,21 @@ from fem.registry import Law, LawRegistry
 
 @dataclass(frozen=True)
 class ConstraintInput:
-    """What a constraint's constants are made from: Young's modulus [Pa] and thickness [m] of the plate, the corner's
-    mobility [1/kg], and the scene's multiple of the program's stiffness and share of critical damping."""
+    """What a constraint's constants are made from.
+
+    Attributes
+    ----------
+    youngs_modulus : float
+        Of the plate [Pa].
+    thickness : float
+        Of the plate [m].
+    mobility : float
+        Sum of weight^2 / mass over the corner's nodes [1/kg].
+    penalty_scale : float
+        Multiple of the program's stiffness [-].
+    damping_ratio : float
+        Of the dashpot, to critical [-].
+    """
 
     youngs_modulus: float
     thickness: float
@@ -31,19 +44,43 @@ class ConstraintInput:
 class Constraint(Law):
     """A constraint of the corner.
 
-    make: its constants. forces: kernel (constants, gap, rate, closing) -> normal force of spring and of dashpot [N].
-    energy: kernel (constants, gap) -> energy [J] in the spring. stiffness, damping: of its constants [N/m], [N s/m];
-    the stiffness of an exact constraint is infinite. text: what it is, for reports. keys: keys of the scene's [corner]
-    that it takes.
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    constants : type
+        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
+    inlined : tuple of str
+        Fields whose kernels must be merged into the loop that calls them.
+    helpers : tuple of callable
+        Plain functions that the kernels call.
+    variants : tuple
+        The same law with other constants, which no scene names.
+    make : callable
+        Constants from a `ConstraintInput`.
+    forces : callable
+        Kernel (constants, gap, rate, closing) -> normal force of spring and of dashpot [N].
+    energy : callable
+        Kernel (constants, gap) -> energy [J] in the spring.
+    stiffness, damping : callable
+        Stiffness [N/m] and damping [N s/m] of its constants; an exact constraint is infinitely stiff.
+    text : str
+        What it is, for reports.
+    keys : tuple of str
+        Keys of the scene's [corner] that it takes.
     """
 
     make: Callable[[ConstraintInput], Any]
     forces: Callable[[Any, float, float, float], tuple[float, float]]
     energy: Callable[[Any, float], float]
     stiffness: Callable[[Any], float]
-    damping: Callable[[Any], float] = lambda constants: 0.0
+    damping: Callable[[Any], float] = field(default_factory=lambda: _undamped)
     text: str
     keys: tuple[str, ...] = ()
+
+
+def _undamped(constants: Any) -> float:
+    return 0.0
 
 
 CONSTRAINTS: LawRegistry[Constraint] = LawRegistry("constraint")

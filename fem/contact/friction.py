@@ -20,10 +20,30 @@ from fem.registry import Law, LawRegistry
 class FrictionLaw(Law):
     """A friction law; `constants` is made from the scene's coefficient of friction alone.
 
-    force: kernel (constants, normal, stopping) -> R [N]. slope: kernel (constants, normal, speed) -> R over N while the
-    corner slides at this speed [m/s]. text: what it is, for reports. rigid: name of the rigid-body theory's reaction.
-    impulse: history column J with friction work = -mu integral of v_P dJ, "" where there is none. dissipative: whether
-    it can only take energy.
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    constants : type
+        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
+    inlined : tuple of str
+        Fields whose kernels must be merged into the loop that calls them.
+    helpers : tuple of callable
+        Plain functions that the kernels call.
+    variants : tuple
+        The same law with other constants, which no scene names.
+    force : callable
+        Kernel (constants, normal, stopping) -> R [N].
+    slope : callable
+        Kernel (constants, normal, speed) -> R over N while the corner slides at this speed [m/s].
+    text : str
+        What it is, for reports.
+    rigid : str
+        Name of the rigid-body theory's reaction.
+    impulse : str
+        History column J with friction work = -mu integral of v_P dJ, "" where there is none.
+    dissipative : bool
+        Whether it can only take energy.
     """
 
     force: Callable[[Any, float, float], float]

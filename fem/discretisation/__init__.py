@@ -11,7 +11,6 @@ __all__, __getattr__ = lazily(
     __name__,
     {
         "element_kinds": "ELEMENT_KINDS ElementKind",
-        "elements": "Discretisation discretise",
         "model": "PlateModel build_model",
         "properties": "CornerProperties ModelError PlateProperties StepProperties",
     },

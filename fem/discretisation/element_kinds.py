@@ -14,10 +14,23 @@ from fem.registry import Registry
 class ElementKind:
     """A kind of element.
 
-    element: scikit-fem's. order: that the quadrature integrates; 0 stands for the one point in the middle, which
-    scikit-fem does not choose by itself. cells: that it sits on. hourglass: whether it needs hourglass control. richer:
-    kind of twice the order on the same mesh, "" where this one is of second order. row_sums: whether row sums of its
-    mass matrix are positive.
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    element : str
+        scikit-fem's.
+    order : int
+        That the quadrature integrates; 0 stands for the one point in the middle, which scikit-fem does not choose by
+        itself.
+    cells : str
+        That it sits on.
+    hourglass : bool
+        Whether it needs hourglass control.
+    richer : str
+        Kind of twice the order on the same mesh, "" where this one is of second order.
+    row_sums : bool
+        Whether row sums of its mass matrix are positive.
     """
 
     name: str

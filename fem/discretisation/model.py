@@ -31,7 +31,25 @@ MASSES = {"exact": exact_inertia_masses, "row-sum": row_sum_masses}
 
 @dataclass(frozen=True)
 class PlateModel:
-    """The plate, its corner and its time step."""
+    """The plate, its corner and its time step.
+
+    Attributes
+    ----------
+    discretisation : Discretisation
+        Nodes and elements.
+    stiffness : scipy.sparse matrix, shape (2 nodes, 2 nodes)
+        In the body frame, at rest, hourglass control included [N/m].
+    highest_frequency : float
+        The corner's constraint included [rad/s].
+    undamped_time_step, stable_time_step : float
+        Largest stable step without damping of elastic velocities, and with it [s].
+    loop : LoopParameters
+        What the time loop takes.
+    tangent_moduli : StVenantKirchhoff
+        At small strain [Pa].
+    thickness : float
+        [m].
+    """
 
     discretisation: Discretisation
     stiffness: Any  # scipy.sparse, body frame, at rest, hourglass control included [N/m]
@@ -53,7 +71,26 @@ def build_model(
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
-    Raises ModelError where the mesh cannot carry the exact inertia, or has too few nodes for the support patch.
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+        With the groups "corner_p" and "side_pe".
+    plate : PlateProperties
+        What the plate is made of.
+    corner : CornerProperties
+        How the corner is held.
+    step : StepProperties
+        Time step and damping.
+
+    Returns
+    -------
+    PlateModel
+        What a run needs that does not change during it.
+
+    Raises
+    ------
+    ModelError
+        Where the mesh cannot carry the exact inertia, or has too few nodes for the support patch.
     """
     return finished_model(static_model(mesh, plate, corner), plate, corner, step)
 

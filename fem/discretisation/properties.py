@@ -8,7 +8,15 @@ from typing import Any
 
 
 class ModelError(ValueError):
-    """No model can be made; `wrong` is the property at fault: "elements" or "patch_length"."""
+    """No model can be made of these properties.
+
+    Parameters
+    ----------
+    wrong : str
+        The property at fault, "elements" or "patch_length"; also an attribute.
+    why : str
+        The message.
+    """
 
     def __init__(self, wrong: str, why: str) -> None:
         self.wrong = wrong
@@ -17,9 +25,26 @@ class ModelError(ValueError):
 
 @dataclass(frozen=True)
 class PlateProperties:
-    """Thickness [m], density [kg/m^3], Young's modulus [Pa], Poisson's ratio, and choices by name.
+    """What the plate is made of, and choices by name.
 
-    hourglass: share of the stiffness that controls one-point elements; others have none.
+    Attributes
+    ----------
+    thickness : float
+        [m].
+    density : float
+        [kg/m^3].
+    youngs_modulus : float
+        [Pa].
+    poissons_ratio : float
+        [-].
+    lumping : str
+        Of the mass: "exact" or "row-sum".
+    element : str
+        A name of `ELEMENT_KINDS`.
+    material : str
+        A name of `MATERIALS`.
+    hourglass : float
+        Share of the stiffness that controls one-point elements [-]; others have none.
     """
 
     thickness: float
@@ -34,11 +59,22 @@ class PlateProperties:
 
 @dataclass(frozen=True)
 class CornerProperties:
-    """How the corner is held: by a constraint of `fem.contact.constraints`, with this multiple of its usual stiffness.
+    """How the corner is held on the wall.
 
-    patch_length [m]: of the support patch, 0 for the corner node alone. damping_ratio: of the constraint's dashpot, to
-    critical. friction: constants of a law of `fem.contact.friction`, or None. angles [rad]: of the plate during the
-    run, for the time step.
+    Attributes
+    ----------
+    friction : NamedTuple or None
+        Constants of a law of `FRICTION_LAWS`.
+    constraint : str
+        A name of `CONSTRAINTS`.
+    penalty_scale : float
+        Multiple of the constraint's usual stiffness [-].
+    patch_length : float
+        Of the support patch [m]; 0 for the corner node alone.
+    damping_ratio : float
+        Of the constraint's dashpot, to critical [-].
+    angles : tuple of float
+        Angles of the plate during the run [rad], at which the time step is looked at.
     """
 
     friction: Any = None
@@ -51,10 +87,20 @@ class CornerProperties:
 
 @dataclass(frozen=True)
 class StepProperties:
-    """Share of the stable time step that is taken, an upper bound on it [s], and damping.
+    """The time step, and damping of the plate.
 
-    damping_ratio: stiffness-proportional, to critical at the highest frequency. bulk_viscosity: linear, the
-    dimensionless coefficient of density x wave speed x element size. elastic_rate [1/s]: of the elastic velocities.
+    Attributes
+    ----------
+    safety_factor : float
+        Share of the stable time step that is taken [-].
+    longest : float
+        Upper bound on the time step [s].
+    damping_ratio : float
+        Stiffness-proportional, to critical at the highest frequency [-].
+    bulk_viscosity : float
+        Linear: coefficient of density x wave speed x element size [-].
+    elastic_rate : float
+        Rate at which elastic velocities are damped [1/s].
     """
 
     safety_factor: float = 0.9

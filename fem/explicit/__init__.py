@@ -11,7 +11,6 @@ __all__, __getattr__ = lazily(
     __name__,
     {
         "columns": "COLUMNS Column Measures",
-        "simulate": "Run Stepper Strike compile_loop",
-        "time_loop": "LoopParameters State",
+        "simulate": "Run Strike",
     },
 )

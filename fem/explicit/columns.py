@@ -14,11 +14,28 @@ from fem.registry import Registry
 
 
 class Measures(NamedTuple):
-    """The compiled record of an instant, SI.
+    """The compiled record of an instant.
 
-    Angle between side and wall, spin, velocity of the centre of mass; slide and speed of the corner along the wall; the
-    wall's reaction; energies and works; kinetic energy beside rigid motion; impulses of the normal reaction and of its
-    magnitude, which part where the reaction rings through zero; distance of the corner from the wall's line.
+    Attributes
+    ----------
+    theta, omega : float
+        Angle between side and wall [rad], and spin [rad/s], positive where it closes the angle.
+    v_gx, v_gy : float
+        Velocity of the centre of mass [m/s].
+    slide, v_p : float
+        Place [m] and speed [m/s] of the corner along the wall.
+    reaction_normal, reaction_tangential : float
+        Of the wall on the plate [N].
+    kinetic_energy, strain_energy, contact_energy, hourglass_energy : float
+        What the model holds [J].
+    friction_work, damping_work : float
+        Done on the plate since the start [J].
+    vibration_energy : float
+        Kinetic energy that is not rigid motion's [J].
+    normal_impulse, normal_impulse_magnitude : float
+        Of the normal reaction, and of its magnitude [N s]: they part where the reaction rings through zero.
+    gap : float
+        Distance of the corner from the wall's line [m].
     """
 
     theta: float
@@ -45,8 +62,16 @@ class Measures(NamedTuple):
 class Column:
     """A column of the history.
 
-    name: in `history.csv`. unit: SI. value: number of a record, the state it was taken of and the model; None for the
-    record's own field of that name. symbol, caption: of its plot; without a symbol it is not drawn by itself.
+    Attributes
+    ----------
+    name : str
+        In `history.csv`.
+    unit : str
+        SI.
+    value : callable or None
+        (measures, state, model) -> number; None for the record's own field of that name.
+    symbol, caption : str
+        Of its plot; without a symbol it has none of its own.
     """
 
     name: str

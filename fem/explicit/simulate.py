@@ -34,7 +34,15 @@ OVERTIME = 1.5
 
 @dataclass(frozen=True)
 class Strike:
-    """The tail-slap: `values` by name (t and COLUMNS), positions [m] and velocities [m/s], shape (2, nodes)."""
+    """The tail-slap.
+
+    Attributes
+    ----------
+    values : dict of float
+        By name: t [s] and `COLUMNS`.
+    positions, velocities : ndarray, shape (2, nodes)
+        In the wall's frame [m], [m/s].
+    """
 
     values: dict[str, float]
     positions: np.ndarray
@@ -43,7 +51,21 @@ class Strike:
 
 @dataclass(frozen=True)
 class Run:
-    """What a run gives. `strike` is None if the side did not reach the wall, or the numbers left the finite."""
+    """What a run gives.
+
+    Attributes
+    ----------
+    history : dict of ndarray, shape (rows,)
+        By name: t [s] and `COLUMNS`.
+    strike : Strike or None
+        None if the side did not reach the wall, or the numbers left the finite.
+    steps : int
+        Time steps taken.
+    time_loop_s : float
+        Time that they took [s].
+    highest_frequency : float
+        The largest at a few instants of the run [rad/s].
+    """
 
     history: dict[str, np.ndarray]
     strike: Strike | None
@@ -151,8 +173,31 @@ def simulate(
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
-    duration: expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
-    corrupted: told a row of the history now and then, by its names; when it says so, the run is given up there.
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    start : RigidStart
+        Motion of the rigid body at t = 0.
+    duration : float
+        Expected time to the tail-slap [s]; it spaces the rows of the history and bounds the run.
+    kind : str
+        A name of `START_KINDS`.
+    rows : int
+        Of the history, about.
+    threads : int
+        Of the time loop; numbers repeat to the bit for the same number.
+    progress : callable
+        Told the share that is done, now and then.
+    corrupted : callable
+        Told a row of the history by its names, now and then; when it says so, the run is given up there.
+    make_stepper : callable
+        Makes the compiled loop of a model and a number of threads.
+
+    Returns
+    -------
+    Run
+        History and tail-slap.
     """
     stepper, time_step = make_stepper(model, threads), model.loop.time_step
     stride = max(1, round(duration / time_step / rows))

@@ -10,10 +10,7 @@ from fem.lazy import lazily
 __all__, __getattr__ = lazily(
     __name__,
     {
-        "beam_theory": "Beam",
-        "modal_model": "ModalModel ModalPlate modal_plate",
-        "modal_run": "ModalMotion integrate modal_start",
-        "mode_kinds": "ModeKinds",
+        "modal_model": "ModalPlate modal_plate",
         "modes": "FreeModes free_modes",
     },
 )

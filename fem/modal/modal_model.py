@@ -44,7 +44,15 @@ class ModalModel(NamedTuple):
 
 @dataclass(frozen=True)
 class ModalPlate:
-    """The model, and the shapes of its modes weighted with the masses [sqrt(kg)], shape (modes, 2, nodes)."""
+    """A modal model, and what its coordinates are read with.
+
+    Attributes
+    ----------
+    model : ModalModel
+        What stays as it is during a run.
+    weighted : ndarray, shape (modes, 2, nodes)
+        Shapes of its modes, weighted with the masses [sqrt(kg)].
+    """
 
     model: ModalModel
     weighted: np.ndarray
@@ -56,9 +64,24 @@ class ModalPlate:
 
 
 def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
-    """The modal model with the lowest `count` elastic modes.
+    """The modal model with the lowest elastic modes.
 
-    Raises ValueError for a count the mesh does not have, a dashpot at the corner, and damping of the plate.
+    Parameters
+    ----------
+    plate : PlateModel
+        The whole plate.
+    count : int
+        How many modes are kept.
+
+    Returns
+    -------
+    ModalPlate
+        The model.
+
+    Raises
+    ------
+    ValueError
+        For a count that the mesh does not have, a dashpot at the corner, and damping of the plate.
     """
     loop, modes = plate.loop, free_modes(plate, count)
     if loop.corner.dashpot:

@@ -21,9 +21,16 @@ from fem.start.elastic import elastic_solver, rigid_motions
 class FreeModes:
     """Elastic modes by rising frequency, and the rigid ones.
 
-    frequencies [rad/s], shape (modes,); shapes [1/sqrt(kg)], body frame, shape (modes, 2, nodes), of unit modal
-    mass. rigid: two translations and the turn, likewise, shape (3, 2, nodes); rigid_frequencies [rad/s], shape
-    (3,): what the stiffness gives for them, which is rounding.
+    Attributes
+    ----------
+    frequencies : ndarray, shape (modes,)
+        [rad/s].
+    shapes : ndarray, shape (modes, 2, nodes)
+        Of unit modal mass, body frame [1/sqrt(kg)].
+    rigid : ndarray, shape (3, 2, nodes)
+        Two translations and the turn, likewise [1/sqrt(kg)].
+    rigid_frequencies : ndarray, shape (3,)
+        What the stiffness gives for them, which is rounding [rad/s].
     """
 
     frequencies: np.ndarray
@@ -38,7 +45,25 @@ def most_modes(nodes: int) -> int:
 
 
 def free_modes(model: Any, count: int) -> FreeModes:
-    """The lowest `count` elastic modes of a `PlateModel`. Raises ValueError for a count it cannot give."""
+    """The lowest elastic modes of the free plate.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    count : int
+        How many.
+
+    Returns
+    -------
+    FreeModes
+        Frequencies and shapes.
+
+    Raises
+    ------
+    ValueError
+        For a count that the mesh cannot give.
+    """
     return plate_modes(model.stiffness, model.loop.mass, model.discretisation.positions, count)
 
 

@@ -14,10 +14,21 @@ STEP = 1e-5
 
 
 def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
-    """Highest circular frequency [rad/s] of the tangent stiffness at these positions [m], shape (2, nodes).
+    """Highest circular frequency of the tangent stiffness about a deformed state.
 
-    Lanczos on differences of the internal forces themselves, with the corner's spring across the wall. Infinite where
-    the forces are not finite.
+    Lanczos on differences of the internal forces themselves, with the corner's spring across the wall.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    positions : ndarray, shape (2, nodes)
+        In the wall's frame [m].
+
+    Returns
+    -------
+    float
+        Frequency [rad/s]; infinite where the forces are not finite.
     """
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 

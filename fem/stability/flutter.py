@@ -48,8 +48,17 @@ class CornerModes(NamedTuple):
 
 @dataclass(frozen=True)
 class Flutter:
-    """rate [1/s]: no mode grows faster; 0 where none reaches the harmless rate. growth: exponent over the run at
-    most. lowest [rad/s]: elastic frequency of the free plate, 0 where nothing was to be analysed."""
+    """Growth by friction.
+
+    Attributes
+    ----------
+    rate : float
+        No mode grows faster [1/s]; 0 where none reaches the harmless rate.
+    growth : float
+        Exponent over the run at most [-].
+    lowest : float
+        Elastic frequency of the free plate [rad/s]; 0 where nothing was to be analysed.
+    """
 
     rate: float
     growth: float
@@ -59,8 +68,26 @@ class Flutter:
 def foresee_flutter(
     model: PlateModel, start: RigidStart, duration: float, viscous: float = 0.0, harmless: float = HARMLESS
 ) -> Flutter:
-    """Growth over a run of this duration [s]. viscous [s]: rate that damping takes off a mode over its frequency
-    squared, see `viscous_rate`; harmless: exponent of growth below which nothing is told apart."""
+    """Growth over a run.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    start : RigidStart
+        Motion of the rigid body.
+    duration : float
+        Of the run [s].
+    viscous : float
+        Rate that damping takes off a mode over its frequency squared [s], see `viscous_rate`.
+    harmless : float
+        Exponent of growth below which nothing is told apart [-].
+
+    Returns
+    -------
+    Flutter
+        The fastest growth.
+    """
     slope = friction_slope(model.loop.friction, start.corner_speed)
     if slope == 0.0:
         return Flutter(0.0, 0.0)  # a symmetric stiffness: no growth

@@ -20,22 +20,63 @@ SEEN = 0.3
 
 @dataclass(frozen=True)
 class RoundingNoise:
-    """power [W]: energy that rounding feeds into the plate; reaction [N/sqrt(J)]: ripple of the reaction for it."""
+    """What rounding feeds into the plate.
+
+    Attributes
+    ----------
+    power : float
+        Of the energy [W].
+    reaction : float
+        Ripple of the reaction for it [N/sqrt(J)].
+    """
 
     power: float
     reaction: float
 
     def ripple(self, duration: float) -> float:
-        """Root mean square of the reaction's ripple [N] at the end of an undamped run of this duration [s]."""
+        """Ripple of the reaction at the end of an undamped run, root mean square.
+
+        Parameters
+        ----------
+        duration : float
+            Of the run [s].
+
+        Returns
+        -------
+        float
+            [N].
+        """
         return self.reaction * math.sqrt(self.power * duration)
 
     def rate_for(self, ripple: float) -> float:
-        """Rate [1/s] of the damping of elastic velocities that keeps the ripple [N] at this."""
+        """Damping of elastic velocities that keeps the ripple at this.
+
+        Parameters
+        ----------
+        ripple : float
+            [N].
+
+        Returns
+        -------
+        float
+            Rate [1/s].
+        """
         return self.power * (self.reaction / ripple) ** 2
 
 
 def rounding_noise(model: PlateModel) -> RoundingNoise:
-    """The noise of a model."""
+    """The noise of a model.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+
+    Returns
+    -------
+    RoundingNoise
+        Power and ripple.
+    """
     loop, step = model.loop, model.loop.time_step
     corner = loop.corner
     moved = np.finfo(float).eps * float(np.ptp(model.discretisation.positions)) / math.sqrt(12.0)

@@ -10,9 +10,8 @@ from fem.lazy import lazily
 __all__, __getattr__ = lazily(
     __name__,
     {
-        "inertia_relief": "ElasticFields TooSoftError relieved_fields",
-        "rigid_state": "RigidStart to_global",
+        "rigid_state": "RigidStart",
         "start": "START_KINDS start_fields",
-        "statics": "damping_lag elastic_energy static_deflection",
+        "statics": "static_deflection",
     },
 )

@@ -13,7 +13,17 @@ from fem.discretisation.model import PlateModel
 
 @dataclass(frozen=True)
 class RigidStart:
-    """Angle of side PE to the wall [rad], spin [rad/s] closing it, speed of the corner along the wall [m/s]."""
+    """Motion of the rigid body at t = 0.
+
+    Attributes
+    ----------
+    angle : float
+        Of side PE to the wall [rad].
+    omega : float
+        Spin that closes it [rad/s].
+    corner_speed : float
+        Of the corner along the wall [m/s].
+    """
 
     angle: float
     omega: float

@@ -22,7 +22,22 @@ from fem.start.rigid_state import RigidStart, at_corner, to_global
 
 
 def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """Positions [m] and velocities [m/s] at t = 0, both of shape (2, nodes)."""
+    """Positions and velocities at t = 0.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    start : RigidStart
+        Motion of the rigid body.
+    kind : str
+        A name of `START_KINDS`.
+
+    Returns
+    -------
+    positions, velocities : ndarray, shape (2, nodes)
+        In the wall's frame [m], [m/s].
+    """
     body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
     return _placed(START_KINDS[kind](model, start, body), start, body)
 

@@ -10,7 +10,20 @@ from fem.start.rigid_state import RigidStart, at_corner, to_global
 
 
 def static_deflection(model: PlateModel, start: RigidStart) -> float:
-    """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
+    """How far the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    start : RigidStart
+        Motion of the rigid body.
+
+    Returns
+    -------
+    float
+        Deflection [m].
+    """
     fields = relieved_fields(model, start)
     moved = (to_global(start.angle) @ fields.elastic)[1] + fields.gap
     return -float(model.loop.mass @ moved / model.mass)
