@@ -11,7 +11,9 @@ def left_out(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
     if scene.impact is None:
         parts.append(("stage 1", "the scene has no [impact] table; [start] gives the state after the impact"))
     if scene.corner.frictionless:
-        parts.append(("friction", 'corner.reaction is "none": no friction code in the time loop'))
+        parts.append(
+            ("friction", f'corner.reaction is "{scene.corner.reaction}": no friction code in the time loop')
+        )
     elif scene.corner_friction == 0.0:
         parts.append(("friction", "the coefficient of friction is 0: no friction code in the time loop"))
     if scene.damping is None:

@@ -185,9 +185,8 @@ def _check_together(scene: Scene) -> None:
         )
     friction = scene.corner.friction
     if scene.corner.frictionless and friction is not None:
-        raise InputError(
-            "corner.friction", friction, 'it has no meaning with corner.reaction = "none"; leave it out'
-        )
+        allowed = f'it has no meaning with corner.reaction = "{scene.corner.reaction}"; leave it out'
+        raise InputError("corner.friction", friction, allowed)
     if not scene.corner.frictionless and friction is None and scene.impact is None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
     _check_plate(scene)
@@ -218,8 +217,9 @@ def _check_plate(scene: Scene) -> None:
         )
         raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
     if plate and not ELEMENT_KINDS[plate.element].hourglass and "hourglass" in plate.model_fields_set:
+        needing = " or ".join(f'"{name}"' for name, kind in ELEMENT_KINDS.items() if kind.hourglass)
         raise InputError(
-            "plate.hourglass", plate.hourglass, 'only element = "quad4-reduced" needs it; leave it out'
+            "plate.hourglass", plate.hourglass, f"only element = {needing} needs it; leave it out"
         )
     if plate and plate.lumping == "row-sum" and not ELEMENT_KINDS[plate.element].row_sums:
         why = f"row sums of {plate.element} give its corners no mass"

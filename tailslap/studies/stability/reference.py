@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
@@ -72,7 +73,7 @@ def reference_tables(tables: Tables, plate: Plate, finer: float, ratio: float = 
         corner.pop(key, None)
     changed.pop("damping", None)
     corner["constraint"] = "exact"
-    model["element"] = "tri6" if plate.element.startswith("tri") else "quad9"
+    model["element"] = ELEMENT_KINDS[plate.element].richer or plate.element
     model["elements"] = reference_counts(plate.counts, finer)
     if ratio:
         changed["damping"] = {"ratio": ratio}
