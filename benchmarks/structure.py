@@ -1,9 +1,11 @@
 """The structure of the sources in figures: lines of code, what reports, modules per folder, import circles.
 
-    .venv/bin/python benchmarks/structure.py [--files]
+    .venv/bin/python benchmarks/structure.py [--files] [--trace]
 
 Lines of code are those without docstrings, comments and blank lines. What reports: `postprocess`, and modules named
-report, or in a folder of that name. An import circle counts lazy and type-only imports. With --files, each file.
+report, or in a folder of that name. An import circle counts lazy and type-only imports. With --files, each file. With --trace
+also the calls of a run of paper-table-3 up to its time loop: how often they climb back from `fem` into `tailslap`, and
+how many meshes are made of one plate.
 """
 
 from __future__ import annotations
@@ -14,7 +16,9 @@ import tokenize
 from collections import Counter
 from collections.abc import Iterator
 from io import StringIO
+from itertools import pairwise
 from pathlib import Path
+from types import FrameType
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
@@ -92,6 +96,33 @@ def flat(root: Path = ROOT) -> Counter[str]:
     return Counter(str(path.parent.relative_to(root)) for path in sources(root) if path.name != "__init__.py")
 
 
+def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
+    """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
+    from tailslap.planning.plan import make_plan
+    from tailslap.run import run_scene
+    from tailslap.scene.files import read_scene
+
+    plan, calls = make_plan(*read_scene(scene)), []
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        path = Path(frame.f_code.co_filename)
+        if event == "call" and path.is_relative_to(ROOT) and path.parts[len(ROOT.parts)] in PACKAGES:
+            calls.append((path.relative_to(ROOT), frame.f_code.co_name))
+            if frame.f_code.co_name == "simulate":
+                sys.setprofile(None)
+
+    run_scene(plan)  # what is imported or compiled once is no part of it
+    sys.setprofile(note)
+    try:
+        run_scene(plan)
+    finally:
+        sys.setprofile(None)
+    climbs = sum(
+        one.parts[0] == "fem" and other.parts[0] == "tailslap" for (one, _), (other, _) in pairwise(calls)
+    )
+    return len({path for path, _ in calls}), climbs, sum(name == "plate_mesh" for _, name in calls)
+
+
 def main() -> None:
     """Print the figures."""
     lines = {path: code_lines(path.read_text(encoding="utf-8")) for path in sources()}
@@ -112,6 +143,11 @@ def main() -> None:
     print(f"import circles: {len(circles())}")
     for circle in circles():
         print("   ", ", ".join(circle))
+    if "--trace" in sys.argv:
+        files, climbs, meshes = trace()
+        print(
+            f"up to the time loop: {files} files, {climbs} climbs from fem into tailslap, {meshes} meshes of the plate"
+        )
 
 
 if __name__ == "__main__":

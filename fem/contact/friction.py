@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from types import NoneType
 from typing import Any, NamedTuple
 
@@ -53,7 +54,7 @@ class FrictionLaw(Law):
     impulse: str = ""
     dissipative: bool = True
 
-    @property
+    @cached_property
     def frictionless(self) -> bool:
         """Whether there is no code for it in the loop."""
         return self.constants is NoneType

@@ -12,6 +12,6 @@ __all__, __getattr__ = lazily(
     {
         "rigid_state": "RigidStart",
         "start": "START_KINDS start_fields",
-        "statics": "static_deflection",
+        "statics": "Statics statics",
     },
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fem.discretisation.model import PlateModel
@@ -9,8 +11,23 @@ from fem.start.inertia_relief import lag_by_damping, relieved_fields
 from fem.start.rigid_state import RigidStart, at_corner, to_global
 
 
-def static_deflection(model: PlateModel, start: RigidStart) -> float:
-    """How far the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility.
+class Statics(NamedTuple):
+    """What the reaction at the start does to the plate.
+
+    Attributes
+    ----------
+    deflection : float
+        Of the centre of mass towards the wall, by the plate's flexibility [m].
+    gap : float
+        At the corner's constraint [m].
+    """
+
+    deflection: float
+    gap: float
+
+
+def statics(model: PlateModel, start: RigidStart) -> Statics:
+    """What the reaction at the start does to the plate.
 
     Parameters
     ----------
@@ -21,12 +38,17 @@ def static_deflection(model: PlateModel, start: RigidStart) -> float:
 
     Returns
     -------
-    float
-        Deflection [m].
+    Statics
+        Deflection and gap [m].
     """
     fields = relieved_fields(model, start)
     moved = (to_global(start.angle) @ fields.elastic)[1] + fields.gap
-    return -float(model.loop.mass @ moved / model.mass)
+    return Statics(-float(model.loop.mass @ moved / model.mass), fields.gap)
+
+
+def static_deflection(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
+    return statics(model, start).deflection
 
 
 def damping_lag(model: PlateModel, start: RigidStart) -> float:

@@ -60,31 +60,37 @@ class Growth:
         return self.harmless > 0.0
 
 
-def foresee(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
-    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding."""
+def foresee(plan: Plan, plate: Plate, model: PlateModel, normal: float) -> Growth:
+    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding.
+
+    normal: the rigid body's reaction at the start [N].
+    """
+    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, foresee_flutter, viscous_rate
     from fem.stability.rounding import rounding_noise
 
-    noise, normal = rounding_noise(model), abs(float(plan.motion_of_mass(model.mass).at(0.0).reaction_normal))
-    ripple = noise.ripple(plan.motion.strike.t) / normal
-    rate = noise.rate_for(HEARD * normal) if ripple > HEARD else 0.0
-    return replace(_by_friction(plan, plate, model), ripple=ripple, ripple_rate=rate)
-
-
-def _by_friction(plan: Plan, plate: Plate, model: PlateModel) -> Growth:
-    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, foresee_flutter, viscous_rate
-
     harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
-    duration, start, viscous = plan.motion.strike.t, rigid_start(plan), viscous_rate(model)
+    duration, start = plan.motion.strike.t, rigid_start(plan)
+    noise, viscous = rounding_noise(model), viscous_rate(model)
+    ripple = noise.ripple(duration) / abs(normal)
+    ripple_rate = noise.rate_for(HEARD * abs(normal)) if ripple > HEARD else 0.0
     if model.loop.friction is None:
-        return Growth(0.0, 0.0, 0.0)
-    if 2 * model.loop.mass.size <= MAX_UNKNOWNS:
-        found = foresee_flutter(model, start, duration, viscous, harmless)
-        return _growth(found, harmless)
-    found_by = [
-        foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
-        for coarse in _coarser_models(plan, plate, MAX_UNKNOWNS)
-    ]
-    fastest: Flutter | None = max(found_by, key=lambda each: each.rate, default=None)
+        growth = Growth(0.0, 0.0, 0.0)
+    elif 2 * model.loop.mass.size <= MAX_UNKNOWNS:
+        growth = _growth(foresee_flutter(model, start, duration, viscous, harmless), harmless)
+    else:
+        growth = _by_stand_ins(
+            [
+                foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
+                for coarse in _coarser_models(plan, plate, MAX_UNKNOWNS)
+            ],
+            harmless,
+        )
+    return replace(growth, ripple=ripple, ripple_rate=ripple_rate)
+
+
+def _by_stand_ins(found: list[Flutter], harmless: float) -> Growth:
+    """Growth of a large mesh from that of coarser ones."""
+    fastest: Flutter | None = max(found, key=lambda each: each.rate, default=None)
     if fastest is None:
         return Growth(math.nan, math.nan, harmless, stand_in=True)
     more = replace(fastest, rate=STAND_IN * fastest.rate, growth=STAND_IN * fastest.growth)

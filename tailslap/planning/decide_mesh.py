@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError
 from tailslap.planning.decisions import Decision
-from tailslap.planning.fe_model import make_static_model, resolved_plate
-from tailslap.planning.flexibility import comparable_plate, share_given
+from tailslap.planning.fe_model import fe_input, fe_mesh, refusal, resolved_plate, same_mesh
+from tailslap.planning.flexibility import centre_travel, comparable_plate, rigid_start
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate
 
@@ -30,13 +30,18 @@ MOST_CHOSEN = 2000
 
 @dataclass(frozen=True)
 class Mesh:
-    """A plate with all its elements chosen and its modulus resolved, its static model, and how far it gives: on this
-    mesh, and on the comparable one."""
+    """A plate with all its elements chosen and its modulus resolved, its static model and mass [kg].
+
+    Over the centre's way to the wall: static deflection of this model and of the comparable one, and deflection of the
+    corner's constraint.
+    """
 
     plate: Plate
     model: PlateModel
+    mass: float
     give: float
     other_give: float
+    spring_share: float
 
     @property
     def fine_enough(self) -> bool:
@@ -69,10 +74,31 @@ def decide_mesh(plan: Plan, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
 
 
 def make_mesh(plan: Plan, plate: Plate) -> Mesh:
-    """The plate's static model and its give beside the comparable one's. Raises InputError."""
-    plate = resolved_plate(plan, plate)
-    model, other = make_static_model(plan, plate), make_static_model(plan, comparable_plate(plate))
-    return Mesh(plate, model, share_given(plan, model), share_given(plan, other))
+    """The plate's static model, its deflection and its gap, and the comparable plate's deflection. Raises InputError.
+
+    The two models share a mesh where only their elements differ.
+    """
+    from fem.discretisation.model import static_model
+    from fem.discretisation.properties import ModelError
+    from fem.start.statics import statics
+
+    travel, start, mesh = centre_travel(plan), rigid_start(plan), fe_mesh(plan, plate)
+    plate = resolved_plate(plan, plate, mesh)
+    other = comparable_plate(plate)
+    meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(plan, other))
+    inputs, models = (fe_input(plan, plate), fe_input(plan, other)), []
+    for each, its_mesh, its_plate in zip(inputs, meshes, (plate, other), strict=True):
+        try:
+            models.append(static_model(its_mesh, each.plate, each.corner))
+        except ModelError as error:
+            raise refusal(plan.scene, its_plate, error) from None
+    model, mine, its = models[0], statics(models[0], start), statics(models[1], start)
+    give, other_give, gap = (
+        abs(mine.deflection) / travel,
+        abs(its.deflection) / travel,
+        abs(mine.gap) / travel,
+    )
+    return Mesh(plate, model, model.mass, give, other_give, gap)
 
 
 def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fem.contact.friction import FRICTION_LAWS
@@ -16,12 +15,12 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.discretisation.model import PlateModel
-    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
+    from fem.discretisation.properties import CornerProperties, ModelError, PlateProperties, StepProperties
 
-LEAST_STEPS = 1000
+MIN_STEPS = 1000
 """Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
 
-MOST_STEPS = 2_000_000_000
+MAX_STEPS = 2_000_000_000
 """A run above this is refused: it would take days, and its instants could not be told apart."""
 
 
@@ -29,94 +28,100 @@ REFERENCE_MODULUS = 1e9
 """Young's modulus [Pa] with which a first frequency is looked for; any would do."""
 
 
+@dataclass(frozen=True)
+class FeInput:
+    """What a model is made from, in the terms of `fem`."""
+
+    plate: PlateProperties
+    corner: CornerProperties
+    step: StepProperties
+
+
+def fe_input(plan: Plan, plate: Plate) -> FeInput:
+    """Properties of the plate, its corner and the time step; the plate has a modulus."""
+    return FeInput(plate=_plate(plan, plate), step=_step(plan), corner=_corner(plan))
+
+
 def make_model(plan: Plan, plate: Plate) -> PlateModel:
     """Mesh and assemble. Raises InputError for keys that make no model."""
-    plate = resolved_plate(plan, plate)
-    return finished(plan, plate, make_static_model(plan, plate))
+    from fem.discretisation.model import finished_model
 
-
-def _within_steps(plan: Plan, plate: Plate, model: PlateModel) -> PlateModel:
-    """The model, unless a run of it would never end. Raises InputError."""
-    if not model.loop.time_step * MOST_STEPS > plan.motion.strike.t:
-        key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
-        raise InputError(
-            f"plate.{key}",
-            getattr(plate, key),
-            f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MOST_STEPS:g} steps",
-        )
+    mesh = fe_mesh(plan, plate)
+    plate = resolved_plate(plan, plate, mesh)
+    given = fe_input(plan, plate)
+    model = finished_model(make_static_model(plan, plate, mesh), given.plate, given.corner, given.step)
+    demand_steps(plan, plate, model)
     return model
 
 
-def make_static_model(plan: Plan, plate: Plate) -> PlateModel:
-    """The model without what needs its frequencies. Raises InputError for keys that make no model."""
+def make_static_model(plan: Plan, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
+    """The model without what needs its frequencies, on this mesh or its own. Raises as `make_model`."""
     from fem.discretisation.model import static_model
+    from fem.discretisation.properties import ModelError
 
-    plate = resolved_plate(plan, plate)
-    with _refusals(plan.scene, plate):
-        return static_model(_mesh(plan, plate), _plate(plan, plate), _corner(plan))
+    mesh = mesh or fe_mesh(plan, plate)
+    given = fe_input(plan, resolved_plate(plan, plate, mesh))
+    try:
+        return static_model(mesh, given.plate, given.corner)
+    except ModelError as error:
+        raise refusal(plan.scene, plate, error) from None
 
 
-def resolved_plate(plan: Plan, plate: Plate) -> Plate:
+def resolved_plate(plan: Plan, plate: Plate, mesh: meshio.Mesh | None = None) -> Plate:
     """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
-    from fem.discretisation.model import modulus_for
-
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
-    reference = plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS})
-    with _refusals(plan.scene, plate):
-        modulus = modulus_for(_mesh(plan, plate), _plate(plan, reference), plate.first_frequency)
+    from fem.discretisation.model import modulus_for
+    from fem.discretisation.properties import ModelError
+
+    reference = _plate(plan, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}))
+    try:
+        modulus = modulus_for(mesh or fe_mesh(plan, plate), reference, plate.first_frequency)
+    except ModelError as error:
+        raise refusal(plan.scene, plate, error) from None
     return plate.model_copy(update={"youngs_modulus": modulus})
 
 
-def finished(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
-    """The static model of this plate with what a run needs. Raises InputError."""
-    from fem.discretisation.model import finished_model
+def fe_mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
+    """The plate's mesh in its body frame."""
+    from meshes import distorted, plate_mesh
 
-    model = finished_model(static, _plate(plan, plate), _corner(plan), _step(plan))
-    return _within_steps(plan, plate, model)
-
-
-def constrained(plan: Plan, plate: Plate, static: PlateModel) -> PlateModel:
-    """The static model with the constraint that the plan's scene now has."""
-    from fem.discretisation.model import with_constraint
-
-    return with_constraint(static, _plate(plan, plate), _corner(plan))
+    vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
+    mesh = plate_mesh(vehicle.length, vehicle.width, plate.counts, cells)
+    return distorted(mesh, plate.distortion, plate.counts) if plate.distortion else mesh
 
 
-def damped(plan: Plan, plate: Plate, model: PlateModel) -> PlateModel:
-    """The model with the damping of elastic velocities that the plan's scene now has. Raises InputError."""
-    from fem.discretisation.model import with_elastic_damping
+def same_mesh(plate: Plate, other: Plate) -> bool:
+    """Whether two plates of a vehicle have one mesh, whatever nodes their elements add to it."""
+    cells = (ELEMENT_KINDS[each.element].cells for each in (plate, other))
+    return plate.counts == other.counts and plate.distortion == other.distortion and len(set(cells)) == 1
 
-    return _within_steps(plan, plate, with_elastic_damping(model, _step(plan)))
 
-
-@contextmanager
-def _refusals(scene: Scene, plate: Plate) -> Iterator[None]:
-    """Turn what no model can be made of into a message that names the scene's key."""
-    from fem.discretisation.properties import ModelError
-
+def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
+    """The message that names the scene's key where no model can be made."""
     keys = {
         "elements": ("plate.elements", list(plate.counts)),
         "patch_length": ("corner.patch_length", scene.corner.patch_length),
     }
-    try:
-        yield
-    except ModelError as error:
-        raise InputError(*keys[error.wrong], str(error)) from None
+    return InputError(*keys[error.wrong], str(error))
+
+
+def demand_steps(plan: Plan, plate: Plate, model: PlateModel) -> None:
+    """Raise InputError where a run of the model would never end."""
+    if model.loop.time_step * MAX_STEPS > plan.motion.strike.t:
+        return
+    key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
+    raise InputError(
+        f"plate.{key}",
+        getattr(plate, key),
+        f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps",
+    )
 
 
 def plate_density(plan: Plan, plate: Plate) -> float:
     """The plate's density [kg/m^3]; left out, the vehicle's mass spread over the plate."""
     vehicle = plan.scene.vehicle
     return plate.density or vehicle.mass / (vehicle.length * vehicle.width * plate.thickness)
-
-
-def _mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
-    from meshes import distorted, plate_mesh
-
-    vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
-    mesh = plate_mesh(vehicle.length, vehicle.width, plate.counts, cells)
-    return distorted(mesh, plate.distortion, plate.counts) if plate.distortion else mesh
 
 
 def _plate(plan: Plan, plate: Plate) -> PlateProperties:
@@ -162,7 +167,7 @@ def _step(plan: Plan) -> StepProperties:
     scene, damping = plan.scene, plan.scene.damping
     return StepProperties(
         scene.time.safety_factor,
-        plan.motion.strike.t / LEAST_STEPS,
+        plan.motion.strike.t / MIN_STEPS,
         damping_ratio=(damping.ratio or 0.0) if damping else 0.0,
         bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
         elastic_rate=(damping.rate or 0.0) if damping else 0.0,

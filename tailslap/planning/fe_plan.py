@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from tailslap.errors import InputError, Missing
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
 from tailslap.planning.decide_damping import Growth, decide_damping, foresee
-from tailslap.planning.decide_mesh import decide_mesh
+from tailslap.planning.decide_mesh import Mesh, decide_mesh
 from tailslap.planning.decisions import Decision, with_tables
-from tailslap.planning.fe_model import constrained, damped, finished
+from tailslap.planning.fe_model import demand_steps, fe_input
 from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate, Scene
@@ -133,21 +133,24 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     InputError
         For keys that make no model.
     """
+    from fem.discretisation.model import with_elastic_damping
+
     asked, given = plan, needed_plate(plan.scene)
     mesh, mesh_decisions = decide_mesh(plan, given)
-    plate, model = mesh.plate, mesh.model
+    plate, start, travel = mesh.plate, rigid_start(plan), centre_travel(plan)
     choices = {"elements": plate.elements, "element": plate.element}
     plan = with_tables(plan, plate=given.model_copy(update=choices))
-    plan, constraint_decisions = decide_constraint(plan, plate, model)
-    if constraint_decisions:
-        model = constrained(plan, plate, model)
-    model = finished(plan, plate, model)
-    growth = foresee(plan, plate, model)
+    plan, constraint_decisions = decide_constraint(plan, plate, mesh.spring_share)
+    normal = float(plan.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
+    model, growth = _completed(plan, mesh, normal)
     if growth.overdamps and not constraint_decisions:
-        plan, constraint_decisions = softened_constraint(plan, model)
-        model = finished(plan, plate, constrained(plan, plate, mesh.model)) if constraint_decisions else model
-        growth = foresee(plan, plate, model) if constraint_decisions else growth
+        plan, constraint_decisions = softened_constraint(plan, mesh.spring_share)
+        if constraint_decisions:
+            model, growth = _completed(plan, mesh, normal)
     plan, damping_decisions = decide_damping(plan, growth, more_damping)
+    if damping_decisions:
+        model = with_elastic_damping(model, fe_input(plan, plate).step)
+    demand_steps(plan, plate, model)
     return FePlan(
         asked=asked,
         plan=plan,
@@ -155,12 +158,22 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         growth=growth,
         plate=plate,
         wall=_wall(plan),
-        model=damped(plan, plate, model) if damping_decisions else model,
-        start=rigid_start(plan),
-        travel=centre_travel(plan),
+        model=model,
+        start=start,
+        travel=travel,
         give=share_given(plan, model) if constraint_decisions else mesh.give,
         other_give=mesh.other_give,
     )
+
+
+def _completed(plan: Plan, mesh: Mesh, normal: float) -> tuple[PlateModel, Growth]:
+    """The model with the plan's constraint and all that a run needs, and what is predicted to grow in it."""
+    from fem.discretisation.model import finished_model, with_constraint
+
+    given = fe_input(plan, mesh.plate)
+    model = with_constraint(mesh.model, given.plate, given.corner)
+    model = finished_model(model, given.plate, given.corner, given.step)
+    return model, foresee(plan, mesh.plate, model, normal)
 
 
 def _wall(plan: Plan) -> meshio.Mesh | None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tailslap.errors import InputError
-from tailslap.planning.fe_model import LEAST_STEPS, plate_density
+from tailslap.planning.fe_model import MIN_STEPS, plate_density
 from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
@@ -159,7 +159,7 @@ def expected_seconds(sweep: Sweep, fe_plan: FePlan, frequency: float, elements: 
     own = fe_plan.plate.elements
     assert own is not None
     finer = elements[0] / own[0]
-    steps = max(LEAST_STEPS, fe_plan.expected_steps * finer * frequency / sweep.own_frequency)
+    steps = max(MIN_STEPS, fe_plan.expected_steps * finer * frequency / sweep.own_frequency)
     return math.prod(elements) * steps * NANOSECONDS[fe_plan.plate.element] * 1e-9
 
 
