@@ -3,9 +3,9 @@
     .venv/bin/python benchmarks/structure.py [--files] [--trace]
 
 Lines of code are those without docstrings, comments and blank lines. What reports: `postprocess`, and modules named
-report, or in a folder of that name. An import circle counts lazy and type-only imports. With --files, each file. With --trace
-also the calls of a run of paper-table-3 up to its time loop: how often they climb back from `fem` into `tailslap`, and
-how many meshes are made of one plate.
+report, or in a folder of that name. An import circle counts lazy and type-only imports. With --files, each file. With
+--trace also the calls of a run of paper-table-3 up to its time loop: how often they climb back from `fem` into
+`tailslap`, and how many meshes are made of one plate.
 """
 
 from __future__ import annotations
