@@ -12,9 +12,15 @@ def shown(value: Any, form: str) -> str:
     return format(value, form).rstrip(".")
 
 
-def known(form: str) -> Callable[[float], str]:
-    """A form of numbers that shows a dash for one that is not finite."""
-    return lambda value: format(value, form) if math.isfinite(value) else "–"
+def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
+    """A form of numbers that shows a dash for one that is not finite, 0 for one below what is negligible."""
+
+    def text(value: float) -> str:
+        if not math.isfinite(value):
+            return "–"
+        return "0" if abs(value) < negligible else format(value, form)
+
+    return text
 
 
 def number(value: object, digits: int = 7) -> str:

@@ -48,11 +48,14 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry of a record: a mapping, or an object with attributes; None where an entry on the way is None."""
+        """The entry of a record: of a mapping, tuple or object; None where one on the way is None."""
         for name in self.key.split("."):
             if record is None:
                 return None
-            record = record[name] if isinstance(record, Mapping) else getattr(record, name)
+            if isinstance(record, tuple):
+                record = record[int(name)]
+            else:
+                record = record[name] if isinstance(record, Mapping) else getattr(record, name)
         return record
 
     def text(self, record: Any) -> str:
@@ -91,6 +94,11 @@ class Table:
     def records(self) -> list[dict[str, Any]]:
         """The entries as they are, by key: what JSON and other files hold."""
         return [{column.key: column.value(row) for column in self.columns} for row in self.rows]
+
+
+def columns(labels: Mapping[str, str], **more: Any) -> tuple[Column, ...]:
+    """Columns of one form: their labels by key."""
+    return tuple(Column(key, label, **more) for key, label in labels.items())
 
 
 def listed(rows: Sequence[Mapping[str, Any]], **more: Any) -> Table:

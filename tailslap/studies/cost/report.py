@@ -9,7 +9,7 @@ from postprocess.figures.precision_plots import draw_precision
 from postprocess.report.numbers import duration, known
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, listed
+from postprocess.report.table import Column, Table, columns, listed
 from tailslap.report.footer import footer, study_summary
 from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram, soft_lines
 from tailslap.studies.cost.points import CostSurvey, Point, by_level, front, quickest
@@ -36,7 +36,7 @@ LINES = (
 GRIDS = (
     Column("symbol", "quantity"),
     Column("behaviour", "values"),
-    Column("values", "coarse, medium, fine", form=lambda its: ", ".join(map(VALUE, its[::-1]))),
+    *columns({"values.2": "coarse", "values.1": "medium", "values.0": "fine"}, form=VALUE),
     Column("extrapolated", "extrapolated", form=VALUE),
     Column("order", "order", form=known(".2f")),
     Column("gci_fine", "GCI fine", form=ERROR),
