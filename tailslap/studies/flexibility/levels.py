@@ -42,7 +42,9 @@ class Level:
     @property
     def text(self) -> str:
         """The lowest first frequency as people read it; <: good down to there at least, >: not even there."""
-        sign = {CROSSED: "", NOT_REACHED: "< ", ABOVE_ALL: "> "}.get(self.kind)
+        sign = {CROSSED: "", NOT_REACHED: "<\N{NO-BREAK SPACE}", ABOVE_ALL: ">\N{NO-BREAK SPACE}"}.get(
+            self.kind
+        )
         return "not known" if sign is None else sign + hertz(self.frequency)
 
 
