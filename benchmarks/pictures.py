@@ -17,8 +17,8 @@ from postprocess.figures.map_plots import MapAxis, draw_cells, write_meanings
 from postprocess.figures.precision_plots import draw_panel
 from postprocess.figures.style import style
 from tailslap.scene.files import read_scene
+from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
 from tailslap.studies.cost.points import Point
-from tailslap.studies.cost.report.diagrams import flexible_diagram, rigid_diagram
 from tailslap.studies.cost.settings import Setting
 from tailslap.studies.stability.axes import stability_axes
 from tailslap.studies.stability.report.write import COLOUR_MEANINGS

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ SMALL_SIZE, SMALL_PLACE = (4.6, 3.5), (0.16, 0.15, 0.81, 0.82)
 LINE, RINGS, DOTS = "line", "rings", "dots"
 COLOURS = ("#14467c", "#dd8a1d", "#2a9d63", "#e2574c", "#8d6bb5", "#5b6570")
 MARKS = "os^Dvp"
-FAILED = "#c4161c"
+FAILED, TEXT = "#c4161c", "#30363d"
 X_LABEL = "first frequency of the plate [Hz], rigid to soft"
 
 
@@ -57,32 +58,28 @@ def draw_sweep(
     with style():
         figure = Figure(figsize=SMALL_SIZE if small else SIZE)
         axes = figure.add_axes(SMALL_PLACE if small else PLACE)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        for number, line in enumerate(lines):
-            _draw(axes, axis, line, COLOURS[number % len(COLOURS)], MARKS[number % len(MARKS)])
+        axes.set(xscale="log", yscale="log", xlabel=X_LABEL, ylabel=label)
+        for line, colour, mark in zip(lines, cycle(COLOURS), cycle(MARKS), strict=False):
+            _draw(axes, axis, line, colour, mark)
         _explain(axes, axis, any(line.errors for line in lines))
-        beside: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.06, 0.5)}
-        axes.legend(**({"loc": "upper left"} if small else beside), fontsize=8, frameon=small)
+        place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.06, 0.5)}
+        axes.legend(**({"loc": "upper left"} if small else place), fontsize=8, frameon=small)
         axes.set_xlim(axis.frequencies[0] * 1.15, axis.frequencies[-1] / 1.15)
         axes.xaxis.set_major_formatter("{x:g}")
         _mark(axes, axis, levels)
-        axes.set_xlabel(X_LABEL)
-        axes.set_ylabel(label)
         return drawn(figure, name, caption, "Sweeps")
 
 
 def _draw(axes: "Axes", axis: SweepAxis, line: SweepLine, colour: str, mark: str) -> None:
-    x, passed = np.array(axis.frequencies), np.array(line.passed or axis.passed)
-    values = _drawable(line.values)
+    x, values, passed = axis.frequencies, _drawable(line.values), np.array(line.passed or axis.passed)
     if line.form == DOTS:
         axes.plot(x, values, color=colour, linewidth=1.2, linestyle=":", label=line.label)
         return
-    form: dict[str, Any] = {"marker": mark, "markersize": 4, "linewidth": 1.3, "zorder": 3}
+    form: dict[str, Any] = {"marker": mark, "markersize": 4, "linewidth": 1.3}
     if line.form == RINGS:
-        form |= {"marker": "o", "markersize": 9, "linewidth": 0, "markerfacecolor": "none"}
+        form = {"marker": "o", "markersize": 9, "linewidth": 0, "markerfacecolor": "none"}
     good, bad = np.where(passed, values, np.nan), np.where(passed, np.nan, values)
-    axes.plot(x, good, color=colour, label=line.label, **form)
+    axes.plot(x, good, color=colour, label=line.label, zorder=3, **form)
     axes.plot(x, bad, color=colour, marker="x", markersize=6, linestyle="none", zorder=3)
     if line.errors:
         errors = np.where(passed, _drawable(line.errors), np.nan)
@@ -98,13 +95,11 @@ def _drawable(values: Sequence[float]) -> np.ndarray:
 def _explain(axes: "Axes", axis: SweepAxis, errors: bool) -> None:
     """Entries of the legend that are no line's own."""
     if errors:
-        axes.plot([], [], color="#30363d", linewidth=0.7, linestyle="--", label="numerical error")
+        axes.plot([], [], color=TEXT, linewidth=0.7, linestyle="--", label="numerical error")
     if not all(axis.passed):
         axes.plot([], [], color=FAILED, linewidth=6, alpha=0.15, label="failed a check")
     if axis.frequencies[-1] <= axis.own <= axis.frequencies[0]:
-        axes.axvline(
-            axis.own, color="#30363d", linewidth=1.0, linestyle=(0, (1, 2)), label="the scene's plate"
-        )
+        axes.axvline(axis.own, color=TEXT, linewidth=1.0, linestyle=(0, (1, 2)), label="the scene's plate")
 
 
 def _mark(axes: "Axes", axis: SweepAxis, levels: Sequence[float]) -> None:
@@ -113,19 +108,10 @@ def _mark(axes: "Axes", axis: SweepAxis, levels: Sequence[float]) -> None:
     half = 0.5 * abs(logs[1] - logs[0])
     for place, passed in zip(logs, axis.passed, strict=True):
         if not passed:
-            axes.axvspan(
-                *np.exp([place - half, place + half]), color=FAILED, alpha=0.1, linewidth=0, zorder=0
-            )
+            ends = np.exp([place - half, place + half])
+            axes.axvspan(*ends, color=FAILED, alpha=0.1, linewidth=0, zorder=0)
+    right: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
     for level in levels:
         axes.axhline(level, color="#8a929b", linewidth=0.8, zorder=1)
         text = f"{100.0 * level:g} %"
-        axes.annotate(
-            text,
-            (1.0, level),
-            xycoords=("axes fraction", "data"),
-            xytext=(3, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=7,
-            color="#5b6570",
-        )
+        axes.annotate(text, (1.0, level), (3, 0), va="center", fontsize=7, color="#5b6570", **right)

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,13 +16,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SIZE, PLACE = (7.4, 5.2), (0.1, 0.1, 0.88, 0.83)
-FRONT, TEXT = "#c3c8cf", "#30363d"
+FRONT, TEXT, DASHED = "#c3c8cf", "#30363d", (0, (4, 2))
 COLOURS = (
     *("#1b1f24", "#b8690f", "#1f7f50", "#c23b32", "#7652a0", "#0e7c8c", "#14467c", "#b53682", "#5b6570"),
     *("#8c6d31", "#3d6fb6", "#a2142f"),
 )
 MARKS = "o^Ds>vPp<hd*"
-MOST_TICKS = 8
+MAX_TICKS = 8
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,11 @@ class Series:
     passed: Sequence[bool]
     joined: bool = True
     dashed: bool = False
+
+    @property
+    def points(self) -> Floats:
+        """Times and errors, shape (n, 2)."""
+        return np.array([self.times, self.errors], dtype=float).T
 
 
 @dataclass(frozen=True)
@@ -69,49 +75,37 @@ def draw_precision(diagram: Diagram) -> Curve:
 
 def draw_panel(axes: "Axes", diagram: Diagram) -> None:
     """The diagram in these axes, whose place in the figure must be final."""
-    drawn = [(number, series) for number, series in enumerate(diagram.series) if len(series.times)]
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    for number, series in drawn:
-        _draw_series(axes, series, COLOURS[number % len(COLOURS)], MARKS[number % len(MARKS)])
-    axes.set_title(diagram.title, loc="left", fontsize=9.5, fontweight="bold", color=TEXT)
-    axes.set_xlabel("time to the answer [s], set-up included")
+    marked = zip(cycle(COLOURS), cycle(MARKS), diagram.series)
+    drawn = [(series, colour, mark) for colour, mark, series in marked if len(series.times)]
+    for series, colour, mark in drawn:
+        _draw_series(axes, series, colour, mark)
+    axes.set(xscale="log", yscale="log", xlabel="time to the answer [s], set-up included")
     axes.set_ylabel(diagram.error_label)
+    axes.set_title(diagram.title, loc="left", fontsize=9.5, fontweight="bold", color=TEXT)
     if not drawn:
         return
-    _powers_of_ten(axes, np.concatenate([_points(series) for _, series in drawn]), diagram.floor)
+    lines = [series.points for series, *_ in drawn]
+    _powers_of_ten(axes, np.concatenate(lines), diagram.floor)
     front = _draw_front(axes, diagram.front)
     floor = np.array([(x, diagram.floor) for x in axes.get_xlim()])
     taken = [_legend(axes, diagram), *_draw_floor(axes, diagram)]
-    labels = [_label(series, COLOURS[number % len(COLOURS)]) for number, series in drawn]
-    write_labels(axes, labels, [front, floor, *(_points(series) for _, series in drawn)], taken)
+    write_labels(axes, [_label(series, colour) for series, colour, _ in drawn], [front, floor, *lines], taken)
 
 
 def _draw_series(axes: "Axes", series: Series, colour: str, mark: str) -> None:
-    times, errors = _points(series).T
-    passed = np.array(series.passed)
+    (times, errors), passed = series.points.T, np.array(series.passed)
     if series.joined:
-        form = (0, (4, 2)) if series.dashed else "-"
+        form = DASHED if series.dashed else "-"
         axes.plot(times, errors, color=colour, linewidth=1.2, linestyle=form, zorder=3)
     face = "white" if series.dashed else colour
-    axes.plot(
-        times[passed], errors[passed], mark, color=colour, markerfacecolor=face, markersize=4.5, zorder=4
-    )
+    axes.plot(times[passed], errors[passed], mark, color=colour, mfc=face, markersize=4.5, zorder=4)
     axes.plot(times[~passed], errors[~passed], "x", color=colour, markersize=6, markeredgewidth=1.5, zorder=4)
-
-
-def _points(series: Series) -> Floats:
-    return np.array([series.times, series.errors], dtype=float).T
 
 
 def _label(series: Series, colour: str) -> Label:
     """At an end of a line; of marks alone, at the slowest or the quickest."""
-    ends = (
-        (len(series.times) - 1, 0)
-        if series.joined
-        else (int(np.argmax(series.times)), int(np.argmin(series.times)))
-    )
-    return Label(series.label, colour, [(series.times[end], series.errors[end]) for end in ends])
+    points = series.points if series.joined else series.points[np.argsort(series.times, kind="stable")]
+    return Label(series.label, colour, [tuple(points[-1]), tuple(points[0])])
 
 
 def _draw_front(axes: "Axes", front: Sequence[tuple[float, float]]) -> Floats:
@@ -131,32 +125,29 @@ def _powers_of_ten(axes: "Axes", points: Floats, floor: float) -> None:
     for axis, logs, room in ((axes.xaxis, x, 0.06), (axes.yaxis, y, 0.1)):
         size = max(1.0, float(np.ptp(logs)))
         low, high = float(logs.min()) - room * size, float(logs.max()) + 0.1 * size
-        if math.floor(high) - math.ceil(low) < 2:  # three ticks at least
-            high = math.ceil(low) + 2.0
-        every = max(1, math.ceil((high - low) / MOST_TICKS))
+        high = max(high, math.ceil(low) + 2.0)  # three ticks at least
+        every = max(1, math.ceil((high - low) / MAX_TICKS))
         exponents = [n for n in range(math.ceil(low), math.floor(high) + 1) if n % every == 0]
-        axis.set_ticks(
-            [10.0**n for n in exponents], [f"10{str(n).translate(SUPERSCRIPTS)}" for n in exponents]
-        )
+        texts = [f"10{str(n).translate(SUPERSCRIPTS)}" for n in exponents]
+        axis.set_ticks([10.0**n for n in exponents], texts)
         axis.set_ticks([], minor=True)
-        axis.axes.set(**{f"{axis.axis_name}lim": (10.0**low, 10.0**high)})
+        axes.set(**{f"{axis.axis_name}lim": (10.0**low, 10.0**high)})
 
 
 def _legend(axes: "Axes", diagram: Diagram) -> Box:
     """The few things that are no line's name; returns its box in pixels."""
     from matplotlib.lines import Line2D
 
-    handles = [Line2D([], [], color=FRONT, linewidth=4.0, label=diagram.front_label)] if diagram.front else []
-    handles.append(Line2D([], [], color=TEXT, marker="o", markersize=4.5, linestyle="none", label="passed"))
-    if not all(all(series.passed) for series in diagram.series):
-        handles.append(
-            Line2D([], [], color=TEXT, marker="x", markersize=6, linestyle="none", label="failed a check")
-        )
-    if any(series.dashed for series in diagram.series):
-        words = "what one choice adds to its mesh"
-        handles.append(
-            Line2D([], [], color=TEXT, linestyle=(0, (4, 2)), marker="o", mfc="white", ms=4.5, label=words)
-        )
+    mark: dict[str, Any] = {"color": TEXT, "marker": "o", "markersize": 4.5, "linestyle": "none"}
+    failed = not all(all(series.passed) for series in diagram.series)
+    choices = any(series.dashed for series in diagram.series)
+    entries = (
+        (diagram.front, diagram.front_label, {"color": FRONT, "linewidth": 4.0}),
+        (True, "passed", mark),
+        (failed, "failed a check", mark | {"marker": "x", "markersize": 6}),
+        (choices, "what one choice adds to its mesh", mark | {"linestyle": DASHED, "mfc": "white"}),
+    )
+    handles = [Line2D([], [], label=label, **form) for shown, label, form in entries if shown]
     legend = axes.legend(handles=handles, loc="best", fontsize=8, framealpha=1.0, edgecolor="#d7dbe0")
     return Box(*legend.get_window_extent().extents)
 
@@ -166,14 +157,12 @@ def _draw_floor(axes: "Axes", diagram: Diagram) -> list[Box]:
     if not (math.isfinite(diagram.floor) and diagram.floor > 0.0):
         return []
     axes.axhline(diagram.floor, color=TEXT, linewidth=0.9, linestyle=":", zorder=2)
+    beside: dict[str, Any] = {
+        "xycoords": ("axes fraction", "data"),
+        "textcoords": "offset points",
+        "va": "top",
+    }
     text = axes.annotate(
-        diagram.floor_label,
-        (0.0, diagram.floor),
-        xycoords=("axes fraction", "data"),
-        xytext=(4, -3),
-        textcoords="offset points",
-        va="top",
-        fontsize=7.5,
-        color=TEXT,
+        diagram.floor_label, (0.0, diagram.floor), (4, -3), fontsize=7.5, color=TEXT, **beside
     )
     return [Box(*text.get_window_extent().extents)]

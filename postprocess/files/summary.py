@@ -7,6 +7,7 @@ fails on its own, because no comparison with a limit holds for it.
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,10 @@ def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:
 
 
 def plain(value: Any) -> Any:
-    """The value in the types that JSON has: NumPy scalars and arrays unwrapped, non-finite numbers None."""
+    """The value in the types that JSON has: records as mappings, NumPy scalars and arrays unwrapped, non-finite numbers
+    None."""
+    if is_dataclass(value):
+        value = vars(value)
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):

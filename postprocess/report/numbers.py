@@ -1,6 +1,7 @@
 """How values are printed for people: digits enough to tell two solutions apart, words for what is none."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 
@@ -9,6 +10,17 @@ def shown(value: Any, form: str) -> str:
     if isinstance(value, bool | str) or value is None or not math.isfinite(value):
         return number(value)
     return format(value, form).rstrip(".")
+
+
+def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
+    """A form of numbers that shows a dash for one that is not finite, 0 for one below what is negligible."""
+
+    def text(value: float) -> str:
+        if not math.isfinite(value):
+            return "–"
+        return "0" if abs(value) < negligible else format(value, form)
+
+    return text
 
 
 def number(value: object, digits: int = 7) -> str:
@@ -30,7 +42,9 @@ def grouped(count: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """A time in the unit that suits it."""
+    """A time in the unit that suits it; a dash for 0, which was not measured."""
+    if not seconds:
+        return "–"
     if seconds < 1e-3:
         return f"{1e6 * seconds:.0f} us"
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"

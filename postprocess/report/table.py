@@ -48,16 +48,21 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry of a record: a mapping, or an object with attributes."""
+        """The entry of a record: of a mapping, tuple or object; None where one on the way is None."""
         for name in self.key.split("."):
-            record = record[name] if isinstance(record, Mapping) else getattr(record, name)
+            if record is None:
+                return None
+            if isinstance(record, tuple):
+                record = record[int(name)]
+            else:
+                record = record[name] if isinstance(record, Mapping) else getattr(record, name)
         return record
 
     def text(self, record: Any) -> str:
         """The entry as people read it."""
         value = self.value(record)
         if callable(self.form):
-            return self.form(value)
+            return self.form(value) if value is not None else number(value)
         return shown(value, self.form) if self.form else number(value)
 
 
@@ -89,6 +94,16 @@ class Table:
     def records(self) -> list[dict[str, Any]]:
         """The entries as they are, by key: what JSON and other files hold."""
         return [{column.key: column.value(row) for column in self.columns} for row in self.rows]
+
+
+def columns(labels: Mapping[str, str], **more: Any) -> tuple[Column, ...]:
+    """Columns of one form: their labels by key."""
+    return tuple(Column(key, label, **more) for key, label in labels.items())
+
+
+def listed(rows: Sequence[Mapping[str, Any]], **more: Any) -> Table:
+    """A table of flat mappings with the same keys, which are its headings: for files."""
+    return Table(tuple(Column(key, key) for key in rows[0]), rows, **more)
 
 
 def words(*columns: str, rows: Sequence[Sequence[str]], texts: int = 1, **more: Any) -> Table:

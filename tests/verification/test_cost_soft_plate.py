@@ -9,12 +9,13 @@ from typing import Any
 
 import pytest
 
+from postprocess.report.report import write_report
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import error_from, measure
-from tailslap.studies.cost.report.write import write_cost
+from tailslap.studies.cost.report import cost_report
 from tailslap.studies.cost.settings import MODAL, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.cost.survey import ROUNDING, summed_up
@@ -42,7 +43,7 @@ def test_page_and_summary(tmp_path: Path) -> None:
     plan = make_plan(*read_scene("paper-table-3"))
     todo = [*settings(plan.scene), *soft_settings(plan.scene)]
     found = summed_up(plan, todo, made_records(todo), ("plate.start=quiet",), TRUTH, 1.0)
-    write_cost(found, tmp_path)
+    write_report(cost_report(found), tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["front"]["flexible"][-1].startswith("soft plate, q")
     assert summary["known"]["rigid"] == ROUNDING

@@ -10,10 +10,10 @@ from typing import Any
 from postprocess.comparison.grid_convergence import CAUTIOUS_FACTOR, SAFETY_FACTOR, grid_convergence
 from tailslap.planning.rigid import COMPARED
 
-MOST_ORDER = 2.0
+MAX_ORDER = 2.0
 """Order of linear elements, of loads that jump and of central differences; a higher observed order is luck."""
 
-LEAST_KNOWN = 1e-12
+MIN_KNOWN = 1e-12
 """Relative rounding of a run: no limit is known better."""
 
 
@@ -32,7 +32,7 @@ def limit_of(records: Sequence[Mapping[str, Any]]) -> Limit:
         return Limit(dict.fromkeys(COMPARED, math.nan), math.nan)
     coarse, medium, fine = good[-3:]
     found = {name: extrapolated(fine[name], medium[name], coarse[name]) for name in COMPARED}
-    known = max(LEAST_KNOWN, *(error for _, error in found.values()))
+    known = max(MIN_KNOWN, *(error for _, error in found.values()))
     return Limit({name: value for name, (value, _) in found.items()}, known)
 
 
@@ -41,7 +41,7 @@ def extrapolated(fine: float, medium: float, coarse: float) -> tuple[float, floa
     found = grid_convergence((fine, medium, coarse), (2.0, 2.0))
     if found.behaviour != "converging":
         return fine, CAUTIOUS_FACTOR * abs((fine - medium) / fine)
-    step = (fine - medium) / (2.0 ** min(found.order, MOST_ORDER) - 1.0)
+    step = (fine - medium) / (2.0 ** min(found.order, MAX_ORDER) - 1.0)
     return fine + step, SAFETY_FACTOR * abs(step / fine)
 
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from postprocess.comparison.grid_convergence import GridConvergence
 from tailslap.planning.plan import Plan
-from tailslap.studies.cost.limits import Limit
-from tailslap.studies.cost.settings import EXACT, Setting
+from tailslap.studies.cost.limits import Limit, observed_order
+from tailslap.studies.cost.settings import EXACT, FE, MODAL, ODE, Setting
+
+LEVELS = tuple(10.0**-exponent for exponent in range(2, 12))
+SETTING_COLUMNS = ("kind", "group", "label", "refinement", "soft", "choice")
+POINT_COLUMNS = ("error", "added", "seconds", "setup_s", "loop_s", "median_s", "compile_s", "steps")
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,26 @@ class Point:
         """Whether it gave an answer that passed the program's checks."""
         return not self.refused and not self.failed and math.isfinite(self.error)
 
+    @property
+    def own_error(self) -> float:
+        """What a choice adds; else the error."""
+        return self.added if self.setting.choice else self.error
+
+    @property
+    def checks(self) -> str:
+        """Whether it passed, which checks failed, or why there is no run."""
+        if self.refused:
+            return f"refused: {self.refused}"
+        return f"failed: {', '.join(self.failed)}" if self.failed else "passed"
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Setting and numbers, flat, as `points.csv` and the summary hold them."""
+        setting = {name: getattr(self.setting, name) for name in SETTING_COLUMNS}
+        own = {name: getattr(self, name) for name in POINT_COLUMNS}
+        failed = {"failed": ", ".join(self.failed), "refused": self.refused}
+        return {"setting": self.setting.key, **setting, **own, **failed}
+
 
 @dataclass(frozen=True)
 class CostSurvey:
@@ -69,7 +95,7 @@ class CostSurvey:
         return tuple(point for point in self.points if point.setting.soft)
 
 
-def front(points: tuple[Point, ...]) -> list[Point]:
+def front(points: Iterable[Point]) -> list[Point]:
     """The points that no other beats in both time and error. The exact solution is what errors are measured from, and
     choices are made on one mesh: neither is among them."""
     found: list[Point] = []
@@ -80,7 +106,30 @@ def front(points: tuple[Point, ...]) -> list[Point]:
     return found
 
 
-def cheapest(points: tuple[Point, ...], level: float) -> Point | None:
+def by_level(points: Sequence[Point]) -> list[dict[str, Any]]:
+    """For each level of error, the key of the cheapest setting, and the cheapest point of each kind; None for none."""
+    kinds = {kind: [p for p in points if p.setting.kind == kind] for kind in (ODE, MODAL, FE)}
+    rows: list[dict[str, Any]] = []
+    for level in LEVELS:
+        best = cheapest(points, level)
+        rows.append({"level": f"{level:.0e}", "key": best and best.setting.key})
+        rows[-1] |= {kind: cheapest(its, level) for kind, its in kinds.items()}
+    return rows
+
+
+def quickest(points: Iterable[Point]) -> Point | None:
+    """The cheapest finite-element setting with at most the power of ten next above the least error of them."""
+    fe = [p for p in points if p.setting.kind == FE and p.valid]
+    return cheapest(fe, 10.0 ** math.ceil(math.log10(min(p.error for p in fe)))) if fe else None
+
+
+def order_of(points: Iterable[Point], known: float) -> float:
+    """Observed order of the points of a group."""
+    good = [p for p in points if math.isfinite(p.own_error)]
+    return observed_order([p.setting.refinement for p in good], [p.own_error for p in good], known)
+
+
+def cheapest(points: Iterable[Point], level: float) -> Point | None:
     """The cheapest valid point with at most this error."""
     good = [p for p in points if p.valid and p.error <= level]
     return min(good, key=lambda p: p.seconds, default=None)

@@ -48,9 +48,14 @@ class Setting:
     choice: bool = False
 
     @property
+    def name(self) -> str:
+        """Group and label."""
+        return f"{self.group}: {self.label}"
+
+    @property
     def key(self) -> str:
         """Name by which a journal knows the setting."""
-        return f"{'soft plate, ' if self.soft else ''}{self.group}: {self.label}"
+        return f"soft plate, {self.name}" if self.soft else self.name
 
 
 def settings(scene: Scene) -> list[Setting]:

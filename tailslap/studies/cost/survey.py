@@ -13,12 +13,14 @@ from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import COMPARED
 from tailslap.progress import progress_bar
 from tailslap.scene.files import read_scene
+from tailslap.studies import with_elements
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import Record, error_from, measure, rigid_truth
 from tailslap.studies.cost.points import CostSurvey, Point
 from tailslap.studies.cost.settings import MESH, STEP, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.journal import Journal
+from tailslap.studies.study import Call
 
 ROUNDING = 2.2e-12
 """What the exact solution is held to: its distance from DOP853, at most, over 1000 inputs (benchmarks/rigid.py)."""
@@ -28,6 +30,12 @@ SOFT_PLATE = "soft plate"
 
 SOFT_QUAD4, LIMIT, SOFT_STEP = "soft plate, quad4", "soft plate, quad9", "soft plate, time step"
 """Names of grid convergences on the soft plate; its limit is that of quad9."""
+
+
+def study_cost(call: Call) -> CostSurvey:
+    """The study as the command line asks for it."""
+    changes = with_elements(call.plan, call.changes)
+    return survey(make_plan(*read_scene(call.name, changes)), call.name, changes, call.place)
 
 
 def survey(plan: Plan, name: str, changes: tuple[str, ...], place: Path) -> CostSurvey:

@@ -17,7 +17,7 @@ CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = KINDS = ("crossed", "not reached", "a
 STRAIGHT = 0.1
 """Relative distance from the fitted power law up to which points are said to follow it."""
 
-LEAST_FITTED = 4
+MIN_FITTED = 4
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,14 @@ class Level:
     kind: str
     frequency: float
 
+    @property
+    def text(self) -> str:
+        """The lowest first frequency as people read it; <: good down to there at least, >: not even there."""
+        sign = {CROSSED: "", NOT_REACHED: "<\N{NO-BREAK SPACE}", ABOVE_ALL: ">\N{NO-BREAK SPACE}"}.get(
+            self.kind
+        )
+        return "not known" if sign is None else sign + hertz(self.frequency)
+
 
 @dataclass(frozen=True)
 class PowerLaw:
@@ -48,6 +56,14 @@ class PowerLaw:
     factor: float
     highest: float
     lowest: float
+
+
+def hertz(frequency: float) -> str:
+    """A frequency [Hz] with its unit, which a line does not break off."""
+    if not math.isfinite(frequency):
+        return "–"
+    number, unit = (frequency / 1e3, "kHz") if frequency >= 999.5 else (frequency, "Hz")
+    return f"{number:.3g}\N{NO-BREAK SPACE}{unit}"
 
 
 def lowest_frequency(samples: Sequence[Sample], level: float) -> Level:
@@ -108,7 +124,7 @@ def _floor(value: float) -> float:
 def power_law(samples: Sequence[Sample]) -> PowerLaw | None:
     """The law that most points from the stiff end on follow; None where no four do. samples from stiff to soft."""
     known = [s for s in samples if s.passed and s.error < SHARE * s.difference]
-    for count in range(len(known), LEAST_FITTED - 1, -1):
+    for count in range(len(known), MIN_FITTED - 1, -1):
         x, y = (np.log([getattr(s, name) for s in known[:count]]) for name in ("frequency", "difference"))
         exponent, offset = np.polyfit(x, y, 1)
         if np.abs(np.expm1(y - exponent * x - offset)).max() <= STRAIGHT:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from postprocess.comparison.comparison import relative_difference
 from postprocess.comparison.grid_convergence import SAFETY_FACTOR, grid_convergence
@@ -11,7 +12,7 @@ from tailslap.planning.rigid import COMPARED
 from tailslap.studies.flexibility.measure import KEPT, Record, farthest
 from tailslap.studies.flexibility.sweep import STARTS
 
-MOST_ORDER = 2.0
+MAX_ORDER = 2.0
 """Order of convergence of linear elements and central differences."""
 
 MEASURED = (*COMPARED, "reaction", "stored")
@@ -41,6 +42,24 @@ class Start:
     damping: float
     passed: bool
     why: str
+
+    @property
+    def kept(self) -> float:
+        """The share of v_GY's difference at the strike that is there at t = 0."""
+        return self.departure["v_gy"] / self.difference
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Its numbers, flat."""
+        return {
+            "v_gy": self.difference,
+            "v_gy_largest": self.largest,
+            "v_gy_error": self.error,
+            **{f"{quantity}_at_start": self.departure[quantity] for quantity in KEPT},
+            "damping_rate": self.damping,
+            "passed": self.passed,
+            "why": self.why,
+        }
 
 
 @dataclass(frozen=True)
@@ -72,9 +91,57 @@ class Point:
     steps: int
     starts: dict[str, Start]
 
+    @property
+    def seven(self) -> dict[str, float]:
+        """The five relative differences, reaction and stored energy."""
+        return self.difference | {"reaction": self.reaction, "stored": self.stored}
+
     def size(self, name: str) -> float:
-        """The difference from the rigid value: of the five quantities the relative one's size, else itself."""
-        return getattr(self, name) if name in ("reaction", "stored") else abs(self.difference[name])
+        """The difference from the rigid value, without its sign."""
+        return abs(self.seven[name])
+
+    @property
+    def checks(self) -> str:
+        """Whether it passed, which checks failed, or why there was no run."""
+        if self.passed:
+            return "passed"
+        return f"failed: {self.why}" if self.steps else f"none: {self.why}"
+
+    @property
+    def half_change(self) -> float:
+        """What half the patch changes v_GY's difference by, as a share of it; NaN where that was not run."""
+        return self.half_patch / self.difference["v_gy"] - 1.0
+
+    @property
+    def good(self) -> dict[str, Start | None]:
+        """The starts by name, None for one without a run that passed its checks."""
+        return {name: start if start.passed else None for name, start in self.starts.items()}
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """All numbers, flat, as `points.csv` and the summary hold them."""
+        thickness = self.thickness
+        return {
+            "first_frequency": self.frequency,
+            "youngs_modulus": self.youngs_modulus,
+            "passed": self.passed,
+            "why": self.why,
+            **{f"difference_{name}": self.difference[name] for name in COMPARED},
+            "reaction_deviation": self.reaction,
+            "stored_share": self.stored,
+            **{f"error_{name}": self.errors[name] for name in MEASURED},
+            **{f"modal_{name}": self.modal[name] for name in COMPARED},
+            "modal_estimate": self.modal_estimate,
+            "modal_apart": self.modal_apart,
+            "modal_why": self.modal_why,
+            "damping_rate": self.damping,
+            "give": self.give,
+            "steps": self.steps,
+            "half_patch_v_gy": self.half_patch,
+            "thickness": thickness and thickness.thickness,
+            "thickness_apart": thickness and thickness.apart,
+            **{f"{name}:{key}": x for name, start in self.starts.items() for key, x in start.row.items()},
+        }
 
 
 def make_point(frequency: float, record: Record, rigid: dict[str, float]) -> Point:
@@ -149,9 +216,9 @@ def mesh_error(meshes: list[Record], name: str) -> float:
 def convergence_index(fine: float, medium: float, coarse: float) -> float:
     """Grid convergence index of the fine mesh; an observed order above that of the elements is luck, and not used."""
     found = grid_convergence((fine, medium, coarse), (2.0, 2.0))
-    if found.behaviour != "converging" or found.order <= MOST_ORDER:
+    if found.behaviour != "converging" or found.order <= MAX_ORDER:
         return found.gci_fine
-    return SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MOST_ORDER - 1.0)
+    return SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
 
 
 def _value(mesh: Record, name: str) -> float:

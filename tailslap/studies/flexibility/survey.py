@@ -26,6 +26,7 @@ from tailslap.studies.flexibility.sweep import (
     Sweep,
     define,
     expected_seconds,
+    frequencies,
     half_patch_tables,
     run_tables,
     thickness_places,
@@ -33,6 +34,7 @@ from tailslap.studies.flexibility.sweep import (
 from tailslap.studies.journal import Journal
 from tailslap.studies.parallel import run_parts
 from tailslap.studies.stability.axes import Tables
+from tailslap.studies.study import Call
 
 LEVELS = (1e-3, 1e-2, 5e-2, 1e-1)
 """Differences for which the lowest first frequency is sought."""
@@ -56,6 +58,16 @@ class Survey:
     others: dict[str, tuple[Level, ...]]
     laws: dict[str, PowerLaw | None]
     seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether any plate passed its checks."""
+        return any(point.passed for point in self.points)
+
+
+def study_flexibility(call: Call, points: int, lowest: str, highest: str, workers: int | None) -> Survey:
+    """The study as the command line asks for it."""
+    return survey(call.plan, frequencies(lowest, highest, points), call.place, workers)
 
 
 def survey(plan: Plan, frequencies: tuple[float, ...], place: Path, workers: int | None) -> Survey:

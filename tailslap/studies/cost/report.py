@@ -1,0 +1,149 @@
+"""What the study of cost reports."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from postprocess.comparison.comparison import QUANTITIES
+from postprocess.figures.precision_plots import draw_precision
+from postprocess.report.numbers import duration, known
+from postprocess.report.page import Page, Section
+from postprocess.report.report import Report
+from postprocess.report.table import Column, Table, columns, listed
+from tailslap.report.footer import footer, study_summary
+from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram, soft_lines
+from tailslap.studies.cost.points import CostSurvey, Point, by_level, front, quickest
+from tailslap.studies.cost.settings import FE, MODAL, ODE
+from tailslap.studies.cost.soft import frequency, patch
+from tailslap.studies.cost.survey import ROUNDING
+
+ERROR, VALUE = known(".1e"), known(".9g")
+SETTINGS = (
+    Column("setting.key", "setting"),
+    Column("checks", "checks"),
+    Column("error", "error", form=ERROR),
+    Column("added", "added", form=ERROR),
+    Column("seconds", "time", form=duration),
+    Column("loop_s", "of which loop", form=duration),
+    Column("steps", "steps", form="d"),
+)
+LINES = (
+    Column("label", "line"),
+    Column("coarsest.own_error", "coarsest", form=ERROR),
+    Column("finest.own_error", "finest", form=ERROR),
+    Column("order", "order", form=known(".1f")),
+)
+GRIDS = (
+    Column("symbol", "quantity"),
+    Column("behaviour", "values"),
+    *columns({"values.2": "coarse", "values.1": "medium", "values.0": "fine"}, form=VALUE),
+    Column("extrapolated", "extrapolated", form=VALUE),
+    Column("order", "order", form=known(".2f")),
+    Column("gci_fine", "GCI fine", form=ERROR),
+)
+NOTE = (
+    "Error: from the exact rigid motion, or from the soft plate's limit. Added: what a choice adds to its mesh's. "
+    "Times: the fastest of several, all compiled and loaded. Set off: on the Pareto front of its question."
+)
+READING = (
+    "GCI: grid convergence index (Roache 1994, ASME V&V 20) of three, each half the last; safety factor 1.25, or 3.",
+    "v_GY of a corner held at one node has no limit: its compliance grows by the logarithm of the mesh. Over a "
+    "`corner.patch_length` it has one.",
+)
+
+
+def cost_report(found: CostSurvey) -> Report:
+    """Page, summary, points, and what the terminal says."""
+    known_to = (found.limit.known, found.mesh_limit.known)
+    rigid, soft = rigid_diagram(found.points, ROUNDING), flexible_diagram(found.points, *known_to)
+    lines = Table(LINES, soft_lines(found.points, *known_to), "Order of the errors well above what is known")
+    best = _best(found.rigid, ODE, "SciPy"), _best(found.flexible, MODAL, "soft plate, modes")
+    page = Page(
+        kicker="Error against run time: every method and setting that the program has",
+        title=found.plan.scene.name,
+        headline=headline(found),
+        sections=(
+            Section("The rigid question", "", (draw_precision(rigid),), best[:1]),
+            Section("The flexible question", "", (draw_precision(soft),), (lines, best[1]), _limits(found)),
+            Section("Grid convergence", tables=_convergence(found), sentences=READING),
+            Section("Every setting", tables=(_every(found),)),
+        ),
+        footer=footer("points.csv, every setting with its numbers in SI; summary.json"),
+        scene_text=found.plan.source.text,
+    )
+    cost = f"Cost:   {len(found.points)} settings in {found.seconds:.0f} s"
+    points = {"points.csv": listed([point.row for point in found.points])}
+    return Report(page, summary(found), (*best, page.headline, cost), points)
+
+
+def summary(found: CostSurvey) -> dict[str, Any]:
+    """The numbers of the study, SI."""
+    both = {"rigid": found.rigid, "flexible": found.flexible}.items()
+    return {
+        **study_summary("cost", found.plan),
+        "points": [point.row for point in found.points],
+        "front": {name: [point.setting.key for point in front(its)] for name, its in both},
+        "cheapest": {name: {row["level"]: row["key"] for row in by_level(its)} for name, its in both},
+        "known": {"rigid": ROUNDING, "flexible": found.limit.known, "choices": found.mesh_limit.known},
+        "soft_plate": {"changes": found.soft, "flexibility": found.flexibility, "limit": found.limit.values},
+        "convergence": found.convergence,
+        "cost": {"seconds": found.seconds},
+    }
+
+
+def headline(found: CostSurvey) -> str:
+    """What an error costs."""
+    rigid, soft = (_spent(quickest(points)) for points in (found.rigid, found.flexible))
+    return (
+        f"The exact rigid solution takes {duration(found.points[0].seconds)}. Finite elements come within {rigid}; the "
+        f"rest is the plate's own flexibility. A soft plate's motion, {found.flexibility:.1e} from the rigid one, they "
+        f"give to {soft}."
+    )
+
+
+def _spent(best: Point | None) -> str:
+    return f"{best.error:.1e} in {duration(best.seconds)} ({best.setting.name})" if best else "nothing known"
+
+
+def _limits(found: CostSurvey) -> tuple[str, ...]:
+    """What the soft plate is, and where its limits come from."""
+    scene, meshes = found.plan.scene, [p.setting.label for p in found.flexible if p.setting.group == "quad9"]
+    return (
+        f"The soft plate: {frequency(scene):g} Hz first frequency, the corner held over {patch(scene):g} m, no "
+        "friction, no damping, one modulus on all meshes: what is left of its error falls with refinement.",
+        f"Full lines: the error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
+        f"{found.limit.known:.0e}, the largest GCI; smaller errors are shown as that.",
+        f"Dashed lines: what one choice adds to its mesh, known to {found.mesh_limit.known:.0e}. What inertia relief "
+        "leaves over rings, so that steps have no clean order; linear modes leave as much, however many.",
+    )
+
+
+def _best(points: tuple[Point, ...], kind: str, name: str) -> Table:
+    """The cheapest setting for each error: of a kind, and of finite elements."""
+    rows = [row for row in by_level(points) if row[kind] or row[FE]]
+    columns = (*_best_columns(kind, name), *_best_columns(FE, "finite elements"))
+    return Table((Column("level", "error at most"), *columns), rows, "The cheapest setting")
+
+
+def _best_columns(kind: str, group: str) -> tuple[Column, ...]:
+    return (
+        Column(f"{kind}.setting.name", "setting", group=group),
+        Column(f"{kind}.error", "error", form=ERROR, group=group),
+        Column(f"{kind}.seconds", "time", form=duration, group=group),
+    )
+
+
+def _convergence(found: CostSurvey) -> list[Table]:
+    """Observed order, extrapolated value and grid convergence index of each quantity."""
+    tables = []
+    for group, grids in found.convergence.items():
+        rows = [{"symbol": QUANTITIES[name].symbol, **vars(grid)} for name, grid in grids.items()]
+        tables.append(Table(GRIDS, rows, group[0].upper() + group[1:]))
+    return tables
+
+
+def _every(found: CostSurvey) -> Table:
+    """Every setting; those on the Pareto front of their question are set off."""
+    best = [*front(found.rigid), *front(found.flexible)]
+    marks = {i: "marked" for i, point in enumerate(found.points) if point in best}
+    return Table(SETTINGS, found.points, notes=(NOTE,), marks=marks)

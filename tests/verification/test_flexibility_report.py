@@ -1,0 +1,279 @@
+"""Verification: the flexibility study's points out of records of runs, what it says of them, and its page."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from postprocess.report.report import report_text, write_report
+from tailslap.command_line import CHECK_FAILED, _status
+from tailslap.planning.plan import Plan, make_plan
+from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.scene.files import read_scene
+from tailslap.studies.flexibility import survey as survey_module
+from tailslap.studies.flexibility.points import Point, make_point
+from tailslap.studies.flexibility.report import flexibility_report, headline
+from tailslap.studies.flexibility.survey import Survey, samples, start_samples, summed_up, survey
+from tailslap.studies.flexibility.sweep import STARTS, define
+
+pytestmark = pytest.mark.verification
+
+SMALL = ("plate.elements=[8,4]",)
+SWEEP = tuple(np.geomspace(1000.0, 0.1, 9).tolist())
+
+
+def mesh_record(difference: float, rigid: Mapping[str, float], **changes: Any) -> dict[str, Any]:
+    record = {
+        "elements": [8, 4],
+        "youngs_modulus": 1e9,
+        "thickness": 0.1,
+        "damping": 0.0,
+        "values": {name: value * (1.0 + difference) for name, value in rigid.items()},
+        "failed": [],
+        "departure": {"v_gx": 0.0, "v_gy": 0.9 * difference, "omega": -0.8 * difference, "v_p": 0.0},
+        "largest": abs(difference),
+        "reaction": 10.0 * difference,
+        "stored": 0.1 * difference,
+        "give": difference,
+        "error": 1e-3 * abs(difference),
+        "unseen": 0.0,
+        "steps": 1000,
+    }
+    return record | changes
+
+
+def point_record(hertz: float, rigid: Mapping[str, float], **changes: Any) -> dict[str, Any]:
+    """Differences of 0.04 (f1 / 1 Hz)^-2 on fine meshes, with an error of second order in the element's size; 0.36
+    of it for the second start, and 0.04 f1^-1 for the third."""
+
+    def meshes(factor: float) -> list[dict[str, Any]]:
+        sizes = [factor * 0.04 / hertz**2 * (1.0 - 1e-3 * h**2) for h in (4, 2, 1)]
+        return [mesh_record(size, rigid, **changes) for size in sizes]
+
+    runs = (meshes(1.0), meshes(0.36), [mesh_record(-0.04 / hertz, rigid, **changes)])
+    modal = {"values": runs[0][-1]["values"], "estimate": 1e-6, "failed": []}
+    return {"starts": dict(zip(STARTS, runs, strict=True)), "modal": modal}
+
+
+def main_meshes(record: dict[str, Any]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = record["starts"][STARTS[0]]
+    return found
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    return make_plan(*read_scene("paper-table-3", SMALL))
+
+
+@pytest.fixture(scope="module")
+def synthetic(plan: Plan) -> Callable[..., Survey]:
+    """The survey of a synthetic power law; changes: records by the place of the point."""
+    sweep = replace(define(plan, SWEEP)[0], own_frequency=100.0)
+
+    def build(changes: Mapping[int, dict[str, Any]] = {}) -> Survey:
+        rigid = stage_two_numbers(plan)
+        records = [point_record(f, rigid) for f in SWEEP]
+        points = tuple(
+            make_point(f, changes.get(i, record), rigid)
+            for i, (f, record) in enumerate(zip(SWEEP, records, strict=True))
+        )
+        return summed_up(sweep, points, 1.0)
+
+    return build
+
+
+def test_points_carry_difference_and_error(synthetic: Callable[..., Survey]) -> None:
+    for point in synthetic().points:
+        whole = 0.04 / point.frequency**2
+        assert point.difference["v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
+        left = whole / (1.0 + whole)
+        assert point.errors["v_gy"] == pytest.approx(1.25e-3 * left, rel=0.01)
+        assert point.errors["reaction"] == pytest.approx(1.25e-2 * whole, rel=1e-6)
+        assert point.starts[STARTS[0]].error == pytest.approx(1.25e-3 * whole, rel=1e-6)
+        assert point.starts["unstressed"].error == pytest.approx(4e-5 / point.frequency, rel=1e-6)
+        assert point.passed
+
+
+def test_what_meshes_do_not_show_is_added_to_the_error(plan: Plan) -> None:
+    rigid = stage_two_numbers(plan)
+    plain, damped = (make_point(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
+    for name in ("v_gy", "reaction"):
+        assert damped.errors[name] - plain.errors[name] == pytest.approx(1e-4, rel=1e-6)
+    first = STARTS[0]
+    assert damped.starts[first].error - plain.starts[first].error == pytest.approx(1e-4, rel=1e-6)
+
+
+def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., Survey]) -> None:
+    rigid = stage_two_numbers(synthetic().sweep.plan)
+    record = point_record(SWEEP[5], rigid)
+    record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
+    points: tuple[Point, ...] = synthetic({5: record}).points
+    sizes = [sample.difference for sample in start_samples(points, "unstressed")]
+    assert sizes[5] == sizes[4] == pytest.approx(0.04 / SWEEP[4])
+    assert sizes == sorted(sizes)
+
+
+def said(found: Survey, tmp_path: Path) -> tuple[str, str]:
+    """Terminal and page, with plain spaces."""
+    report = flexibility_report(found)
+    write_report(report, tmp_path)
+    page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
+    return " ".join(report_text(report, tmp_path).split()), page
+
+
+def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Survey], tmp_path: Path) -> None:
+    rigid = stage_two_numbers(synthetic().sweep.plan)
+    record = point_record(SWEEP[4], rigid)
+    longer = main_meshes(record)[-1]["values"]
+    half = {name: rigid[name] + 1.1 * (longer[name] - rigid[name]) for name in rigid}
+    found = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half)}})
+    assert found.points[4].half_change == pytest.approx(0.1, rel=1e-6)
+    assert ">1.00e-01</td>" in said(found, tmp_path)[1]
+    failed = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half, failed=["mesh"])}})
+    assert math.isnan(failed.points[4].half_change)
+    assert ">1.00e-01</td>" not in said(failed, tmp_path)[1]
+
+
+def test_headline(synthetic: Callable[..., Survey]) -> None:
+    assert headline(synthetic()).replace("\N{NO-BREAK SPACE}", " ") == (
+        "Rigid-body v_GY is good to 1 %, at the strike and before, down to a first frequency of 2 Hz (inertia relief), "
+        "1.2 Hz (Stage 1's momenta), 4 Hz (unstressed); from any of the three starts, 4 Hz. The scene's own plate has "
+        "100 Hz."
+    )
+
+
+def test_levels_of_any_start_and_the_power_law_are_said(
+    synthetic: Callable[..., Survey], tmp_path: Path
+) -> None:
+    terminal, page = said(synthetic(), tmp_path)
+    assert "any of the three 40 Hz 4 Hz 0.894 Hz 0.632 Hz" in terminal
+    assert "inertia relief 6.32 Hz 2 Hz" in terminal
+    law = '<td class="n">-2.000</td><td class="n">1 kHz</td><td class="n">0.1 Hz</td>'
+    assert page.count(law) >= 2
+
+
+def test_what_the_starts_depart_from_is_said(synthetic: Callable[..., Survey], tmp_path: Path) -> None:
+    """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
+    rigid = stage_two_numbers(synthetic().sweep.plan)
+    found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
+    page = said(found, tmp_path)[1]
+    rows = page[page.index("What each start departs from") :].split("<tr>")
+    assert [float(cell) for cell in cells(rows, "0.316 Hz")] == pytest.approx(
+        [0.0, 0.36, -0.32, 0.0, 0.0, 0.1296, -0.1152, 0.0], rel=5e-3
+    )
+    assert set(cells(rows, "0.1 Hz")) == {"–"}
+    assert found.points[7].starts[STARTS[0]].kept == pytest.approx(0.9, rel=1e-3)
+
+
+def cells(rows: list[str], first: str) -> list[str]:
+    """Of the row that begins like this, all others."""
+    row = next(row for row in rows if f">{first}<" in row)
+    return re.findall(r"<td[^>]*>([^<]*)</td>", row)
+
+
+def test_headline_of_what_is_not_known(synthetic: Callable[..., Survey]) -> None:
+    refused = {"refused": "plate: no"}
+    runs = {name: (3 if name != "unstressed" else 1) * [refused] for name in STARTS}
+    nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
+    assert "no run passed its checks" in headline(nothing)
+    rigid = stage_two_numbers(nothing.sweep.plan)
+
+    def words(found: Survey) -> str:
+        return headline(found).replace("\N{NO-BREAK SPACE}", " ")
+
+    soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
+    assert "frequency of > 1 kHz (inertia relief)" in soft
+    stiff = words(synthetic({i: point_record(500.0, rigid) for i in range(9)}))
+    assert "from any of the three starts, < 0.1 Hz." in stiff
+    rough = {i: point_record(f, rigid) for i, f in enumerate(SWEEP)}
+    for record in rough.values():
+        record["starts"]["unstressed"][0]["error"] = 0.01
+    found = synthetic(rough)
+    known = "2 Hz (inertia relief), 1.2 Hz (Stage 1's momenta), not known (unstressed)"
+    assert known in words(found)
+    assert "from any of the three starts, not known" in words(found)
+    assert found.band[1].frequency == pytest.approx(1000.0)
+    assert found.band[2].text.endswith("Hz")
+
+
+def test_points_that_fail_are_shown_as_such(synthetic: Callable[..., Survey], tmp_path: Path) -> None:
+    rigid = stage_two_numbers(synthetic().sweep.plan)
+    fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
+    lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
+    refused = point_record(SWEEP[0], rigid)
+    main_meshes(refused)[-1] = {"refused": "left out: its time loop would take too long"}
+    found = synthetic({0: refused, 2: fails, 8: lost})
+    assert [point.passed for point in found.points] == [i not in (0, 2, 8) for i in range(9)]
+    assert not samples(found.points, "t")[2].passed
+    terminal, page = said(found, tmp_path)
+    assert "Failed: 1 kHz: left out" in terminal
+    assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
+    assert page.count("<svg") == 5
+    assert "failed: energy balance" in page
+    assert "none: left out" in page
+    assert "failed a check" in page
+    assert "NaN" not in page
+    assert "nan" not in page
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["headline"] == headline(found)
+    assert summary["points"][8]["difference_v_gy"] is None
+    assert summary["points"][2]["why"] == "energy balance"
+    assert summary["levels_v_gy"][STARTS[0]][1]["frequency"] == pytest.approx(2.0, rel=1e-3)
+    assert summary["levels_v_gy_any_start"][1]["frequency"] == pytest.approx(4.0, rel=1e-3)
+    assert summary["points"][4]["unstressed:v_gy"] == pytest.approx(-0.004, rel=1e-9)
+    assert summary["points"][4]["inertia-relief:v_gy_at_start"] == pytest.approx(3.6e-4, rel=2e-3)
+    assert set(summary["power_laws"]) == {*COMPARED, "reaction", "stored"}
+    assert len((tmp_path / "points.csv").read_text().splitlines()) == 10
+
+
+def test_interrupted_study_goes_on(plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rigid, done = stage_two_numbers(plan), []
+
+    def one_at_a_time(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        for key in parts:
+            if key in journal.records:
+                continue
+            if len(done) == 3:
+                done.append("interrupt")
+                raise KeyboardInterrupt
+            done.append(key)
+            journal.add(key, point_record(float(key.split()[0]), rigid))
+
+    monkeypatch.setattr(survey_module, "run_parts", one_at_a_time)
+    with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
+        survey(plan, SWEEP, tmp_path / "out", 1)
+    found = survey(plan, SWEEP, tmp_path / "out", 1)
+    assert len(done) - 1 == len(set(done)) - 1 == len(found.points) == 9
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_exit_status_where_nothing_passed(
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def all_fail(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        rigid = stage_two_numbers(plan)
+        for key in parts:
+            if key not in journal.records:
+                journal.add(key, point_record(5.0, rigid, values={}, failed=["finite numbers"]))
+
+    monkeypatch.setattr(survey_module, "run_parts", all_fail)
+    given = [
+        "study",
+        "flexibility",
+        "paper-abaqus",
+        "--set",
+        "plate.elements=[8,4]",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    assert _status(given) == CHECK_FAILED
+    assert "no run passed its checks" in capsys.readouterr().out
+    assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
