@@ -48,7 +48,9 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry of a record: a mapping, or an object with attributes."""
+        """The entry of a record: a mapping, whose keys may have dots themselves, or an object with attributes."""
+        if isinstance(record, Mapping) and self.key in record:
+            return record[self.key]
         for name in self.key.split("."):
             record = record[name] if isinstance(record, Mapping) else getattr(record, name)
         return record
