@@ -103,4 +103,5 @@ def pairs(entries: Mapping[str, Any] | Sequence[tuple[Any, ...]], **more: Any) -
     """A table without headings: what, its value, and its unit where there is one."""
     lines = [(*line, "")[:3] for line in (entries.items() if isinstance(entries, Mapping) else entries)]
     columns = (Column("what", ""), Column("value", "", form=number, style="strong"), Column("unit", ""))
-    return Table(columns, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)
+    used = columns if any(unit for *_, unit in lines) else columns[:2]
+    return Table(used, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)

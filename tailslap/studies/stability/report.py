@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import asdict
 from itertools import combinations
@@ -30,14 +31,20 @@ AXES = (
     Column("meaning", "What it is"),
     Column("values", "Range", form=lambda values: f"{values[0]:.3g} to {values[-1]:.3g}"),
 )
+
+
+def _small(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.1e}"
+
+
 LISTED = (
     Column("cell", "Cell"),
     Column("kind", "Verdict"),
     Column("why", "Failed checks, or why"),
-    Column("distance", "From the refined model", form=".1e"),
-    Column("allowed", "Allowed", form=".1e"),
-    Column("error", "Own estimate", form=".1e"),
-    Column("reference", "Flexibility", form=".1e"),
+    Column("distance", "Distance", form=_small),
+    Column("allowed", "Allowed", form=_small),
+    Column("error", "Own estimate", form=_small),
+    Column("reference", "Flexibility", form=_small),
 )
 
 
@@ -49,19 +56,18 @@ def stability_report(found: Campaign) -> Report:
         title=name,
         headline=said,
         sections=(
-            Section("Verdicts", tables=_filled(_verdicts(found), Table(AXES, found.axes))),
+            Section("Verdicts", tables=_filled(_verdicts(found), Table(AXES, found.axes, "Axes"))),
             Section("A picture per pair of axes", figures=_maps(found), layout="narrow"),
-            Section("Why", tables=_filled(*_causes(found), _listed(found, *found.listed))),
+            Section("Why", tables=_filled(*_causes(found), _listed(found, LISTED, *found.listed))),
         ),
         footer=footer(FILES),
         scene_text=found.plan.source.text,
         passed=not found.counts[WRONG],
     )
     title = f"{name}: {len(found.cells)} cells in {found.seconds:.0f} s"
-    missed = _filled(_listed(found, WRONG, GOOD))
-    terminal: tuple[Table | str, ...] = (_verdicts(found, title), *missed, said)
+    shown = _filled(_verdicts(found, title), _listed(found, LISTED[:5], WRONG, GOOD))
     tables, texts = {"cells.csv": cells_table(found)}, scene_files(found)
-    return Report(page, summary(found), terminal, tables, texts=texts)
+    return Report(page, summary(found), (*shown, said), tables, texts=texts)
 
 
 def headline(found: Campaign) -> str:
@@ -113,7 +119,7 @@ def _scene_file(found: Campaign, key: str) -> str:
         ", ".join(f"{name} {value}" for name, value in found.settings.items()),
     )
     off = f"{its.distance:.1e} off, {its.allowed:.1e} allowed, own estimate {its.error:.1e}"
-    title = f"Cell {key} from {found.plan.scene.name}, {settings}: {its.kind}; {off}; {its.why}"
+    title = f"Cell {key} from {found.plan.scene.name}, {settings}: {its.kind}; {off}; {its.why or 'no check failed'}"
     return toml_text(found.cells[key].tables, title)
 
 
@@ -121,8 +127,8 @@ def _records(found: Campaign, *kinds: str) -> list[dict[str, Any]]:
     return [{"cell": key, "why": its.why, **asdict(its)} for key, its in found.of_kind(*kinds).items()]
 
 
-def _listed(found: Campaign, *kinds: str) -> Table:
-    return Table(LISTED, _records(found, *kinds), title="Cells")
+def _listed(found: Campaign, columns: tuple[Column, ...], *kinds: str) -> Table:
+    return Table(columns, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
 
 
 def _filled(*tables: Table) -> tuple[Table, ...]:
@@ -139,16 +145,13 @@ def _causes(found: Campaign) -> tuple[Table, Table]:
     alone = Counter(verdict.failed for verdict in found.of_kind(CAUGHT).values())
     caught = [(name, advice([name]), str(n), str(alone[name])) for name, n in found.caught_by.items()]
     refused = [(name, str(n)) for name, n in found.refused_by.items()]
-    several = ("A cell may fail several checks.",)
-    checks = words("Check", ADVISED, "Cells", "Alone", rows=caught, texts=2, title="Caught by", notes=several)
+    checks = words("Check", ADVISED, "Cells", "Alone", rows=caught, texts=2, title="Caught by")
     return checks, words("Key", "Cells", rows=refused, title="Refused by")
 
 
 def _maps(found: Campaign) -> tuple[Curve, ...]:
-    if not found.axes:
-        return ()
-    legend = draw_legend(found.kinds, "What the colours mean, in every picture.")
-    return (legend, *(_map(found, *pair) for pair in combinations(found.axes, 2)))
+    maps = tuple(_map(found, *pair) for pair in combinations(found.axes, 2))
+    return maps and (draw_legend(found.kinds, "What the colours mean, in every picture."), *maps)
 
 
 def _map(found: Campaign, across: Axis, up: Axis) -> Curve:
