@@ -13,7 +13,8 @@ import pytest
 
 from postprocess.pages.report import Check
 from postprocess.report.report import report_text, write_report
-from tailslap.errors import InputError
+from tailslap.command_line import _status
+from tailslap.errors import InputError, Interrupted
 from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
 from tailslap.scene.files import read_scene, scene_of_text, validate
@@ -252,16 +253,51 @@ def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def judged(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
-        for key in parts:
-            journal.add(key, asdict(Verdict("right")))
-
-    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", judged)
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
     call = Call("mash-tl4-sut", (), make_plan(*read_scene("mash-tl4-sut")), tmp_path / "out")
     found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [cell.tables for cell in found.cells.values()] == DRAWN[:4]
     assert found.counts["right"] == 4
     assert list(tmp_path.iterdir()) == []
+
+
+def all_right(stop_at: str = "") -> Any:
+    """Instead of run_parts: every part that the journal lacks is right; an interrupt at the key `stop_at`."""
+
+    def run(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        for key in parts:
+            if key == stop_at:
+                raise KeyboardInterrupt
+            if key not in journal.records:
+                journal.add(key, asdict(Verdict("right", steps=len(parts))))
+
+    return run
+
+
+def test_an_interrupted_campaign_goes_on_with_more_cells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right(stop_at="0002"))
+    call = Call("mash-tl4-sut", (), make_plan(*read_scene("mash-tl4-sut")), tmp_path / "out")
+    with pytest.raises(Interrupted, match="2 parts are kept"):
+        run_campaign(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [verdict.steps for verdict in found.verdicts.values()] == [3, 3, 4, 4]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "folder", "cells"),
+    [(("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112)],
+)
+def test_map_and_random_cells_have_folders_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], folder: str, cells: int
+) -> None:
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    monkeypatch.chdir(tmp_path)
+    assert _status(["study", "stability", "paper-table-3", *arguments]) == 0
+    summary = json.loads((tmp_path / "results" / folder / "summary.json").read_text())
+    assert (summary["cells"], summary["counts"]["right"], summary["passed"]) == (cells, cells, True)
 
 
 @pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
