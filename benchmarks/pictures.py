@@ -20,8 +20,8 @@ from tailslap.scene.files import read_scene
 from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
 from tailslap.studies.cost.points import Point
 from tailslap.studies.cost.settings import Setting
+from tailslap.studies.stability.against_rigid import KINDS
 from tailslap.studies.stability.axes import stability_axes
-from tailslap.studies.stability.report.write import COLOUR_MEANINGS
 
 DOCS = Path(__file__).parents[1] / "docs"
 DPI = 150
@@ -69,7 +69,7 @@ def draw_stability(folder: Path, target: Path) -> None:
             place = (x + 0.25 / ACROSS, y + 0.2 * 2.35 / height, 0.7 / ACROSS, 0.76 * 2.35 / height)
             draw_cells(figure.add_axes(place), *maps[pair])
         legend = figure.add_axes((0.03, 0.05 / height, 0.95, 0.7 / height))
-        write_meanings(legend, COLOUR_MEANINGS, fontsize=8.5, columns=3)
+        write_meanings(legend, KINDS, fontsize=8.5, columns=3)
         figure.savefig(target)
 
 

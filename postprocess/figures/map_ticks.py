@@ -1,7 +1,7 @@
 """Round values along the axes of a map, and where they lie between its cells."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -13,8 +13,8 @@ MANY_DECADES, FEW_DECADES = 4.5, 2.2
 POWERS_BELOW, POWERS_ABOVE = 1e-2, 1e3
 """Powers of ten outside these are written as such."""
 
-STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
-MOST_STEPS = 4
+MAX_STEPS = 4
+"""Steps between ticks where the values are even."""
 
 
 def round_ticks(values: Sequence[float]) -> list[float]:
@@ -22,9 +22,8 @@ def round_ticks(values: Sequence[float]) -> list[float]:
     threes on short scales; 0 where they start with it."""
     if is_even(values):
         return _even_ticks(values[0], values[-1])
-    if values[0] == 0.0:
-        return [0.0, *_power_ticks(values[1], values[-1])]
-    return _power_ticks(values[0], values[-1])
+    zero = [0.0] * (values[0] == 0.0)
+    return [*zero, *_power_ticks(values[len(zero)], values[-1])]
 
 
 def places(ticks: Sequence[float], values: Sequence[float]) -> list[float]:
@@ -33,9 +32,9 @@ def places(ticks: Sequence[float], values: Sequence[float]) -> list[float]:
     middles = np.arange(len(values)) + 0.5
     if is_even(values):
         return [float(place) for place in np.interp(ticks, values, middles)]
-    logs = [(math.log(value), middle) for value, middle in zip(values, middles, strict=True) if value > 0.0]
-    x, y = zip(*logs, strict=True)
-    return [float(np.interp(math.log(tick), x, y)) if tick > 0.0 else 0.5 for tick in ticks]
+    lowest = values[0] or 0.1 * values[1]  # stands for 0, which has no logarithm
+    x, known = (np.log(np.maximum(numbers, lowest)) for numbers in (ticks, values))
+    return [float(place) for place in np.interp(x, known, middles)]
 
 
 def tick_texts(ticks: Sequence[float]) -> list[str]:
@@ -58,17 +57,19 @@ def _power_ticks(low: float, high: float) -> list[float]:
     decades = math.log10(high / low)
     mantissas = (1.0, 3.0) if decades < FEW_DECADES else (1.0,)
     every = 2 if decades >= MANY_DECADES else 1
-    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-    exponents = [exponent for exponent in range(first, last + 1) if exponent % every == 0]
-    found = [mantissa * 10.0**exponent for exponent in exponents for mantissa in mantissas]
-    return [tick for tick in found if low * (1.0 - 1e-9) <= tick <= high * (1.0 + 1e-9)]
+    exponents = range(math.floor(math.log10(low) / every) * every, math.ceil(math.log10(high)) + 1, every)
+    return _within(low, high, (mantissa * 10.0**exponent for exponent in exponents for mantissa in mantissas))
 
 
 def _even_ticks(low: float, high: float) -> list[float]:
-    scale = 10.0 ** math.floor(math.log10(high - low))
-    step = next(scale * s for s in STEPS if (high - low) / (scale * s) <= MOST_STEPS)
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [round(number * step, 12) for number in range(first, last + 1)]
+    from matplotlib.ticker import MaxNLocator
+
+    ticks = MaxNLocator(MAX_STEPS, steps=[1, 2, 5, 10]).tick_values(low, high)
+    return _within(low, high, (round(float(tick), 12) for tick in ticks))
+
+
+def _within(low: float, high: float, ticks: Iterable[float]) -> list[float]:
+    return [tick for tick in ticks if low - 1e-9 * abs(low) <= tick <= high * (1.0 + 1e-9)]
 
 
 def _power_text(tick: float) -> str:

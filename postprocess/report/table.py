@@ -48,7 +48,9 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry of a record: of a mapping, tuple or object; None where one on the way is None."""
+        """The entry of a record: of a mapping, whose keys may have dots, tuple or object; None where one on the way is."""
+        if isinstance(record, Mapping) and self.key in record:
+            return record[self.key]
         for name in self.key.split("."):
             if record is None:
                 return None
@@ -116,4 +118,5 @@ def pairs(entries: Mapping[str, Any] | Sequence[tuple[Any, ...]], **more: Any) -
     """A table without headings: what, its value, and its unit where there is one."""
     lines = [(*line, "")[:3] for line in (entries.items() if isinstance(entries, Mapping) else entries)]
     columns = (Column("what", ""), Column("value", "", form=number, style="strong"), Column("unit", ""))
-    return Table(columns, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)
+    used = columns if any(unit for *_, unit in lines) else columns[:2]
+    return Table(used, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -42,6 +42,8 @@ class Study:
         Options of its own.
     needs_plate : bool
         Whether the scene must have the table [plate].
+    folder : callable, optional
+        Takes the options and returns how the name of the default result folder ends; without it, in the study's name.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Study:
     report: Callable[[Any], Report] | str
     options: tuple[click.Option, ...] = ()
     needs_plate: bool = True
+    folder: Callable[[Mapping[str, Any]], str] | None = None
 
 
 def study_command(study: Study) -> click.Command:
@@ -85,7 +88,8 @@ def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, op
     plan = make_plan(*read_scene(name, changes))
     if study.needs_plate:
         needed_plate(plan.scene)
-    place = out or Path("results") / f"{plan.scene.name}-{study.name}"
+    ending = study.folder(options) if study.folder else study.name
+    place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
     found = _named(study.compute)(Call(name, changes, plan, place), **options)
     with result_folder(place) as folder:

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from postprocess.figures.map_plots import COLOURS, PLACE, SIZE, MapAxis, draw_cells, draw_legend
 from postprocess.figures.map_ticks import places, round_ticks, tick_texts
 from tailslap.scene.files import read_scene
+from tailslap.studies.stability.against_rigid import KINDS
 from tailslap.studies.stability.axes import stability_axes
-from tailslap.studies.stability.report.write import COLOUR_MEANINGS
 
 pytestmark = pytest.mark.verification
 
@@ -59,9 +59,9 @@ def test_tick_labels_do_not_overlap(points: int) -> None:
 
 
 def test_legend_says_what_every_colour_means() -> None:
-    assert list(COLOUR_MEANINGS) == list(COLOURS)
-    svg = draw_legend(COLOUR_MEANINGS, "what the colours mean").svg
-    for kind, meaning in COLOUR_MEANINGS.items():
+    assert list(KINDS) == list(COLOURS)
+    svg = draw_legend(KINDS, "what the colours mean").svg
+    for kind, meaning in KINDS.items():
         assert f">{kind}<" in svg
         assert meaning in svg
         assert COLOURS[kind] in svg

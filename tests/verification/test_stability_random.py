@@ -4,33 +4,37 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import replace
+import re
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tailslap.errors import InputError
+from postprocess.report.report import report_text, write_report
+from tailslap.command_line import _status
+from tailslap.errors import InputError, Interrupted
 from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
 from tailslap.scene.files import read_scene, scene_of_text, validate
-from tailslap.studies.stability import random_verdict
+from tailslap.studies.stability import against_reference
+from tailslap.studies.stability.against_reference import KINDS, grade
 from tailslap.studies.stability.axes import Tables, base_tables
-from tailslap.studies.stability.draw import ELEMENTS, draw
+from tailslap.studies.stability.campaign import Campaign, run_campaign
+from tailslap.studies.stability.draw import ELEMENTS, draw, flat, random_cells
 from tailslap.studies.stability.effort import expected_effort
-from tailslap.studies.stability.random_survey import RandomSurvey, random_survey
-from tailslap.studies.stability.random_verdict import KINDS, RandomVerdict, grade, judge_draw
 from tailslap.studies.stability.reference import (
-    MOST_ELEMENTS,
+    MAX_ELEMENTS,
     Reference,
     find_reference,
     reference_counts,
     reference_tables,
     trustworthy,
 )
-from tailslap.studies.stability.report.random_words import lines
-from tailslap.studies.stability.report.random_write import flat, write_cell, write_random
+from tailslap.studies.stability.report import stability_report
 from tailslap.studies.stability.toml_text import toml_text
+from tailslap.studies.stability.verdict import Verdict, verdict_on
+from tailslap.studies.study import Call
 from tailslap.verification.check import Check
 from tailslap.verification.checks import CHECKS, advice
 
@@ -80,8 +84,8 @@ def test_every_choice_of_the_scene_is_drawn() -> None:
 
 
 def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.draw.MOST_STEPS", 10)
-    monkeypatch.setattr("tailslap.studies.stability.draw.MOST_TRIES", 5)
+    monkeypatch.setattr("tailslap.studies.stability.draw.MAX_STEPS", 10)
+    monkeypatch.setattr("tailslap.studies.stability.draw.MAX_TRIES", 5)
     with pytest.raises(InputError, match="none of 5 draws"):
         draw(BASE, 1, 0)
 
@@ -136,6 +140,10 @@ def small(**plate: Any) -> Tables:
     return tables
 
 
+def verdict_of(tables: Tables) -> dict[str, Any]:
+    return verdict_on(tables, against_reference.against_reference)
+
+
 def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
     tables = small(element="quad4-reduced", hourglass=0.1, distortion=0.1, start="unstressed")
     tables["corner"] |= {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
@@ -156,36 +164,36 @@ def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
 def test_a_refined_mesh_has_its_limit() -> None:
     assert reference_counts((10, 4), 1.5) == (15, 6)
     along, across = reference_counts((40, 12), 1.5)
-    assert along * across <= 1.1 * MOST_ELEMENTS
+    assert along * across <= 1.1 * MAX_ELEMENTS
 
 
 def test_a_right_cell_and_a_spring_too_soft() -> None:
-    assert judge_draw(small(element="quad9"))["kind"] == "right"
+    assert verdict_of(small(element="quad9"))["kind"] == "right"
     soft = small()
     soft["corner"]["penalty_scale"] = 0.01
-    assert judge_draw(soft)["kind"] == "caught"
+    assert verdict_of(soft)["kind"] == "caught"
 
 
 def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
     soft = small()
     soft["corner"]["penalty_scale"] = 0.01
-    assert judge_draw(soft)["kind"] == "wrong"
+    assert verdict_of(soft)["kind"] == "wrong"
 
 
 def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert judge_draw(small(element="hexagon"))["kind"] == "refused"
-    monkeypatch.setattr(random_verdict, "find_reference", lambda *arguments: None)
-    assert judge_draw(small())["kind"] == "unjudged"
+    assert verdict_of(small(element="hexagon"))["kind"] == "refused"
+    monkeypatch.setattr(against_reference, "find_reference", lambda *arguments: None)
+    assert verdict_of(small())["kind"] == "unjudged"
 
     def breaks(*arguments: Any) -> None:
         raise ZeroDivisionError("boom")
 
-    monkeypatch.setattr(random_verdict, "find_reference", breaks)
-    assert judge_draw(small())["failed"] == "reference broke: ZeroDivisionError: boom"
+    monkeypatch.setattr(against_reference, "find_reference", breaks)
+    assert verdict_of(small())["reason"] == "reference broke: ZeroDivisionError: boom"
     monkeypatch.setattr("tailslap.run.run_checks", breaks)
-    broken = judge_draw(small())
-    assert (broken["kind"], broken["failed"]) == ("wrong", "broke: ZeroDivisionError: boom")
+    broken = verdict_of(small())
+    assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
 def test_a_reference_that_fails_a_check_or_is_swayed_by_its_damping_is_not_trusted() -> None:
@@ -206,54 +214,90 @@ def test_where_no_reference_is_trusted_there_is_none(monkeypatch: pytest.MonkeyP
     found = find_reference(tables, plate)
     assert found is not None
     assert found.model == "quad9 15 x 5"
-    monkeypatch.setattr("tailslap.studies.stability.reference.MOST_SECONDS", 0.0)
+    monkeypatch.setattr("tailslap.studies.stability.reference.MAX_SECONDS", 0.0)
     assert find_reference(tables, plate) is None
 
 
-def survey_of(*kinds: str) -> RandomSurvey:
+def campaign_of(*kinds: str) -> Campaign:
     plan = make_plan(*read_scene("mash-tl4-sut"))
+    cells = {cell.key: cell for cell in random_cells(BASE, 1, len(kinds))}
     failed = {"caught": "mesh, time step", "good but failed": "mesh"}
-    verdicts = {n: RandomVerdict(kind, failed.get(kind, ""), 0.1, 0.01) for n, kind in enumerate(kinds)}
-    return RandomSurvey(plan, 1, dict(enumerate(DRAWN[: len(kinds)])), verdicts, 1.0)
+    verdicts = [Verdict(kind, failed.get(kind, ""), distance=0.1, allowed=0.01) for kind in kinds]
+    return Campaign(plan, (), {"seed": 1}, KINDS, cells, dict(zip(cells, verdicts, strict=True)), 1.0)
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: Path) -> None:
-    found = survey_of(*KINDS)
-    write_random(found, tmp_path)
+    report = stability_report(campaign_of(*KINDS))
+    write_report(report, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"report.html", "cells.csv", "summary.json", "cell-0002.toml", "cell-0006.toml"}
     assert json.loads((tmp_path / "summary.json").read_text())["counts"] == dict.fromkeys(KINDS, 1)
     with (tmp_path / "cells.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows] == list(KINDS)
-    assert "time.safety_factor" in rows[KINDS.index("caught")]["what could be changed"]
+    assert "time.safety_factor" in rows[list(KINDS).index("caught")]["what could be changed"]
     assert float(rows[0]["vehicle.length"]) == flat(DRAWN[0])["vehicle.length"]
     page = (tmp_path / "report.html").read_text()
     assert "unjudged" in page
     assert "failed</span>" in page
-    assert "WRONG  cell 0006" in "\n".join(lines(found))
+    assert re.search("0006 +wrong", report_text(report, tmp_path))
 
 
 def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
-    found = survey_of("wrong")
-    found.tables[0] = small()
-    path = write_cell(found, 0, found.verdicts[0], tmp_path)
-    assert run_scene(make_plan(*read_scene(str(path)))).fe
+    found = campaign_of("wrong")
+    found = replace(found, cells={key: replace(cell, tables=small()) for key, cell in found.cells.items()})
+    write_report(stability_report(found), tmp_path)
+    assert run_scene(make_plan(*read_scene(str(tmp_path / "cell-0000.toml")))).fe
 
 
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def judged(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
-        for key in parts:
-            journal.add(key, random_verdict.asdict(RandomVerdict("right")))
-
-    monkeypatch.setattr("tailslap.studies.stability.random_survey.run_parts", judged)
-    plan = make_plan(*read_scene("mash-tl4-sut"))
-    found = random_survey(plan, 4, 1, tmp_path / "out", 1)
-    assert found.tables == dict(enumerate(DRAWN[:4]))
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    call = Call("mash-tl4-sut", (), make_plan(*read_scene("mash-tl4-sut")), tmp_path / "out")
+    found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [cell.tables for cell in found.cells.values()] == DRAWN[:4]
     assert found.counts["right"] == 4
     assert list(tmp_path.iterdir()) == []
+
+
+def all_right(stop_at: str = "") -> Any:
+    """Instead of run_parts: every part that the journal lacks is right; an interrupt at the key `stop_at`."""
+
+    def run(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        for key in parts:
+            if key == stop_at:
+                raise KeyboardInterrupt
+            if key not in journal.records:
+                journal.add(key, asdict(Verdict("right", steps=len(parts))))
+
+    return run
+
+
+def test_an_interrupted_campaign_goes_on_with_more_cells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right(stop_at="0002"))
+    call = Call("mash-tl4-sut", (), make_plan(*read_scene("mash-tl4-sut")), tmp_path / "out")
+    with pytest.raises(Interrupted, match="2 parts are kept"):
+        run_campaign(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [verdict.steps for verdict in found.verdicts.values()] == [3, 3, 4, 4]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "folder", "cells"),
+    [(("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112)],
+)
+def test_map_and_random_cells_have_folders_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], folder: str, cells: int
+) -> None:
+    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    monkeypatch.chdir(tmp_path)
+    assert _status(["study", "stability", "paper-table-3", *arguments]) == 0
+    summary = json.loads((tmp_path / "results" / folder / "summary.json").read_text())
+    assert (summary["cells"], summary["counts"]["right"], summary["passed"]) == (cells, cells, True)
 
 
 @pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])

@@ -10,21 +10,23 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from postprocess.report.report import write_report
 from tailslap.errors import InputError, Interrupted
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 from tailslap.studies.journal import Journal
 from tailslap.studies.parallel import run_parts
-from tailslap.studies.stability.axes import Cell, base_tables, cell_tables, cells, stability_axes
-from tailslap.studies.stability.report.words import failed_checks, headline, refusals
-from tailslap.studies.stability.report.write import write_map
-from tailslap.studies.stability.survey import Survey
-from tailslap.studies.stability.verdict import Verdict, judge
+from tailslap.studies.stability.against_rigid import KINDS, against_rigid
+from tailslap.studies.stability.axes import Tables, base_tables, cell_tables, map_cells, stability_axes
+from tailslap.studies.stability.campaign import Campaign
+from tailslap.studies.stability.report import headline, stability_report
+from tailslap.studies.stability.verdict import Verdict, verdict_on
 from tailslap.verification.numerical_error import NumericalError
 
 pytestmark = pytest.mark.verification
@@ -34,13 +36,16 @@ COARSE = ("plate.elements=[10,3]",)
 
 def verdict(first: str, x: float, second: str, y: float, *changes: str) -> dict[str, Any]:
     scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
-    cell = Cell(first, second, (x, y))
-    return judge(cell_tables(base_tables(scene), stability_axes(scene, 3), cell), 1e-3)
+    return verdict_of(cell_tables(base_tables(scene), stability_axes(scene, 3), {first: x, second: y}))
+
+
+def verdict_of(tables: Tables) -> dict[str, Any]:
+    return verdict_on(tables, partial(against_rigid, tolerance=1e-3))
 
 
 def test_eight_axes_with_ten_values_make_2800_cells() -> None:
     scene = read_scene("paper-table-3")[0]
-    found = cells(stability_axes(scene, 10))
+    found = map_cells(base_tables(scene), stability_axes(scene, 10))
     assert len(found) == len({cell.key for cell in found}) == 28 * 100
     frictionless = read_scene("paper-abaqus", ("corner.constraint=exact",))[0]
     assert {axis.name for axis in stability_axes(frictionless, 10)}.isdisjoint({"friction", "penalty"})
@@ -49,7 +54,7 @@ def test_eight_axes_with_ten_values_make_2800_cells() -> None:
 def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact() -> None:
     scene = read_scene("mash-tl4-sut")[0]
     base = base_tables(scene)
-    changed = cell_tables(base, stability_axes(scene, 3), Cell("speed", "angle", (2.0, 30.0)))
+    changed = cell_tables(base, stability_axes(scene, 3), {"speed": 2.0, "angle": 30.0})
     assert changed["impact"]["speed"] == 2.0 * base["impact"]["speed"]
     assert changed["impact"]["angle"] == pytest.approx(0.5235987755982988)
     assert "wall" not in changed
@@ -84,7 +89,7 @@ def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed() -
     scene = read_scene("paper-table-3", ("plate.elements=",))[0]
     tables = base_tables(scene)
     tables["plate"]["youngs_modulus"] *= 1e-4
-    assert judge(tables, 1e-3)["kind"] == "flexible"
+    assert verdict_of(tables)["kind"] == "flexible"
 
 
 def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,32 +185,34 @@ def test_parts_that_the_journal_has_are_not_run_again(journal: Any) -> None:
         assert noted.records == {"seven": "kept", "five": 5}
 
 
-def survey_of(*found: tuple[str, str]) -> Survey:
+def campaign_of(*verdicts: Verdict) -> Campaign:
     plan = make_plan(*read_scene("paper-table-3"))
     axes = stability_axes(plan.scene, 2)[:2]
-    verdicts = {cell: Verdict(*pair) for cell, pair in zip(cells(axes), found, strict=True)}
-    return Survey(plan, 1e-3, axes, verdicts, 1.0)
+    cells = {cell.key: cell for cell in map_cells(base_tables(plan.scene), axes)}
+    found = dict(zip(cells, verdicts, strict=True))
+    return Campaign(plan, axes, {"tolerance": 1e-3}, KINDS, cells, found, 1.0)
 
 
 def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
-    found = survey_of(
-        ("right", ""),
-        ("caught", "energy balance, mesh"),
-        ("refused", "k: given 3; allowed less"),
-        ("wrong", "x"),
+    found = campaign_of(
+        Verdict("right"),
+        Verdict("caught", "energy balance, mesh"),
+        Verdict("refused", reason="k: given 3; allowed less"),
+        Verdict("wrong", reason="x"),
     )
     assert "1 are wrong without" in headline(found)
-    assert dict(failed_checks(found)) == {"energy balance": 1, "mesh": 1}
-    assert refusals(found) == [("k: allowed less", 1)]
-    write_map(found, tmp_path)
+    assert found.caught_by == {"energy balance": 1, "mesh": 1}
+    assert found.refused_by == {"k: allowed less": 1}
+    write_report(stability_report(found), tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["counts"] == {"right": 1, "flexible": 0, "refused": 1, "caught": 1, "wrong": 1}
     assert not summary["passed"]
     assert len(summary["wrong"]) == 1
-    page = (tmp_path / "report.html").read_text()
+    page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     assert page.count("<svg") == 2  # the map, and what its colours mean
     assert "passed every check, and is not right" in page
-    assert "Wrong and not caught" in page
+    assert next(iter(found.of_kind("wrong"))) in page
+    assert "k: allowed less" in page
     assert "a smaller time.safety_factor" in page
     assert "failed</span>" in page
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5

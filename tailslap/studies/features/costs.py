@@ -1,20 +1,21 @@
-"""The study itself: all loops in turns, set-up, whole commands, machine code, and the proof."""
+"""The study itself: all loops in turns, set-up, and the proof."""
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced, progress_bar
+from tailslap.scene.files import read_scene
+from tailslap.studies import with_elements
 from tailslap.studies.features.loops import Loop, bare_loop, difference, program_loop, rows_of_history
-from tailslap.studies.features.machine_code import MachineCode, bare_code, program_code
 from tailslap.studies.features.parts import AGAIN, BARE, PLAIN, Part, fe_plan_of, parts_of, refusal, with_wall
-from tailslap.studies.features.processes import Process, find_processes
 from tailslap.studies.features.proof import Proof, prove
 from tailslap.studies.features.timing import (
     Floats,
@@ -25,6 +26,7 @@ from tailslap.studies.features.timing import (
     spread,
     take_turns,
 )
+from tailslap.studies.study import Call
 
 SETUP_TURNS = 5
 ROWS, FEWEST_ROWS, ROWS_A_TURN = 400, 10, 20
@@ -36,70 +38,109 @@ COMPARED_STEPS = 1000
 
 @dataclass(frozen=True)
 class Cost:
-    """What a part costs: time of an element update [ns], its ratio to that without the part, and what comes with it.
+    """What a part costs.
 
-    steps: of the whole run, for a part may change the time step; loop_s: of its time loop, the median. setup:
-    seconds; compile_s: seconds to compile or load the loop; code: of its machine code, None on several threads.
+    Parameters
+    ----------
+    part, what, without : str
+        Its name, the keys that make it, and the part that it is held against, "" for none.
+    update_ns : Spread
+        Time of an element update [ns].
+    ratio : Ratio or None
+        Of the update to that without the part.
+    steps : int
+        Of the whole run, for a part may change the time step.
+    time_loop_s : float
+        Time loop of the whole run, the median [s].
+    setup_s : Spread
+        Mesh and model [s].
+    compile_s : float
+        Compiling or loading the loop [s].
     """
 
-    part: Part
-    update: Spread
+    part: str
+    what: str
+    without: str
+    update_ns: Spread
     ratio: Ratio | None
     steps: int
-    loop_s: float
-    setup: Spread
+    time_loop_s: float
+    setup_s: Spread
     compile_s: float
-    code: MachineCode | None
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """All numbers in one mapping, those of a spread by names like "setup_s_best"; without those there are not."""
+        known = {key: value for key, value in asdict(self).items() if value is not None}
+        parts = {key: value if isinstance(value, dict) else {"": value} for key, value in known.items()}
+        return {
+            f"{key}_{name}".rstrip("_"): value for key, its in parts.items() for name, value in its.items()
+        }
 
 
 @dataclass(frozen=True)
 class History:
     """What a row of the history costs [s], and the rows from FEWEST_ROWS to ROWS over the plain time loop."""
 
-    row: Spread
-    loop_share: Ratio
+    row_s: Spread
+    over_loop: Ratio
+
+
+@dataclass(frozen=True)
+class WallSetup:
+    """Set-up [s] of the plain scene without a wall and with the wall's mesh."""
+
+    setup_without_s: Spread
+    setup_with_s: Spread
 
 
 @dataclass(frozen=True)
 class Costs:
-    """All that the study found. bare, again: element updates [ns]; wall: set-up [s] without and with its mesh."""
+    """All that the study found. refused: parts that the scene cannot have, and why; bare, again: updates [ns].
+
+    table: time of every loop in every turn, shape (turns,), updates and the row of the history [ns].
+    """
 
     plan: Plan
     elements: int
     turns: int
     costs: tuple[Cost, ...]
-    refused: tuple[tuple[str, str], ...]
+    refused: dict[str, str]
     bare: Spread
     again: Spread
-    bare_code: MachineCode
     history: History
-    wall: tuple[Spread, Spread]
+    wall: WallSetup
     proof: Proof
-    processes: tuple[Process, ...]
     table: dict[str, Floats]
     seconds: float
 
+    @property
+    def ratios(self) -> dict[str, Ratio]:
+        """By part, its loop over that without it."""
+        return {cost.part: cost.ratio for cost in self.costs if cost.ratio}
 
-def find_costs(plan: Plan, turns: int, processes: tuple[str, tuple[str, ...]] | None = None) -> Costs:
-    """Time all parts of the scene; processes: name and changes of the scene, for whole commands, or None."""
+
+def study_costs(call: Call, turns: int) -> Costs:
+    """The study as the command line asks for it; all parts get the elements that the program chooses."""
+    return find_costs(make_plan(*read_scene(call.name, with_elements(call.plan, call.changes))), turns)
+
+
+def find_costs(plan: Plan, turns: int) -> Costs:
+    """Time all parts of the scene."""
     began = time.perf_counter()
     with announced(
         "Building the models, or compiling their loops: once on this machine, a minute or two ..."
     ):
-        refused = tuple((part.name, why) for part in parts_of(plan.scene) if (why := refusal(part)))
-        parts = [part for part in parts_of(plan.scene) if part.name not in dict(refused)]
+        refused = {part.name: why for part in parts_of(plan.scene) if (why := refusal(part))}
+        parts = [part for part in parts_of(plan.scene) if part.name not in refused]
         models = {part.name: fe_plan_of(part) for part in parts}
         loops = _loops(parts, models)
-        codes = {part.name: _code(part, models[part.name]) for part in parts}
-        code = bare_code(models[PLAIN])
     table, rows = _time_loops(loops, models[PLAIN], turns, f"{plan.scene.name}: {turns} turns")
     setups = _time_setups(plan, parts)
-    costs = tuple(_cost(part, models, table, setups, loops, codes) for part in parts)
+    costs = tuple(_cost(part, models[part.name], table, setups, loops) for part in parts)
     steps = min(COMPARED_STEPS, costs[0].steps)
-    proof = prove(table[PLAIN], table[AGAIN], table[BARE], difference(models[PLAIN], steps), steps)
     elements = loops[PLAIN].elements
     run_s = 1e-9 * table[PLAIN] * elements * costs[0].steps
-    history = History(spread(rows), ratio((ROWS - FEWEST_ROWS) * rows, run_s))
     return Costs(
         plan=plan,
         elements=elements,
@@ -108,11 +149,9 @@ def find_costs(plan: Plan, turns: int, processes: tuple[str, tuple[str, ...]] | 
         refused=refused,
         bare=spread(table[BARE]),
         again=spread(table[AGAIN]),
-        bare_code=code,
-        history=history,
-        wall=(spread(setups[""]), spread(setups["wall"])),
-        proof=proof,
-        processes=_processes(plan, processes),
+        history=History(spread(rows), ratio((ROWS - FEWEST_ROWS) * rows, run_s)),
+        wall=WallSetup(spread(setups[""]), spread(setups["wall"])),
+        proof=prove(table[PLAIN], table[AGAIN], table[BARE], difference(models[PLAIN], steps), steps),
         table=table | {"row of the history": 1e9 * rows},
         seconds=time.perf_counter() - began,
     )
@@ -157,32 +196,17 @@ def _time_setups(plan: Plan, parts: list[Part]) -> dict[str, Floats]:
 
 
 def _cost(
-    part: Part,
-    models: dict[str, FePlan],
-    table: dict[str, Floats],
-    setups: dict[str, Floats],
-    loops: dict[str, Loop],
-    codes: dict[str, MachineCode | None],
+    part: Part, fe_plan: FePlan, table: dict[str, Floats], setups: dict[str, Floats], loops: dict[str, Loop]
 ) -> Cost:
-    updates, steps = table[part.name], models[part.name].expected_steps
+    updates, steps, loop = table[part.name], fe_plan.expected_steps, loops[part.name]
     return Cost(
-        part,
-        spread(updates),
-        ratio(updates, table[part.without]) if part.without else None,
-        steps,
-        1e-9 * float(np.median(updates)) * loops[part.name].elements * steps,
-        spread(setups[part.name]),
-        loops[part.name].compile_s,
-        codes[part.name],
+        part=part.name,
+        what=part.what,
+        without=part.without,
+        update_ns=spread(updates),
+        ratio=ratio(updates, table[part.without]) if part.without else None,
+        steps=steps,
+        time_loop_s=1e-9 * float(np.median(updates)) * loop.elements * steps,
+        setup_s=spread(setups[part.name]),
+        compile_s=loop.compile_s,
     )
-
-
-def _code(part: Part, fe_plan: FePlan) -> MachineCode | None:
-    return None if part.scene.time.threads > 1 else program_code(fe_plan, part.controlled)
-
-
-def _processes(plan: Plan, scene: tuple[str, tuple[str, ...]] | None) -> tuple[Process, ...]:
-    if scene is None:
-        return ()
-    with progress_bar(f"{plan.scene.name}: whole commands") as progress:
-        return find_processes(*scene, progress)

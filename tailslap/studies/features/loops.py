@@ -1,4 +1,4 @@
-"""The loops that are timed: each with a model, a start and its own room to work in, ready to run."""
+"""The loops that are timed: each with a model, a start and a workspace of its own, ready to run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tailslap.studies.features.timing import seconds
 CHUNK_S = 0.012
 """Seconds that one loop runs in a turn, about: long against the call of compiled code, some 30 microseconds."""
 
-TRIAL, MOST_STEPS = 100, 1_000_000
+TRIAL, MAX_STEPS = 100, 1_000_000
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Loop:
     def chunk(self) -> int:
         """Steps that take CHUNK_S."""
         best = min(self.run(TRIAL) for _ in range(3))
-        return int(np.clip(CHUNK_S * TRIAL / best, 1, MOST_STEPS))
+        return int(np.clip(CHUNK_S * TRIAL / best, 1, MAX_STEPS))
 
 
 def program_loop(name: str, fe_plan: FePlan, part: Part) -> Loop:
@@ -48,7 +48,7 @@ def program_loop(name: str, fe_plan: FePlan, part: Part) -> Loop:
     loop = fe_plan.model.loop
 
     def run(steps: int) -> float:
-        state, force, scratch = room(fe_plan, start)
+        state, force, scratch = workspace(fe_plan, start)
         return seconds(lambda: advance(state, steps, loop, loop.viscosity, loop.hourglass, force, scratch))
 
     return _loop(name, fe_plan, run)
@@ -59,7 +59,7 @@ def bare_loop(name: str, fe_plan: FePlan) -> Loop:
     start, model = start_state(fe_plan), bare_parameters(fe_plan.model.loop)
 
     def run(steps: int) -> float:
-        state, force, scratch = room(fe_plan, start)
+        state, force, scratch = workspace(fe_plan, start)
         return seconds(lambda: advance_bare(state.positions, state.velocities, steps, model, force, scratch))
 
     return _loop(name, fe_plan, run)
@@ -79,9 +79,9 @@ def rows_of_history(fe_plan: FePlan, rows: int) -> Callable[[], float]:
 def difference(fe_plan: FePlan, steps: int) -> float:
     """Largest distance between the positions of the two loops after so many steps, over the plate's length."""
     start, loop = start_state(fe_plan), fe_plan.model.loop
-    one, force, scratch = room(fe_plan, start)
+    one, force, scratch = workspace(fe_plan, start)
     advance(one, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
-    other, force, scratch = room(fe_plan, start)
+    other, force, scratch = workspace(fe_plan, start)
     advance_bare(other.positions, other.velocities, steps, bare_parameters(loop), force, scratch)
     return float(np.abs(one.positions_on_wall - other.positions).max() / fe_plan.plan.body.length)
 
@@ -91,7 +91,7 @@ def start_state(fe_plan: FePlan) -> State:
     return Stepper(fe_plan.model).start(fe_plan.start, fe_plan.plate.start)
 
 
-def room(fe_plan: FePlan, start: State) -> tuple[State, np.ndarray, Any]:
+def workspace(fe_plan: FePlan, start: State) -> tuple[State, np.ndarray, Any]:
     """State, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
     state = copy_state(start)
     return state, np.zeros_like(state.positions), scratch_for(fe_plan.model.loop.table)

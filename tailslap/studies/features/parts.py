@@ -63,7 +63,7 @@ def parts_of(scene: Scene) -> list[Part]:
         Part("friction", f"{law}, coefficient {friction:g}", corner(reaction=law, friction=friction)),
         Part("damping", f"damping.ratio = {ratio:g}", _changed(plain, damping=Damping(ratio=ratio))),
         Part("dashpot", f"corner.damping_ratio = {dashpot:g}", corner(damping_ratio=dashpot)),
-        Part("exact hold", 'corner.constraint = "exact"', corner(constraint="exact")),
+        Part("exact constraint", 'corner.constraint = "exact"', corner(constraint="exact")),
         Part("patch", f"corner.patch_length = {patch:g}", corner(patch_length=patch)),
         Part("neo-Hookean", "material.law", _changed(plain, material=Material(law="neo-hookean"))),
         Part(ONE_POINT, "no control", one_point, controlled=False),

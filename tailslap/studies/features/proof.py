@@ -19,22 +19,30 @@ FREE, COSTS, UNSETTLED = "free", "costs", "unsettled"
 class Proof:
     """The program's loop over the bare one; over itself, the noise; largest difference of positions, its steps."""
 
-    program: Ratio
-    noise: Ratio
+    program_over_bare: Ratio
+    program_over_itself: Ratio
     difference: float
     steps: int
 
     @property
+    def ratios(self) -> dict[str, Ratio]:
+        """By name."""
+        return {
+            "plain, over itself": self.program_over_itself,
+            "plain, over the bare loop": self.program_over_bare,
+        }
+
+    @property
     def limit(self) -> float:
         """Ratio that is not told from 1: what is measurable at all, and more on a noisy machine."""
-        return max(MEASURABLE, self.noise.high)
+        return max(MEASURABLE, self.program_over_itself.high)
 
     @property
     def verdict(self) -> str:
         """COSTS only where the whole interval is above the limit, FREE where it is wholly below what is measurable."""
-        if not self.program.low <= self.limit:
+        if not self.program_over_bare.low <= self.limit:
             return COSTS
-        return FREE if self.program.high <= MEASURABLE else UNSETTLED
+        return FREE if self.program_over_bare.high <= MEASURABLE else UNSETTLED
 
     @property
     def same(self) -> bool:

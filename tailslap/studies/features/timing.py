@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 SEED, RESAMPLES = 20251, 2000
-CONFIDENCE = 95.0
-"""Per cent of the intervals."""
+CONFIDENCE = 0.95
+"""Of the intervals."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,15 @@ def ratio(times: Floats, reference: Floats) -> Ratio:
 
     Turn by turn, because a slow spell of the machine then cancels; the median, because one hiccup must not count.
     """
+    from scipy.stats import bootstrap
+
     values = times / reference
-    draws = np.random.default_rng(SEED).integers(values.size, size=(RESAMPLES, values.size))
-    medians = np.median(values[draws], axis=1)
-    low, high = np.percentile(medians, (50.0 - 0.5 * CONFIDENCE, 50.0 + 0.5 * CONFIDENCE))
-    return Ratio(float(np.median(values)), float(low), float(high))
+    interval = bootstrap(
+        (values,),
+        np.median,
+        n_resamples=RESAMPLES,
+        confidence_level=CONFIDENCE,
+        method="percentile",
+        random_state=np.random.default_rng(SEED),
+    ).confidence_interval
+    return Ratio(float(np.median(values)), float(interval.low), float(interval.high))

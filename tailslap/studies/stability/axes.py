@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -28,16 +28,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of the map: the pair of axes and the two values."""
+    """A scene of the campaign: its key in the journal, its entries in the table of cells, and its tables."""
 
-    first: str
-    second: str
-    values: tuple[float, float]
-
-    @property
-    def key(self) -> str:
-        """Name by which a journal knows the cell."""
-        return f"{self.first}={self.values[0]!r} {self.second}={self.values[1]!r}"
+    key: str
+    entries: dict[str, Any]
+    tables: Tables
 
 
 def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
@@ -64,14 +59,25 @@ def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
     return tuple(axis for axis in axes if axis.name not in absent)
 
 
-def cells(axes: tuple[Axis, ...]) -> list[Cell]:
-    """Every cell: each pair of axes, each pair of their values."""
+def map_cells(base: Tables, axes: tuple[Axis, ...]) -> list[Cell]:
+    """Every cell of the map: each pair of axes, each pair of their values."""
     return [
-        Cell(first.name, second.name, (x, y))
-        for first, second in combinations(axes, 2)
-        for x in first.values
-        for y in second.values
+        _map_cell(base, pair, values)
+        for pair in combinations(axes, 2)
+        for values in product(*(axis.values for axis in pair))
     ]
+
+
+def _map_cell(base: Tables, pair: tuple[Axis, ...], values: tuple[float, ...]) -> Cell:
+    (first, second), (x, y) = pair, values
+    entries = {"first": first.name, "first_value": x, "second": second.name, "second_value": y}
+    point = {first.name: x, second.name: y}
+    return Cell(cell_key(point), entries, cell_tables(base, pair, point))
+
+
+def cell_key(point: Mapping[str, float]) -> str:
+    """Key of the cell where the axes have these values."""
+    return " ".join(f"{name}={value!r}" for name, value in point.items())
 
 
 def base_tables(scene: Scene) -> Tables:
@@ -82,10 +88,10 @@ def base_tables(scene: Scene) -> Tables:
     return tables
 
 
-def cell_tables(base: Tables, axes: tuple[Axis, ...], cell: Cell) -> Tables:
-    """The tables of one cell."""
+def cell_tables(base: Tables, axes: tuple[Axis, ...], point: Mapping[str, float]) -> Tables:
+    """The scene's tables where the axes have these values, in their order."""
     tables, by_name = copy.deepcopy(base), {axis.name: axis for axis in axes}
-    for name, value in zip((cell.first, cell.second), cell.values, strict=True):
+    for name, value in point.items():
         by_name[name].apply(tables, value)
     return tables
 

@@ -1,23 +1,24 @@
-"""Draws of the random survey: a scene with every quantity and every choice drawn, known by seed and number."""
+"""Random cells: a scene with every quantity and every choice drawn, known by seed and number."""
 
 from __future__ import annotations
 
 import copy
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import validate
-from tailslap.studies.stability.axes import Tables
+from tailslap.studies.stability.axes import Cell, Tables
 from tailslap.studies.stability.effort import beam_frequency, expected_effort
 
-MOST_STEPS, MOST_SECONDS = 400_000, 3.0
+MAX_STEPS, MAX_SECONDS = 400_000, 3.0
 """Steps, and seconds of its time loop, that a run may be expected to take."""
 
-MOST_TRIES = 1000
+MAX_TRIES = 1000
 """Scenes drawn for one cell until one is possible and affordable; about one in three is."""
 
 ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
@@ -45,15 +46,27 @@ class _Dice:
         return values[int(self._random.choice(len(values), p=shares))]
 
 
+def random_cells(base: Tables, seed: int, count: int) -> list[Cell]:
+    """The first so many draws of a seed."""
+    drawn = [draw(base, seed, number) for number in range(count)]
+    return [Cell(f"{n:04d}", {"number": n, **flat(tables)}, tables) for n, tables in enumerate(drawn)]
+
+
+def flat(tables: Tables) -> dict[str, Any]:
+    """Values of a scene by the full names of their keys, sorted."""
+    inner = [(name, table) for name, table in tables.items() if isinstance(table, dict)]
+    return dict(sorted((f"{name}.{key}", value) for name, table in inner for key, value in table.items()))
+
+
 def draw(base: Tables, seed: int, number: int) -> Tables:
     """The tables of a cell. Raises InputError where the scene allows no possible and affordable one."""
     dice = _Dice(seed, number)
-    for _ in range(MOST_TRIES):
+    for _ in range(MAX_TRIES):
         tables = _drawn(base, dice, number)
         if _affordable(tables):
             return tables
     raise InputError(
-        "--random", number, f"none of {MOST_TRIES} draws of this scene is possible and affordable"
+        "--random", number, f"none of {MAX_TRIES} draws of this scene is possible and affordable"
     )
 
 
@@ -63,7 +76,7 @@ def _affordable(tables: Tables) -> bool:
         effort = expected_effort(make_plan(validate(tables)))
     except InputError:
         return False
-    return effort.steps <= MOST_STEPS and effort.seconds <= MOST_SECONDS
+    return effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS
 
 
 def _drawn(base: Tables, dice: _Dice, number: int) -> Tables:

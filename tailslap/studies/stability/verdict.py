@@ -1,122 +1,95 @@
-"""The verdict on one cell: right, flexible, refused, caught, or wrong without being caught."""
+"""The verdict on a cell: what became of its run, and what that was held against."""
 
 from __future__ import annotations
 
-import copy
 import math
-from dataclasses import asdict, dataclass
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
 from tailslap.scene.files import validate
-from tailslap.scene.schema import Plate
 from tailslap.studies.stability.axes import Tables
 
-RIGHT, FLEXIBLE, REFUSED, CAUGHT, WRONG = KINDS = ("right", "flexible", "refused", "caught", "wrong")
-
-SURVIVES = 0.5
-"""Share of a difference that refinement may change for it to count as the plate's own."""
+RIGHT, REFUSED, CAUGHT, WRONG = "right", "refused", "caught", "wrong"
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How a cell ended. difference: largest of the five, of the run and of the refined run; NaN where there is none."""
+    """How a cell ended; NaN stands for what is not known.
+
+    Parameters
+    ----------
+    kind : str
+        One of the campaign's kinds.
+    failed, reason : str
+        Names of the checks that failed; otherwise why the cell is refused, wrong, or flexible.
+    difference, reference : float
+        Largest difference of the five quantities from the rigid motion: of the run, and of the refined model.
+    distance, allowed : float
+        Largest difference between the two, and how large it may be.
+    error : float
+        The run's own estimate of its numerical error.
+    model, reference_model : str
+        Elements of the run, and the refined model.
+    steps : int
+        Steps of the run.
+    seconds, reference_seconds : float
+        Wall-clock time of the run, and of the refined model [s].
+    """
 
     kind: str
-    reason: str
+    failed: str = ""
+    reason: str = ""
+    distance: float = math.nan
+    allowed: float = math.nan
     difference: float = math.nan
-    refined: float = math.nan
+    reference: float = math.nan
+    error: float = math.nan
+    model: str = ""
+    reference_model: str = ""
     steps: int = 0
     seconds: float = 0.0
+    reference_seconds: float = 0.0
+
+    @property
+    def why(self) -> str:
+        """Failed checks, or the reason."""
+        return self.failed or self.reason
 
 
-def judge(tables: Tables, tolerance: float) -> dict[str, Any]:
-    """Run the scene that the tables describe, and once more on a finer mesh if it differs from the rigid motion."""
+def verdict_on(tables: Tables, verify: Callable[[Tables, Outcome], Verdict]) -> dict[str, Any]:
+    """Run the scene that the tables describe, and hold it against what `verify` does; a record of the journal."""
+    began = time.perf_counter()
     try:
-        outcome = _run(tables)
+        outcome = run_scene(make_plan(validate(tables)))
     except InputError as error:
-        return asdict(Verdict(REFUSED, str(error)))
+        return asdict(Verdict(REFUSED, reason=str(error)))
     except Exception as error:  # whatever it is, a program that breaks has not refused
-        return asdict(Verdict(WRONG, f"broke: {type(error).__name__}: {error}"))
-    found, effort = _worst(outcome.difference), (outcome.run.steps, outcome.run.time_loop_s)
-    if not outcome.passed:
-        failed = ", ".join(check.name for check in outcome.checks if not check.passed)
-        return asdict(Verdict(CAUGHT, failed, found, math.nan, *effort))
-    if found <= tolerance:
-        return asdict(Verdict(RIGHT, "", found, math.nan, *effort))
-    return asdict(_confirmed(tables, outcome, tolerance))
+        return asdict(Verdict(WRONG, reason=f"broke: {type(error).__name__}: {error}"))
+    seconds = time.perf_counter() - began
+    try:
+        verdict = verify(tables, outcome)
+    except Exception as error:  # the reference breaks, and with it the program
+        verdict = Verdict(WRONG, reason=f"reference broke: {type(error).__name__}: {error}")
+    estimate, steps = outcome.error.total, outcome.run.steps
+    return asdict(replace(verdict, error=estimate, model=model_name(outcome), steps=steps, seconds=seconds))
 
 
-def _confirmed(tables: Tables, outcome: Outcome, tolerance: float) -> Verdict:
-    """Flexible if its own error is small beside the difference and the difference survives refinement, else wrong."""
-    found, effort = _worst(outcome.difference), (outcome.run.steps, outcome.run.time_loop_s)
-    own, seen = outcome.error.total, "no refined model came to an answer"
-    # Statics bounds error and flexibility alike: with a bound that is wide, both are.
-    if not own <= tolerance + SURVIVES * max(found, outcome.error.flexibility):
-        return Verdict(WRONG, f"its own numerical error is {own:.1e}", found, math.nan, *effort)
-    for change in REFINEMENTS:
-        try:
-            refined = _run(change(copy.deepcopy(tables), outcome.fe_plan.plate))
-        except InputError:
-            continue
-        finer, failed = _worst(refined.difference), {c.name for c in refined.checks if not c.passed}
-        if not math.isfinite(finer) or not failed <= BESIDE_THE_POINT:
-            continue
-        pairs = [(outcome.difference[name], value) for name, value in refined.difference.items()]
-        moved = max(abs(ours - its) for ours, its in pairs)
-        if moved <= tolerance + SURVIVES * finer:
-            return Verdict(FLEXIBLE, change.__name__.strip("_"), found, finer, *effort)
-        seen = f"{change.__name__.strip('_')} changes it by {moved:.1e}"
-    return Verdict(WRONG, seen, found, math.nan, *effort)
+def model_name(outcome: Outcome) -> str:
+    """Elements of a run, like "quad9 20 x 6"."""
+    plate = outcome.fe_plan.plate
+    return f"{plate.element} {plate.counts[0]} x {plate.counts[1]}"
 
 
-def _finer(tables: Tables, plate: Plate) -> Tables:
-    """Twice the elements each way, half the time step, four times the corner's spring; plate: as the run had it."""
-    along, across = plate.counts
-    tables["plate"] |= {"elements": (2 * along, 2 * across), "element": plate.element}
-    time, corner = tables.setdefault("time", {}), tables.setdefault("corner", {})
-    time["safety_factor"] = 0.5 * time.get("safety_factor", 0.9)
-    if corner.keys() & {"penalty_scale", "damping_ratio"} or corner.get("constraint") == "penalty":
-        corner["penalty_scale"] = 4.0 * corner.get("penalty_scale", 1.0)
-    return tables
+def failed_checks(outcome: Outcome) -> tuple[str, ...]:
+    """Names of the checks that failed."""
+    return tuple(check.name for check in outcome.checks if not check.passed)
 
 
-def _finer_and_damped(tables: Tables, plate: Plate) -> Tables:
-    """The same, with damping enough to keep the finer model from fluttering."""
-    damping = tables.setdefault("damping", {})
-    damping["ratio"] = max(0.05, damping.get("ratio", 0.0))
-    return _finer(tables, plate)
-
-
-def _richer(tables: Tables, plate: Plate) -> Tables:
-    """Quadratic elements and the exact constraint, on finer elements where they were quadratic already."""
-    model, corner = tables["plate"], tables.setdefault("corner", {})
-    along, across = plate.counts
-    richer = ELEMENT_KINDS[plate.element].richer
-    times = 1 if richer else 2
-    model["elements"] = (times * along, times * across)
-    model["element"] = richer or plate.element
-    model.pop("hourglass", None)
-    for key in ("penalty_scale", "damping_ratio"):
-        corner.pop(key, None)
-    corner["constraint"] = "exact"
-    return tables
-
-
-REFINEMENTS = (_finer, _finer_and_damped, _richer)
-"""Models that a difference must survive, tried until one comes to an answer that confirms it."""
-
-BESIDE_THE_POINT = {"reaction against rigid", "friction by ringing"}
-"""Checks that a refined model may fail and still bear witness to the five quantities: if it is spoilt, it disagrees."""
-
-
-def _run(tables: Tables) -> Outcome:
-    return run_scene(make_plan(validate(tables)))
-
-
-def _worst(differences: dict[str, float]) -> float:
-    sizes = [abs(value) for value in differences.values()]
-    return max(sizes) if sizes and all(map(math.isfinite, sizes)) else math.inf
+def distance(ours: Mapping[str, float], its: Mapping[str, float]) -> float:
+    """Largest difference between two sets of quantities."""
+    return max(abs(value - its[name]) for name, value in ours.items())
