@@ -31,7 +31,7 @@ class Column:
     group : str
         Heading over several neighbours.
     below : Column, optional
-        Shown in small letters below the entry on pages, behind it on a terminal.
+        Shown in small letters below the entry on pages; a terminal leaves it out.
     """
 
     key: str
@@ -48,9 +48,12 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry of a record: a mapping, or an object with attributes."""
+        """The entry of a record: a mapping, an object with attributes, or a tuple with numbers from 0."""
         for name in self.key.split("."):
-            record = record[name] if isinstance(record, Mapping) else getattr(record, name)
+            if isinstance(record, Mapping):
+                record = record[name]
+            else:
+                record = record[int(name)] if name.isdigit() else getattr(record, name)
         return record
 
     def text(self, record: Any) -> str:
