@@ -189,17 +189,15 @@ def scenes() -> int:
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI, instead of tables.")
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
-    from tailslap.paper.answer import answer
-    from tailslap.paper.report.terminal import print_paper
-    from tailslap.paper.report.write import write_paper
-    from tailslap.results.result_folder import result_folder
+    from tailslap.report.deliver import deliver
 
-    place = out or Path("results") / "paper"
-    with result_folder(place) as folder:
-        result = answer()
-        write_paper(result, folder)
-    print_paper(result, place, as_json)
-    return DONE
+    def report() -> Report:
+        from tailslap.paper.report.report import paper_report
+        from tailslap.paper.review import review_paper
+
+        return paper_report(review_paper())
+
+    return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 
 
 def _plan(name: str, changes: tuple[str, ...]) -> Any:

@@ -53,7 +53,8 @@ def _single(part: Part) -> Iterator[Table | Finding | str]:
         replace(finding, title=f"{number}. {finding.title}")
         for number, finding in enumerate(part.findings, 1)
     )
-    for item in (*part.tables, *part.sentences, *numbered):
+    items: tuple[Table | Finding | str, ...] = (*part.tables, *part.sentences, *numbered)
+    for item in items:
         yield item
         yield ""
 
