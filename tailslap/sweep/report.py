@@ -81,9 +81,9 @@ def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
         headline=headline(sweep, rows),
         sections=(
             Section("What varies", tables=(Table(VARIED, varied),)),
-            Section("At the tail-slap, runs that passed", tables=_tables(SPREAD, spreads(rows))),
+            Section("At the tail-slap, runs that passed", tables=(Table(SPREAD, spreads(rows)),)),
             *(Section(curve.group, figures=(curve,)) for curve in curves),
-            Section("Runs that did not pass", tables=_not_passed(definition, rows, reasons)),
+            Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
             Section("What was computed, and what it means", sentences=_sentences(sweep)),
         ),
         footer=footer(
@@ -121,12 +121,7 @@ def _spread(rows: SweepRows, key: str, passed: np.ndarray) -> dict[str, Any]:
     return {"quantity": QUANTITIES[key], **ends, "run": int(passed[worst])}
 
 
-def _tables(columns: tuple[Column, ...], rows: list[dict[str, Any]], **more: Any) -> tuple[Table, ...]:
-    """The table, or none where it has no rows."""
-    return (Table(columns, rows, **more),) if rows else ()
-
-
-def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> tuple[Table, ...]:
+def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
     """The first rows that did not pass: those that failed or broke down before those that were refused."""
     runs = sorted(np.flatnonzero(rows.status != PASSED), key=lambda run: (rows.status[run] == REFUSED, run))
     units = {item.key: item.unit for item in definition.variations}
@@ -143,7 +138,7 @@ def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) ->
     ]
     marks = {place: "failed" for place, item in enumerate(listed) if item["status"] != REFUSED}
     more = (f"The first {len(listed)} of {len(runs)}; the table has all.",) if len(runs) > len(listed) else ()
-    return _tables(NOT_PASSED, listed, notes=more, marks=marks)
+    return Table(NOT_PASSED, listed, notes=more, marks=marks)
 
 
 def _rows(definition: Definition, table: Path) -> SweepRows:

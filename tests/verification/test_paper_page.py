@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from test_command_line import imported
-from test_postprocess_report import Page
+from test_postprocess_report import Parsed
 
 from postprocess.figures.paper_plots import LINES, MARKS, draw_figures
 from postprocess.report.page import glued, prose
@@ -38,8 +38,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def page(folder: Path) -> Page:
-    return Page((folder / "paper.html").read_text(encoding="utf-8"))
+def page(folder: Path) -> Parsed:
+    return Parsed((folder / "paper.html").read_text(encoding="utf-8"))
 
 
 def strict(text: str) -> Any:
@@ -49,7 +49,7 @@ def strict(text: str) -> Any:
     return json.loads(text, parse_constant=refuse)
 
 
-def test_the_page_holds_every_cell_note_and_finding(page: Page) -> None:
+def test_the_page_holds_every_cell_note_and_finding(page: Parsed) -> None:
     result = review_paper()
     whole = page.text.replace("\N{NO-BREAK SPACE}", " ")
     packed = "".join(whole.split())  # a subscript is an element of its own
@@ -76,20 +76,20 @@ def test_the_page_holds_every_cell_note_and_finding(page: Page) -> None:
 
 
 def test_inference_is_told_from_evidence(
-    page: Page, folder: Path, capsys: pytest.CaptureFixture[str]
+    page: Parsed, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """On the page and on the terminal; reasons stand with what is inferred."""
-    inferred = [sentence for finding in findings(answer()) for sentence in finding.inferred]
+    inferred = [sentence for finding in findings(review_paper()) for sentence in finding.inferred]
     assert page.text.count("Inferred:") == len(inferred) > 0
     assert _status(["paper", "--out", str(folder)]) == 0
     assert len(re.findall("^  inferred ", capsys.readouterr().out, re.MULTILINE)) == len(inferred)
-    for finding in findings(answer()):
+    for finding in findings(review_paper()):
         assert not re.search(
             r"\b(reason|because|so|may|likely|would leave)\b", " ".join(finding.seen), re.IGNORECASE
         )
 
 
-def test_the_page_fetches_nothing(page: Page) -> None:
+def test_the_page_fetches_nothing(page: Parsed) -> None:
     links = {value for _, name, value in page.attributes if name in ("src", "href", "xlink:href")}
     assert all(link.startswith("#") for link in links)
     assert {f"#part-{number}" for number in range(1, 8)} <= links
