@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,6 +20,9 @@ import tailslap
 from tailslap.errors import InputError, Interrupted
 from tailslap.studies import study
 from tailslap.sweep.command import sweep
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
@@ -128,20 +131,17 @@ def check(name: str, changes: tuple[str, ...]) -> int:
 def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> int:
     """Natural frequencies of the plate, with pictures."""
     from tailslap.planning.fe_plan import make_fe_plan, needed_plate
-    from tailslap.results.result_folder import result_folder
+    from tailslap.report.deliver import deliver
+
+    def report() -> Report:
+        from tailslap.modes.plate_modes import find_modes
+        from tailslap.modes.report import modes_report
+
+        return modes_report(find_modes(make_fe_plan(plan), count))
 
     plan = _plan(name, changes)
     needed_plate(plan.scene)
-    place = out or Path("results") / f"{plan.scene.name}-modes"
-    with result_folder(place) as folder:
-        from tailslap.modes.answer import find_modes
-        from tailslap.modes.report.words import modes_lines
-        from tailslap.modes.report.write import write_modes
-
-        answer = find_modes(make_fe_plan(plan), count)
-        write_modes(answer, folder)
-    click.echo("\n".join(modes_lines(answer, place)))
-    return DONE
+    return deliver(out or Path("results") / f"{plan.scene.name}-modes", report)
 
 
 @commands.command()
@@ -164,12 +164,11 @@ def modal(
     """Run a scene with a few modes of the plate."""
     from tailslap.modal import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
-    from tailslap.report.modal_text import modal_answer, modal_lines
+    from tailslap.report.modal_text import modal_numbers, modal_text
 
     fe_plan = make_fe_plan(_plan(name, changes))
     found = modal_run(fe_plan, modes, tolerance, steps)
-    answer = modal_answer(fe_plan, found)
-    click.echo(json.dumps(answer, indent=2) if as_json else "\n".join(modal_lines(fe_plan, found)))
+    click.echo((modal_numbers if as_json else modal_text)(fe_plan, found))
     return DONE if found.passed else CHECK_FAILED
 
 
@@ -190,17 +189,15 @@ def scenes() -> int:
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI, instead of tables.")
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
-    from tailslap.paper.answer import answer
-    from tailslap.paper.report.terminal import print_paper
-    from tailslap.paper.report.write import write_paper
-    from tailslap.results.result_folder import result_folder
+    from tailslap.report.deliver import deliver
 
-    place = out or Path("results") / "paper"
-    with result_folder(place) as folder:
-        result = answer()
-        write_paper(result, folder)
-    print_paper(result, place, as_json)
-    return DONE
+    def report() -> Report:
+        from tailslap.paper.report.report import paper_report
+        from tailslap.paper.review import review_paper
+
+        return paper_report(review_paper())
+
+    return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 
 
 def _plan(name: str, changes: tuple[str, ...]) -> Any:

@@ -18,6 +18,11 @@ class Quantity:
     symbol: str
     unit: str
 
+    @property
+    def label(self) -> str:
+        """Symbol with unit."""
+        return f"{self.symbol} [{self.unit}]"
+
 
 @dataclass(frozen=True)
 class ComparisonRow:

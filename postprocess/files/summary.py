@@ -16,9 +16,13 @@ import numpy as np
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:
     """Writes the mapping, nested as wished, with its own key order, indented by two."""
-    text = json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    path.write_text(summary_text(summary) + "\n", encoding="utf-8")
     return path
+
+
+def summary_text(summary: Mapping[str, Any]) -> str:
+    """The mapping as strict JSON."""
+    return json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
 
 
 def plain(value: Any) -> Any:

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from postprocess.files.histories import write_history
 from postprocess.files.summary import write_summary
-from postprocess.report.page import Finding, Page, write_page
+from postprocess.report.page import Page, write_page
 from postprocess.report.table import Table
-from postprocess.report.terminal import printed
+from postprocess.report.terminal import Part, printed
 
 PAGE, SUMMARY = "report.html", "summary.json"
 
@@ -29,7 +29,7 @@ class Report:
 
     page: Page
     summary: Mapping[str, Any]
-    terminal: tuple[Table | Finding | str, ...]
+    terminal: tuple[Part, ...]
     tables: Mapping[str, Table] = field(default_factory=dict)
     histories: Mapping[str, Mapping[str, ArrayLike]] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
@@ -63,5 +63,5 @@ def write_table(path: Path, table: Table) -> Path:
 
 def report_text(report: Report, place: Path, page: str = PAGE) -> str:
     """What is said on the terminal, and where the page is."""
-    parts: Iterable[Table | Finding | str] = (*report.terminal, f"Report: {place / page}")
+    parts: Iterable[Part] = (*report.terminal, f"Report: {place / page}")
     return printed(parts)

@@ -31,7 +31,7 @@ class Column:
     group : str
         Heading over several neighbours.
     below : Column, optional
-        Shown in small letters below the entry on pages, behind it on a terminal.
+        Shown in small letters below the entry on pages; a terminal leaves it out.
     """
 
     key: str
@@ -48,16 +48,11 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry of a record: of a mapping, whose keys may have dots, tuple or object; None where one on the way is."""
+        """The entry: of a mapping, whose keys may have dots, an object or a tuple; None where one on the way is None."""
         if isinstance(record, Mapping) and self.key in record:
             return record[self.key]
         for name in self.key.split("."):
-            if record is None:
-                return None
-            if isinstance(record, tuple):
-                record = record[int(name)]
-            else:
-                record = record[name] if isinstance(record, Mapping) else getattr(record, name)
+            record = _entry(record, name)
         return record
 
     def text(self, record: Any) -> str:
@@ -66,6 +61,14 @@ class Column:
         if callable(self.form):
             return self.form(value) if value is not None else number(value)
         return shown(value, self.form) if self.form else number(value)
+
+
+def _entry(record: Any, name: str) -> Any:
+    if record is None:
+        return None
+    if isinstance(record, Mapping):
+        return record[name]
+    return record[int(name)] if name.isdigit() else getattr(record, name)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
-from postprocess.report.page import NO_BREAK, Finding, glued
+from postprocess.report.page import NO_BREAK, Finding, Section, glued
 from postprocess.report.table import Column, Table
 
 if TYPE_CHECKING:
@@ -16,14 +18,17 @@ NARROW = 96
 """Columns where standard output is no terminal."""
 
 
-def printed(parts: Iterable[Table | Finding | str]) -> str:
-    """Tables, findings and sentences as text, one below the other."""
+Part = Table | Finding | Section | str
+
+
+def printed(parts: Iterable[Part]) -> str:
+    """Tables, findings, sentences and whole sections as text, one below the other."""
     from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True, markup=False)
     console.width = max(console.width if console.is_terminal else 0, NARROW)
     with console.capture() as shown:  # rich would end the program itself when the reader of a pipe leaves
-        for part in parts:
+        for part in chain.from_iterable(map(_single, parts)):
             if isinstance(part, Table):
                 console.print(_rich(part))
             for line in _lines(part):
@@ -36,6 +41,22 @@ def wrapped(words: str, before: str = "") -> list[str]:
     indent = " " * len(before)
     lines = textwrap.wrap(glued(words), NARROW, initial_indent=before, subsequent_indent=indent)
     return [line.replace(NO_BREAK, " ") for line in lines]
+
+
+def _single(part: Part) -> Iterator[Table | Finding | str]:
+    """A section's title, tables, sentences and findings, each of these with its number; other parts as they are."""
+    if not isinstance(part, Section):
+        yield part
+        return
+    yield f"{part.title}\n{'=' * len(part.title)}"
+    numbered = (
+        replace(finding, title=f"{number}. {finding.title}")
+        for number, finding in enumerate(part.findings, 1)
+    )
+    items: tuple[Table | Finding | str, ...] = (*part.tables, *part.sentences, *numbered)
+    for item in items:
+        yield item
+        yield ""
 
 
 def _lines(part: Table | Finding | str) -> Iterator[str]:

@@ -38,19 +38,8 @@ class EarlierMethods:
 def earlier_methods() -> EarlierMethods:
     """Olson, Hirsch and Ritter at 56 mph and 15 degrees."""
     speed = SPEEDS["56 mph"]
-    inputs = (MASS, speed, ANGLE, FRONT_DISTANCE, HALF_WIDTH, DEFLECTION)
-    olson = olson_force(*inputs)
-    return EarlierMethods(
-        speed,
-        ANGLE,
-        FRONT_DISTANCE,
-        HALF_WIDTH,
-        DEFLECTION,
-        olson.travel,
-        olson.time,
-        olson.average_force,
-        0.5 * olson.average_force,
-        hirsch_force(olson.average_force),
-        ritter_force(*inputs).peak_force,
-        estimate(speed).peak_force,
-    )
+    inputs = (speed, ANGLE, FRONT_DISTANCE, HALF_WIDTH, DEFLECTION)
+    olson, ritter = olson_force(MASS, *inputs), ritter_force(MASS, *inputs)
+    average = olson.average_force
+    forces = (average, 0.5 * average, hirsch_force(average), ritter.peak_force, estimate(speed).peak_force)
+    return EarlierMethods(*inputs, olson.travel, olson.time, *forces)

@@ -52,10 +52,7 @@ START = Start(0.26, 0.707, 25.053)  # Section 3.1.1
 FEA_SPEED = 25.0  # m/s, V_x in Table 2, where Section 3.1.2 says 25,053 mm/s
 LATERAL_SPEED = 23.3 * KM_PER_HOUR  # m/s, v_0 sin(theta) in Section 3.1.1
 ANALYTICAL, ABAQUS = PAPER_TABLE_3["analytical"], PAPER_TABLE_3["abaqus"]  # Table 3
-CHART_TIME, CHART_V_GY = (
-    0.38,
-    -3.274,
-)  # s, Figure 10 at theta = 0; m/s, Figure 11 at that time (Section 3.1.1)
+CHART_TIME, CHART_V_GY = 0.38, -3.274  # s, Figure 10 at theta = 0; m/s, Figure 11 then (Section 3.1.1)
 PULSE = 0.1  # s, "a reasonable estimate ... in most cases" (Section 3.2)
 
 

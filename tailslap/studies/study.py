@@ -82,7 +82,8 @@ def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, op
     """Compute, fill the result folder, say what was found; 1 if the study failed."""
     from tailslap.planning.fe_plan import needed_plate
     from tailslap.planning.plan import make_plan
-    from tailslap.results.result_folder import demand_place, result_folder
+    from tailslap.report.deliver import deliver
+    from tailslap.results.result_folder import demand_place
     from tailslap.scene.files import read_scene
 
     plan = make_plan(*read_scene(name, changes))
@@ -92,13 +93,7 @@ def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, op
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
     found = _named(study.compute)(Call(name, changes, plan, place), **options)
-    with result_folder(place) as folder:
-        from postprocess.report.report import report_text, write_report
-
-        report = _named(study.report)(found)
-        write_report(report, folder)
-    click.echo(report_text(report, place))
-    return 0 if report.passed else 1
+    return deliver(place, lambda: _named(study.report)(found))
 
 
 def _named(function: Callable[..., Any] | str) -> Callable[..., Any]:

@@ -67,12 +67,12 @@ def sweep(
     place = out or Path("results") / f"{definition.scene}-sweep"
 
     from tailslap.sweep.perform import StoppedError, perform
-    from tailslap.sweep.report.terminal import print_sweep
+    from tailslap.sweep.report import sweep_text
 
     try:
         done = perform(definition, place, cluster, workers)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
-    print_sweep(done, place)
+    click.echo(sweep_text(done, place))
     return 1 if done.failures else 0

@@ -50,7 +50,7 @@ def perform(
                 effort = _make_missing(definition, journal, cluster, workers, compute)
                 write_table(folder, definition, journal)
             done = Sweep(definition, {name: journal.statuses[name] for name in STATUSES}, effort)
-            from tailslap.sweep.report.write import write_sweep
+            from tailslap.sweep.report import write_sweep
 
             write_sweep(done, folder)
             return done

@@ -13,14 +13,16 @@ from typing import Any
 
 import pytest
 from test_command_line import imported
-from test_postprocess_report import Page
+from test_postprocess_report import Parsed
 
-from postprocess.pages.paper_page import LINES, MARKS, Column, Row, Table, draw_figures, glued, prose
+from postprocess.figures.paper_plots import LINES, MARKS, draw_figures
+from postprocess.report.page import glued, prose
+from postprocess.report.table import Column, Table
 from tailslap.command_line import _status
-from tailslap.paper.answer import Answer, answer
 from tailslap.paper.figures import FIGURES, figures, marks
-from tailslap.paper.report.content import all_numbers, sections
 from tailslap.paper.report.findings import findings
+from tailslap.paper.report.report import sections, summary
+from tailslap.paper.review import Review, review_paper
 from tailslap.results.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
@@ -36,8 +38,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def page(folder: Path) -> Page:
-    return Page((folder / "paper.html").read_text(encoding="utf-8"))
+def page(folder: Path) -> Parsed:
+    return Parsed((folder / "paper.html").read_text(encoding="utf-8"))
 
 
 def strict(text: str) -> Any:
@@ -47,14 +49,20 @@ def strict(text: str) -> Any:
     return json.loads(text, parse_constant=refuse)
 
 
-def test_the_page_holds_every_cell_note_and_finding(page: Page) -> None:
-    result = answer()
+def test_the_page_holds_every_cell_note_and_finding(page: Parsed) -> None:
+    result = review_paper()
     whole = page.text.replace("\N{NO-BREAK SPACE}", " ")
     packed = "".join(whole.split())  # a subscript is an element of its own
     words = [
         text for part in sections(result) for table in part.tables for text in (table.title, *table.notes)
     ]
-    words += [cell for part in sections(result) for t in part.tables for row in t.rows for cell in row.cells]
+    words += [
+        column.text(row)
+        for part in sections(result)
+        for table in part.tables
+        for row in table.rows
+        for column in table.columns
+    ]
     words += [
         text
         for finding in findings(result)
@@ -68,24 +76,23 @@ def test_the_page_holds_every_cell_note_and_finding(page: Page) -> None:
 
 
 def test_inference_is_told_from_evidence(
-    page: Page, folder: Path, capsys: pytest.CaptureFixture[str]
+    page: Parsed, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """On the page and on the terminal; reasons stand with what is inferred."""
-    inferred = [sentence for finding in findings(answer()) for sentence in finding.inferred]
+    inferred = [sentence for finding in findings(review_paper()) for sentence in finding.inferred]
     assert page.text.count("Inferred:") == len(inferred) > 0
     assert _status(["paper", "--out", str(folder)]) == 0
     assert len(re.findall("^  inferred ", capsys.readouterr().out, re.MULTILINE)) == len(inferred)
-    for finding in findings(answer()):
+    for finding in findings(review_paper()):
         assert not re.search(
             r"\b(reason|because|so|may|likely|would leave)\b", " ".join(finding.seen), re.IGNORECASE
         )
 
 
-def test_the_page_fetches_nothing(page: Page) -> None:
+def test_the_page_fetches_nothing(page: Parsed) -> None:
     links = {value for _, name, value in page.attributes if name in ("src", "href", "xlink:href")}
     assert all(link.startswith("#") for link in links)
-    assert {f"#part-{number}" for number in range(1, 7)} <= links
-    assert {"#findings"} <= links
+    assert {f"#part-{number}" for number in range(1, 8)} <= links
     ids = [value for _, name, value in page.attributes if name == "id"]
     assert len(ids) == len({*ids})
     assert {link[1:] for link in links} <= {*ids}
@@ -120,7 +127,7 @@ def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp
     assert _status(["paper", "--json", "--out", str(tmp_path / "other")]) == 0
     said = strict(capsys.readouterr().out)
     assert said == strict((folder / "summary.json").read_text())
-    assert said == strict(json.dumps(all_numbers(answer())))
+    assert said == strict(json.dumps(summary(review_paper())))
     rows = (folder / "figures_10_to_14_drag.csv").read_text().splitlines()
     assert rows[0] == "t,theta,v_gy,v_gx,omega,slide"
     assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)
@@ -178,7 +185,7 @@ def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path: Path) 
 @pytest.mark.parametrize("number", range(7))
 def test_the_commands_of_a_finding_repeat_it(number: int, capsys: pytest.CaptureFixture[str]) -> None:
     """Each runs as it is printed, and says the finding's figures, by the scene's way, not the paper's tables'."""
-    result = answer()
+    result = review_paper()
     for command in findings(result)[number].repeat:
         program, *arguments = shlex.split(command)
         if program == "python":
@@ -192,7 +199,7 @@ def test_the_commands_of_a_finding_repeat_it(number: int, capsys: pytest.Capture
         assert any(said == pytest.approx(value, rel=1e-6) for said in numbers), value
 
 
-def expected(result: Answer) -> tuple[tuple[float, ...], ...]:
+def expected(result: Review) -> tuple[tuple[float, ...], ...]:
     """What the commands of each finding must say, in the units of `tailslap rigid`."""
     table, starts, cases = result.table_3, result.table_1.starts, result.restitution
     row_d = result.table_4[3]
@@ -216,7 +223,8 @@ def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units() -> No
 
 
 def test_headings_over_several_columns() -> None:
-    columns = (Column("a"), Column("b", group="g"), Column("c", group="g"), Column("d", group="h"))
-    table = Table("t", "x", columns, (Row("r", ("1", "2", "3", "4")),))
-    assert table.groups == (("", 1), ("g", 2), ("h", 1))
-    assert Table("t", "x", (Column("a"),), ()).groups == ()
+    columns = tuple(
+        Column(key, key, group=group) for key, group in zip("abcd", ("", "g", "g", "h"), strict=True)
+    )
+    assert Table(columns, ()).groups == (("", 1), ("g", 2), ("h", 1))
+    assert Table((Column("a", "a"),), ()).groups == ()

@@ -12,10 +12,11 @@ import pytest
 
 from postprocess.comparison.comparison import KEYS
 from postprocess.figures.sweep_plots import SweepRows, Varied, _edges, _scale, draw_sweep
-from postprocess.pages.sweep_page import Spread, SweepContent, Trouble, VariedKey, write_sweep_page
-from tailslap.sweep.complete import Effort
+from postprocess.report.page import Page, write_page
+from tailslap.sweep.complete import Effort, Sweep
+from tailslap.sweep.definition import Definition
 from tailslap.sweep.progress import clock, sweep_progress
-from tailslap.sweep.report.words import shown, values_words
+from tailslap.sweep.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
 from tailslap.sweep.variation import Variation
 
 pytestmark = pytest.mark.verification
@@ -68,6 +69,7 @@ def test_edges_of_cells() -> None:
     assert _edges(np.array([1.0, 2.0, 4.0]), False).tolist() == [0.5, 1.5, 3.0, 5.0]
     ratios = _edges(np.array([1.0, 100.0, 1e4]), True)
     assert ratios == pytest.approx([0.1, 10.0, 1e3, 1e5], rel=1e-12)
+    assert _edges(np.array([0.0, 1.0]), False).tolist() == [0.0, 0.5, 1.5]  # no friction below zero
 
 
 def test_heights_of_parallels() -> None:
@@ -78,6 +80,15 @@ def test_heights_of_parallels() -> None:
     assert words.heights.tolist() == [0.25, 0.75, 0.25]
 
 
+def test_marks_of_parallels() -> None:
+    """Round numbers within the values, and the value itself where there is but one: friction is never negative."""
+    assert _scale("x", np.array([0.0, 0.91]), False).ticks == [
+        (pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.25, 0.5, 0.75)
+    ]
+    assert [text for _, text in _scale("x", np.array([2e8, 3e11]), True).ticks] == ["1e+09", "1e+10", "1e+11"]
+    assert _scale("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
+
+
 def test_the_worst_of_the_five_differences() -> None:
     some = rows(key("a", 1, 2))
     changed = dict(some.difference) | {"omega": np.array([-0.5, 0.0]), "t": np.array([0.1, np.nan])}
@@ -86,38 +97,73 @@ def test_the_worst_of_the_five_differences() -> None:
     assert math.isnan(worst[1])
 
 
+def sweep_of(some: SweepRows) -> Sweep:
+    """A sweep with these rows."""
+    texts = [tuple(map(str, item.values)) for item in some.varied]
+    varied = [
+        Variation(item.key, item.unit, text, tuple(item.values.tolist()), item.logarithmic)
+        for item, text in zip(some.varied, texts, strict=True)
+    ]
+    definition = Definition("a<b", "name = 1", (), (), tuple(varied), len(some.status), 307)
+    statuses = {name: int((some.status == name).sum()) for name in ("passed", "failed", "refused", "error")}
+    return Sweep(definition, statuses, Effort())
+
+
 def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
-    a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10)
-    content = SweepContent(
-        scene="a<b",
-        version="1.2.3",
-        headline="Four runs.",
-        keys=(VariedKey("a.x", "1 to 2", 2),),
-        spreads=(Spread("v_GY", "m/s", -2.5, -1.5, 3e-4, 7),),
-        troubles=(Trouble(3, "a.x = 2", "failed", "energy <balance>"),),
-        trouble_count=5,
-        curves=draw_sweep(rows(a, b)),
-        statements=("All combinations.",),
-        scene_text="name = 1",
-    )
-    page = write_sweep_page(tmp_path / "report.html", content).read_text()
+    some = rows(key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10))
+    some.status[:] = ["refused", "passed", "failed", "passed"]
+    reasons = np.array(["beyond <theory>", "", "energy <balance>", ""], dtype=object)
+    page = write_page(tmp_path / "report.html", sweep_page(sweep_of(some), some, reasons)).read_text()
+    plain = page.replace("\N{NO-BREAK SPACE}", " ")
     for text in (
         "a&lt;b",
-        "Four runs.",
-        "-2.5",
-        "+3.00e-04",
-        "energy &lt;balance&gt;",
-        "The first 1 of 5",
-        "1.2.3",
+        "2 passed all checks, 1 failed a check, 1 refused",
+        "name = 1",
+        "+1.00e-03",
+        "1, 10",
     ):
-        assert text in page
+        assert text in plain
+    assert plain.index("energy &lt;balance&gt;") < plain.index("beyond &lt;theory&gt;")
+    assert plain.count('<tr class="failed">') == 1
+    assert "The first" not in plain
     assert page.count("<svg") == 3
     assert "http" not in page.replace("http://www.w3.org", "")
-    empty = write_sweep_page(
-        tmp_path / "e.html", replace(content, curves=(), troubles=(), spreads=())
-    ).read_text()
-    assert "<svg" not in empty
-    assert "did not pass" not in empty
+
+
+def test_a_page_of_runs_that_were_all_refused(tmp_path: Path) -> None:
+    """No plots, no results; the first rows, and how many there are."""
+    count = MAX_LISTED + 5
+    some = rows(key("a.x", *range(count)), status="refused")
+    nothing = replace(some, difference={k: np.full(count, np.nan) for k in KEYS})
+    page = sweep_page(sweep_of(nothing), nothing, np.full(count, "no", dtype=object))
+    text = write_page(tmp_path / "e.html", page).read_text()
+    assert "<svg" not in text
+    assert f"The first {MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "At the tail-slap" not in text
+    assert "did not pass" not in write_page(tmp_path / "p.html", all_passed()).read_text()
+
+
+def all_passed() -> Page:
+    some = rows(key("a.x", 1, 2, 3))
+    return sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
+
+
+def test_the_largest_differences() -> None:
+    some = rows(key("a.x", 1, 2, 3))
+    some.status[2] = "failed"
+    (time, *_) = spreads(some)
+    assert (time["run"], time["difference"]) == (1, some.difference["t"][1])
+    assert (time["least"], time["most"]) == (some.fe["t"][0], some.fe["t"][1])
+
+
+def test_what_the_terminal_says() -> None:
+    said = sweep_text(sweep_of(rows(key("a.x", 1, 2, 3))), Path("results/x")).splitlines()
+    assert said[0] == "a<b: 3 runs, 3 passed all checks"
+    assert said[1:] == [
+        "Cost:   nothing was left to run",
+        "Table:  results/x/sweep.parquet",
+        "Report: results/x/report.html",
+    ]
 
 
 def test_words() -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from postprocess.pages.paper_page import Finding
-from tailslap.paper.answer import Answer
+from postprocess.report.page import Finding
 from tailslap.paper.printed import ABAQUS
 from tailslap.paper.report.force_findings import factors_finding, ratios_finding, restitution_finding
 from tailslap.paper.report.motion_findings import (
@@ -12,9 +11,10 @@ from tailslap.paper.report.motion_findings import (
     reaction_finding,
     speed_finding,
 )
+from tailslap.paper.review import Review
 
 
-def findings(result: Answer) -> tuple[Finding, ...]:
+def findings(result: Review) -> tuple[Finding, ...]:
     """In the order of the paper's results, that of restitution before the forces it changes."""
     return (
         analytical_finding(result.table_3),
@@ -27,7 +27,7 @@ def findings(result: Answer) -> tuple[Finding, ...]:
     )
 
 
-def headline(result: Answer) -> str:
+def headline(result: Review) -> str:
     """The result in three sentences."""
     column, force = result.table_3.analytical, result.table_3.peak_force.computed / 1e3
     worst = max(abs(column[name].difference) for name in ("v_gy", "v_gx", "slide"))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from postprocess.pages.paper_page import Finding
+from postprocess.report.numbers import percent
+from postprocess.report.page import Finding
 from tailslap.paper.forces import CHART_READING, ForceResult
 from tailslap.paper.printed import FACTOR_RANGE_PLASTIC, ROW_B_GIVEN
-from tailslap.paper.report.text import percent
 from tailslap.paper.restitution import Restitution
 
 

@@ -1,18 +1,47 @@
-"""Tables 4 and 5 and the earlier methods as tables of text."""
+"""Tables 4 and 5 and the earlier methods: what stands in their columns."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
-from postprocess.pages.paper_page import DIFFERENT, PRINTED, Column, Row, Table
+from postprocess.report.numbers import percent
+from postprocess.report.table import Column, Table
 from tailslap.paper.earlier import EarlierMethods
 from tailslap.paper.forces import ForceResult
 from tailslap.paper.printed import RESTITUTIONS, ROW_B_GIVEN
-from tailslap.paper.report.text import cells, columns, fixed, percent
+from tailslap.paper.report.columns import computed, printed
 
-KILO = fixed(1, 1e3)
 GROUPS = tuple(f"e = {restitution:g}" for restitution in RESTITUTIONS)
 KNOWN = f"row b, computed with the {ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
+
+
+def _kilo(form: str) -> Callable[[float], str]:
+    return lambda force: format(force / 1e3, form)
+
+
+ROW = Column("printed.row", "Row")
+FORCES = (
+    ROW,
+    Column("printed.duration", "Δt", "s", "g"),
+    *(printed("peak.0", _kilo("g"), GROUPS[0]), *computed("peak.0", _kilo(".1f"), GROUPS[0], 1)),
+    *(printed("peak.1", _kilo("g"), GROUPS[1]), *computed("peak.1", _kilo(".1f"), GROUPS[1], 1)),
+    printed("ratio", ".4f", "ratio"),
+)
+FACTORS = (
+    ROW,
+    Column("printed.measured", "measured", "kN", _kilo("g"), style="soft"),
+    *(printed("factor.0", ".2f", GROUPS[0]), *computed("factor.0", ".3f", GROUPS[0], 1)),
+    *(printed("factor.1", ".2f", GROUPS[1]), *computed("factor.1", ".3f", GROUPS[1], 1)),
+)
+METHODS = (
+    Column("method", "Method"),
+    Column("what", ""),
+    Column("force", "force", "kN", _kilo(".1f")),
+    Column("to_paper", "to the paper's", form=partial(percent, decimals=1), style="strong"),
+)
 
 
 def force_table(rows: tuple[ForceResult, ...], known: ForceResult, repeated: bool = False) -> Table:
@@ -20,19 +49,14 @@ def force_table(rows: tuple[ForceResult, ...], known: ForceResult, repeated: boo
 
     repeated: the notes are those of the table before.
     """
-    exact = f"{rows[0].ratio.computed:.4f}"
-    lines = [_forces(result, result.printed.row) for result in rows]
-    lines.insert(2, _forces(known, "b*", KNOWN))
-    heads = (Column("Δt [s]"), *(head for group in GROUPS for head in columns(group)))
-    heads += (Column("printed", PRINTED, "ratio"), Column(f"to {exact[:5]}", DIFFERENT, "ratio"))
-    return Table(
-        "Peak lateral force in kN", "Row", heads, tuple(lines), (REPEATED,) if repeated else _notes(exact)
-    )
+    exact, lines = f"{rows[0].ratio.computed:.4f}", _with_known(rows, known)
+    _, ratio = computed("ratio", group="ratio", decimals=1)
+    legend = "; ".join(f"{line.printed.row}: {line.printed.source}" for line in lines) + "."
+    notes = (REPEATED,) if repeated else (legend, *_notes(exact))
+    return Table((*FORCES, replace(ratio, label=f"to {exact[:5]}")), lines, "Peak lateral force in kN", notes)
 
 
-REPEATED = (
-    "Computed as for Table 4. The analytical columns of rows a to e repeat those of Table 4 in the paper."
-)
+REPEATED = "Rows and computation as in Table 4, whose analytical columns the paper repeats in rows a to e."
 
 
 def _notes(exact: str) -> tuple[str, ...]:
@@ -46,13 +70,13 @@ def _notes(exact: str) -> tuple[str, ...]:
 
 def factor_table(rows: tuple[ForceResult, ...], known: ForceResult) -> Table:
     """Adjustment factors of Table 4 or 5."""
-    lines = [_factors(result, result.printed.row) for result in rows]
-    lines.insert(2, _factors(known, "b*"))
-    heads = (Column("measured [kN]", PRINTED), *(head for group in GROUPS for head in columns(group)))
+    projected = ", ".join(result.printed.row for result in rows if result.printed.projected)
     notes = ["φ_a is the analytical force over that of the crash test or simulation."]
-    if any(result.printed.projected for result in rows):
-        notes.append("*: projected by the authors, 1.33 times the 50 ms average.")
-    return Table("Adjustment factor φ_a", "Row", heads, tuple(lines), tuple(notes))
+    if projected:
+        notes.append(
+            f"Measured forces of rows {projected}: projected by the authors, 1.33 times the 50 ms average."
+        )
+    return Table(FACTORS, _with_known(rows, known), "Adjustment factor φ_a", tuple(notes))
 
 
 def earlier_table(result: EarlierMethods) -> Table:
@@ -63,11 +87,10 @@ def earlier_table(result: EarlierMethods) -> Table:
         ("Ritter", "Peak force, Eqs 4-5", result.ritter),
         ("Chuong and Malla", "Peak force of the tail-slap, Eqs 6-73", result.paper),
     )
-    rows = (
-        Row(name, (f"{force / 1e3:.1f}", percent(force / result.paper - 1.0, 1)), "", title)
-        for name, title, force in forces
-    )
-    heads = (Column("force [kN]"), Column("to the paper's", DIFFERENT))
+    rows = [
+        {"method": method, "what": what, "force": force, "to_paper": force / result.paper - 1.0}
+        for method, what, force in forces
+    ]
     notes = (
         f"At 56 mph and {math.degrees(result.angle):g} deg, 9979 kg. Assumed, since the paper gives no numbers: "
         f"A_L = {result.front_distance:g} m, half the length; B = {result.half_width:g} m, half the width, as in "
@@ -77,21 +100,10 @@ def earlier_table(result: EarlierMethods) -> Table:
         f"gives {result.olson_first_member / 1e3:.1f} kN, the last, which is Olson's and is used here, "
         f"{result.olson / 1e3:.1f} kN.",
     )
-    return Table("Lateral force", "Method", heads, tuple(rows), notes, spelled=True)
+    return Table(METHODS, rows, "Lateral force", notes)
 
 
-def _forces(result: ForceResult, head: str, title: str = "") -> Row:
-    row = result.printed
-    texts = [f"{row.duration:g}"]
-    for cell in result.peak:
-        texts += cells(cell, KILO, 1, f"{cell.printed / 1e3:g}")
-    texts += [f"{result.ratio.printed:.4f}", percent(result.ratio.difference, 1)]
-    return Row(head, tuple(texts), "", title or row.source)
-
-
-def _factors(result: ForceResult, head: str) -> Row:
-    row = result.printed
-    texts = [f"{row.measured / 1e3:g}{'*' if row.projected else ''}"]
-    for cell in result.factor:
-        texts += cells(cell, fixed(3), 1, f"{cell.printed:.2f}")
-    return Row(head, tuple(texts))
+def _with_known(rows: tuple[ForceResult, ...], known: ForceResult) -> list[ForceResult]:
+    """The rows; after row b the one that is computed with the speed and angle of its test."""
+    marked = replace(known, printed=replace(known.printed, row="b*", source=KNOWN))
+    return [*rows[:2], marked, *rows[2:]]

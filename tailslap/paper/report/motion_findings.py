@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from postprocess.pages.paper_page import Finding
-from tailslap.paper.answer import Reaction
+from postprocess.report.numbers import percent
+from postprocess.report.page import Finding
 from tailslap.paper.printed import ABAQUS, FEA_SPEED, KM_PER_HOUR, MPH, START
-from tailslap.paper.report.text import percent
+from tailslap.paper.review import Reaction
 from tailslap.paper.table_1 import Table1
 from tailslap.paper.table_3 import Table3
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-import tailslap
 from tailslap.paper.earlier import EarlierMethods, earlier_methods
 from tailslap.paper.figures import Figures, figures
 from tailslap.paper.forces import ForceResult, row_b_known, table_4, table_5
 from tailslap.paper.method import printed_motion
-from tailslap.paper.printed import INPUTS, PAPER, START
 from tailslap.paper.restitution import Restitution, restitutions
 from tailslap.paper.table_1 import Table1, table_1
 from tailslap.paper.table_3 import Table3, table_3
@@ -31,7 +28,7 @@ class Reaction:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Review:
     """Everything the paper prints on the truck, computed; SI throughout.
 
     row_b: row b of Tables 4 and 5 with its test's own speed and angle.
@@ -48,36 +45,10 @@ class Answer:
     restitution: dict[str, Restitution]
 
 
-def answer() -> Answer:
+def review_paper() -> Review:
     """Compute all of it; some tens of milliseconds."""
-    return Answer(
-        table_1(),
-        table_3(),
-        figures(),
-        table_4(),
-        table_5(),
-        row_b_known(),
-        earlier_methods(),
-        _reaction(),
-        restitutions(),
-    )
-
-
-def numbers(result: Answer) -> dict[str, Any]:
-    """The record as JSON takes it, SI; a cell is {"printed", "computed", "difference"}.
-
-    The curves of the figures are left out: they stand in files of their own.
-    """
-    inputs = {item.name: {"given": item.given, "value": item.value, "unit": item.unit} for item in INPUTS}
-    record = asdict(result)
-    del record["figures"]["courses"]
-    return {
-        "version": tailslap.__version__,
-        "paper": PAPER,
-        "inputs": inputs,
-        "start": asdict(START),
-        **record,
-    }
+    forces = (table_4(), table_5(), row_b_known())
+    return Review(table_1(), table_3(), figures(), *forces, earlier_methods(), _reaction(), restitutions())
 
 
 def _reaction() -> Reaction:

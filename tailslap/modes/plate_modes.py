@@ -43,14 +43,19 @@ class Mode:
     slender: float | None
 
     @property
+    def name(self) -> str:
+        """Kind and number among its like: "bending 2"."""
+        return f"{self.kind} {self.order}"
+
+    @property
     def difference(self) -> float | None:
         """Frequency over theory - 1."""
         return None if self.theory is None else self.frequency / self.theory - 1.0
 
 
 @dataclass(frozen=True)
-class ModesAnswer:
-    """The modes in rising frequency; shapes as in `fem.modal.modes.FreeModes`, and the beam they are held against."""
+class PlateModes:
+    """The modes in rising frequency; shapes as in `fem.modal.modes.FreeModes`; the beam they are compared with."""
 
     fe_plan: FePlan
     found: FreeModes
@@ -58,7 +63,7 @@ class ModesAnswer:
     beam: Beam
 
 
-def find_modes(fe_plan: FePlan, count: int) -> ModesAnswer:
+def find_modes(fe_plan: FePlan, count: int) -> PlateModes:
     """The lowest `count` elastic modes. Raises InputError for a number that the mesh does not have."""
     model, plate, vehicle = fe_plan.model, fe_plan.plate, fe_plan.plan.scene.vehicle
     most = most_modes(model.loop.mass.size)
@@ -68,7 +73,7 @@ def find_modes(fe_plan: FePlan, count: int) -> ModesAnswer:
     found = free_modes(model, count)
     density = plate_density(fe_plan.plan, plate)
     beam = Beam(vehicle.length, vehicle.width, plate.youngs_modulus, plate.poissons_ratio, density)
-    return ModesAnswer(fe_plan, found, tuple(_modes(fe_plan, found, beam)), beam)
+    return PlateModes(fe_plan, found, tuple(_modes(fe_plan, found, beam)), beam)
 
 
 def _modes(fe_plan: FePlan, found: FreeModes, beam: Beam) -> Iterator[Mode]:
@@ -93,8 +98,8 @@ def _modes(fe_plan: FePlan, found: FreeModes, beam: Beam) -> Iterator[Mode]:
         )
 
 
-def drawn_shape(answer: ModesAnswer, mode: Mode) -> np.ndarray:
+def drawn_shape(found: PlateModes, mode: Mode) -> np.ndarray:
     """Displacements of the elements' corner nodes, the largest of length one, shape (nodes, 2)."""
-    corners = int(answer.fe_plan.model.discretisation.cells.max()) + 1
-    shape = answer.found.shapes[mode.number - 1, :, :corners].T
+    corners = int(found.fe_plan.model.discretisation.cells.max()) + 1
+    shape = found.found.shapes[mode.number - 1, :, :corners].T
     return np.asarray(shape / np.hypot(*shape.T).max())

@@ -1,0 +1,29 @@
+"""A report into its result folder and onto the terminal: the same for all commands that make one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
+
+
+def deliver(place: Path, make: Callable[[], Report], page: str = "report.html", as_json: bool = False) -> int:
+    """Make the report, fill the folder `place` with it, say what was found; 1 if something failed.
+
+    page: name of the page in the folder; as_json: say the summary instead.
+    """
+    from tailslap.results.result_folder import result_folder
+
+    with result_folder(place) as folder:
+        report = make()
+        from postprocess.files.summary import summary_text
+        from postprocess.report.report import report_text, write_report
+
+        write_report(report, folder, page)
+    click.echo(summary_text(report.summary) if as_json else report_text(report, place, page))
+    return 0 if report.passed else 1

@@ -1,0 +1,210 @@
+"""What a sweep reports: page and summary beside its table, and what the terminal says."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import tailslap
+from postprocess.comparison.comparison import KEYS, QUANTITIES
+from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
+from postprocess.files.summary import write_summary
+from postprocess.report.page import Page, Section, write_page
+from postprocess.report.table import Column, Table
+from postprocess.report.terminal import printed
+from tailslap.report.footer import footer
+from tailslap.results.manifest import listed_file
+from tailslap.sweep.complete import Sweep
+from tailslap.sweep.definition import Definition
+from tailslap.sweep.folder import REPORT, SUMMARY, TABLE
+from tailslap.sweep.progress import clock
+from tailslap.sweep.row import ERROR, FAILED, PASSED, REFUSED
+from tailslap.sweep.table import read_columns
+from tailslap.sweep.variation import Variation
+
+MAX_LISTED = 15
+"""Rows that did not pass which the page lists."""
+
+STATUS_WORDS = {PASSED: "passed all checks", FAILED: "failed a check", REFUSED: "refused", ERROR: "in error"}
+VARIED = (Column("key", "Key"), Column("values", "Values"), Column("count", "Number", form="d"))
+SPREAD = (
+    Column("quantity.label", ""),
+    Column("least", "FE, least", form=".5g"),
+    Column("most", "FE, most", form=".5g"),
+    Column("difference", "Largest FE/rigid - 1", form="+.2e", style="strong"),
+    Column("run", "in run", form="d"),
+)
+NOT_PASSED = (
+    Column("run", "Run"),
+    Column("inputs", "Inputs"),
+    Column("status", "Status"),
+    Column("reason", "Reason"),
+)
+
+
+def write_sweep(sweep: Sweep, folder: Path) -> None:
+    """Write `report.html` and `summary.json` from the table in the folder."""
+    rows = _rows(sweep.definition, folder / TABLE)
+    reasons = read_columns(folder / TABLE, ["reason"])["reason"]
+    with listed_file(folder / REPORT) as page:
+        write_page(page, sweep_page(sweep, rows, reasons))
+    with listed_file(folder / SUMMARY) as numbers:
+        write_summary(numbers, summary(sweep, rows))
+
+
+def sweep_text(sweep: Sweep, place: Path) -> str:
+    """How many rows have each status, what the runs took, and where the files are."""
+    effort, cost = sweep.effort, "nothing was left to run"
+    if effort.runs:
+        cost = (
+            f"{effort.runs} runs on {effort.threads} workers in {clock(effort.wall_s)}, {effort.rate:.3g} runs/s, "
+            f"{1e3 * effort.overhead_s:.1f} ms a run beyond the runs themselves"
+        )
+    said = f"{sweep.definition.scene}: {sweep.definition.runs} runs, {counts(sweep)}"
+    return printed((said, f"Cost:   {cost}", f"Table:  {place / TABLE}", f"Report: {place / REPORT}"))
+
+
+def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
+    """The page; reasons: of each row that did not pass, shape (rows,)."""
+    definition, curves = sweep.definition, draw_sweep(rows)
+    varied = [
+        {"key": item.key, "values": values_words(item), "count": len(set(item.texts))}
+        for item in definition.variations
+    ]
+    changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)
+    return Page(
+        kicker="Sweep: many runs of one scene, each beside its exact rigid solution",
+        title=definition.scene,
+        headline=headline(sweep, rows),
+        sections=(
+            Section("What varies", tables=(Table(VARIED, varied),)),
+            Section("At the tail-slap, runs that passed", tables=(Table(SPREAD, spreads(rows)),)),
+            *(Section(curve.group, figures=(curve,)) for curve in curves),
+            Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
+            Section("What was computed, and what it means", sentences=_sentences(sweep)),
+        ),
+        footer=footer(
+            "sweep.parquet, the table, a row a run, in SI; summary.json, these numbers; sweep.json, what the sweep is"
+        ),
+        scene_text=definition.text.rstrip("\n") + "\n" + changes,
+    )
+
+
+def summary(sweep: Sweep, rows: SweepRows) -> dict[str, Any]:
+    """The numbers of the sweep, SI; `effort` is that of the last call, which may have had few runs left to make."""
+    definition, effort = sweep.definition.as_written(), sweep.effort
+    return {
+        "scene": sweep.definition.scene,
+        "version": tailslap.__version__,
+        "passed": sweep.failures == 0,
+        "runs": sweep.definition.runs,
+        "statuses": dict(sweep.statuses),
+        "largest_difference": {item["quantity"].key: item["difference"] for item in spreads(rows)},
+        "effort": {**vars(effort), "runs_a_second": effort.rate, "overhead_a_run_s": effort.overhead_s},
+        "definition": {name: value for name, value in definition.items() if name != "text"},
+    }
+
+
+def spreads(rows: SweepRows) -> list[dict[str, Any]]:
+    """Of each compared quantity over the rows that passed: least and largest FE value, largest difference, its run."""
+    passed = np.flatnonzero(rows.status == PASSED)
+    return [_spread(rows, key, passed) for key in KEYS] if passed.size else []
+
+
+def _spread(rows: SweepRows, key: str, passed: np.ndarray) -> dict[str, Any]:
+    difference, fe = rows.difference[key][passed], rows.fe[key][passed]
+    worst = int(np.argmax(np.abs(difference)))
+    ends = {"least": float(fe.min()), "most": float(fe.max()), "difference": float(difference[worst])}
+    return {"quantity": QUANTITIES[key], **ends, "run": int(passed[worst])}
+
+
+def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
+    """The first rows that did not pass: those that failed or broke down before those that were refused."""
+    runs = sorted(np.flatnonzero(rows.status != PASSED), key=lambda run: (rows.status[run] == REFUSED, run))
+    units = {item.key: item.unit for item in definition.variations}
+    listed = [
+        {
+            "run": int(run),
+            "inputs": ", ".join(
+                f"{k} = {shown(x, units[k])}" for k, x in definition.inputs_of(int(run)).items()
+            ),
+            "status": rows.status[run],
+            "reason": reasons[run],
+        }
+        for run in runs[:MAX_LISTED]
+    ]
+    marks = {place: "failed" for place, item in enumerate(listed) if item["status"] != REFUSED}
+    more = (f"The first {len(listed)} of {len(runs)}; the table has all.",) if len(runs) > len(listed) else ()
+    return Table(NOT_PASSED, listed, notes=more, marks=marks)
+
+
+def _rows(definition: Definition, table: Path) -> SweepRows:
+    groups = ("fe", "rigid", "difference")
+    keys = [item.key for item in definition.variations]
+    columns = read_columns(table, ["status", *keys, *(f"{group}.{key}" for group in groups for key in KEYS)])
+    fe, rigid, difference = ({key: columns[f"{group}.{key}"] for key in KEYS} for group in groups)
+    varied = tuple(_varied(item, columns[item.key]) for item in definition.variations)
+    return SweepRows(varied, columns["status"], fe, rigid, difference)
+
+
+def _varied(item: Variation, values: np.ndarray) -> Varied:
+    """The key as people read it: angles in degrees."""
+    if item.unit == "rad":
+        return Varied(item.key, "deg", np.degrees(values), item.logarithmic)
+    return Varied(item.key, item.unit, values, item.logarithmic)
+
+
+def counts(sweep: Sweep) -> str:
+    """How many rows have each status; those that none has are omitted."""
+    return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
+
+
+def headline(sweep: Sweep, rows: SweepRows) -> str:
+    """The result in two sentences."""
+    said = f"{sweep.definition.runs} runs: {counts(sweep)}."
+    good = rows.worst[rows.status == PASSED]
+    if not good.size:
+        return said
+    return (
+        f"{said} In those that passed, the largest difference between FE and the exact rigid solution lies between "
+        f"{good.min():.1e} and {good.max():.1e}, in half of them below {np.median(good):.1e}."
+    )
+
+
+def _sentences(sweep: Sweep) -> list[str]:
+    """What a reader must know beside the numbers."""
+    definition = sweep.definition
+    latin = (
+        f"The runs are a Latin hypercube of {definition.sample} samples with the seed {definition.seed}: each range is "
+        "cut into as many equal parts, and each part has one sample. The same call gives the same runs."
+    )
+    said = [
+        latin if definition.sample else "The runs are all combinations of the values.",
+        "Every row has the exact rigid solution of its own inputs, its differences, and the values of all checks.",
+    ]
+    if sweep.statuses[REFUSED]:
+        said.append("Refused: the rigid-body theory has no solution for these inputs, or they make no model.")
+    if sweep.statuses[FAILED]:
+        said.append(
+            "Results of runs that failed a check are in the table and the plots, and are not to be believed."
+        )
+    return said
+
+
+def values_words(item: Variation) -> str:
+    """The values of a key: all of a short list, else the ends and how they lie between."""
+    values = list(dict.fromkeys(item.values))
+    if not item.numeric or len(values) <= 4:
+        return ", ".join(shown(value, item.unit) for value in values)
+    low, high = (shown(end, item.unit) for end in (min(values), max(values)))
+    return f"{low} to {high}" + (", in equal ratios" if item.logarithmic else "")
+
+
+def shown(value: float | int | str, unit: str) -> str:
+    """A value with its unit, angles in degrees."""
+    if isinstance(value, str):
+        return value
+    return f"{math.degrees(value):.5g} deg" if unit == "rad" else f"{value:.5g} {unit}".strip()

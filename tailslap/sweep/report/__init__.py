@@ -1,1 +1,0 @@
-"""What it says: text, tables, page."""
