@@ -48,7 +48,7 @@ class Column:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, record: Any) -> Any:
-        """The entry: of a mapping, whose keys may have dots, an object or a tuple; None where one on the way is None."""
+        """The entry of a mapping, whose keys may have dots, an object or a tuple; None where one on the way is None."""
         if isinstance(record, Mapping) and self.key in record:
             return record[self.key]
         for name in self.key.split("."):

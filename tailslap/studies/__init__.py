@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -34,19 +32,6 @@ def register(study: Study) -> None:
 def study_names() -> list[str]:
     """Names of the studies, sorted; none is imported."""
     return sorted([*(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg), *_registered])
-
-
-def study_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The argument SCENE and the options --set and --out, which all studies have."""
-    function = click.option("--out", type=click.Path(path_type=Path), help="Result folder.")(function)
-    function = click.option(
-        "--set",
-        "changes",
-        multiple=True,
-        metavar="KEY=VALUE",
-        help="Change a key, like vehicle.mass='5000 lb'.",
-    )(function)
-    return click.argument("name", metavar="SCENE")(function)
 
 
 def with_elements(plan: Plan, changes: tuple[str, ...]) -> tuple[str, ...]:
@@ -75,11 +60,7 @@ class Studies(click.Group):
             raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
         if name in _registered:
             return study_command(_registered[name])
-        module = importlib.import_module(f"{__name__}.{name}")
-        if not hasattr(module, "STUDY"):
-            command: click.Command = module.command
-            return command
-        return study_command(module.STUDY)
+        return study_command(importlib.import_module(f"{__name__}.{name}").STUDY)
 
 
 @click.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")

@@ -213,7 +213,7 @@ def test_the_headline_of_a_run_names_the_largest_difference(
 
 
 def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> None:
-    made = outcome("mash-tl4-sut")
+    made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
     first, *others = made.checks
     broken = replace(first, passed=False, value=math.nan)
     difference = dict.fromkeys(made.difference, math.nan)

@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import tailslap.studies
 from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
@@ -384,19 +383,6 @@ def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str
     assert all(name in message for name in study_names())
     assert _status(["study", "uncertainty", "nowhere"]) == 2
     assert _status(["study", "uncertainty", TRUCK, "--samples", "10"]) == 2
-
-
-def test_a_study_is_found_by_its_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "demo").mkdir()
-    (tmp_path / "demo" / "__init__.py").write_text(
-        "import click\nfrom tailslap.studies import study_arguments\n"
-        "@click.command()\n@study_arguments\ndef command(name, changes, out):\n    print(name, changes)\n    return 0\n"
-    )
-    monkeypatch.setattr(tailslap.studies, "__path__", [*tailslap.studies.__path__, str(tmp_path)])
-    assert _status(["study", "demo", "a-scene", "--set", "x=1"]) == 0
-    assert capsys.readouterr().out == "a-scene ('x=1',)\n"
 
 
 def test_parts_of_the_record(complete: Spread) -> None:

@@ -1,0 +1,99 @@
+"""Verification: a study is one declaration, found in its folder or registered; all else is the same for all."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+
+import tailslap.studies
+from postprocess.report.page import Page, Section
+from postprocess.report.report import Report
+from postprocess.report.table import Column, Table
+from tailslap.command_line import _status
+from tailslap.studies import register, study_names
+from tailslap.studies.study import Call, Study
+
+pytestmark = pytest.mark.verification
+
+TRUCK = "mash-tl4-sut"
+
+
+def heavier(call: Call, factor: float) -> list[dict[str, Any]]:
+    """Masses of the scene's vehicle."""
+    mass = call.plan.scene.vehicle.mass
+    return [{"what": "as it is", "mass": mass}, {"what": "heavier", "mass": factor * mass}]
+
+
+def masses_report(found: list[dict[str, Any]]) -> Report:
+    table = Table((Column("what", "Vehicle"), Column("mass", "Mass", "kg", form=".5g")), found)
+    page = Page(
+        "Masses", "a toy", "Two masses.", (Section("Masses", tables=(table,)),), "", passed=len(found) == 2
+    )
+    return Report(page, {"masses": found}, (table,), {"masses.csv": table})
+
+
+TOY = Study(
+    name="toy",
+    summary="Masses of a vehicle.",
+    compute=heavier,
+    report=masses_report,
+    options=(click.Option(["--factor"], type=float, default=2.0),),
+    needs_plate=False,
+)
+
+
+@pytest.fixture
+def registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tailslap.studies, "_registered", {})
+
+
+@pytest.mark.usefixtures("registry")
+def test_a_study_from_outside_goes_all_the_way_to_its_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    register(TOY)
+    monkeypatch.chdir(tmp_path)
+    assert "toy" in study_names()
+    assert _status(["study", "toy", TRUCK, "--set", "vehicle.mass=10 t", "--factor", "3"]) == 0
+    folder = Path("results") / f"{TRUCK}-toy"
+    said = capsys.readouterr().out
+    assert "30000" in said
+    assert f"Report: {folder / 'report.html'}" in said
+    assert "Two masses." in (folder / "report.html").read_text()
+    assert json.loads((folder / "summary.json").read_text())["masses"][1] == {"what": "heavier", "mass": 3e4}
+    with (folder / "masses.csv").open() as file:
+        assert [float(row["mass"]) for row in csv.DictReader(file)] == [1e4, 3e4]
+
+
+@pytest.mark.usefixtures("registry")
+def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path: Path) -> None:
+    register(Study("toy", "", lambda call: [], masses_report, needs_plate=True))
+    assert _status(["study", "toy", TRUCK, "--out", str(tmp_path / "out")]) == 1
+    assert _status(["study", "toy", TRUCK, "--set", "plate=", "--out", str(tmp_path / "none")]) == 2
+    assert _status(["study", "toy", "nowhere"]) == 2
+    assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.usefixtures("registry")
+def test_a_name_is_taken_once() -> None:
+    register(TOY)
+    with pytest.raises(ValueError, match="toy"):
+        register(TOY)
+    with pytest.raises(ValueError, match="cost"):
+        register(Study("cost", "", heavier, masses_report))
+
+
+def test_a_study_is_found_by_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "demo").mkdir()
+    (tmp_path / "demo" / "__init__.py").write_text(
+        "from tailslap.studies.study import Study\n"
+        "STUDY = Study('demo', 'A demonstration.', 'json:loads', 'json:dumps')\n"
+    )
+    monkeypatch.setattr(tailslap.studies, "__path__", [*tailslap.studies.__path__, str(tmp_path)])
+    assert _status(["study", "demo", "--help"]) == 0
+    assert "A demonstration." in capsys.readouterr().out
