@@ -64,12 +64,14 @@ def _element_counts(given: object) -> object:
     return tuple(given)
 
 
-EARLIER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
-"""Names of starts in scenes of earlier versions."""
+FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
+"""Names of starts in scenes of earlier versions, and what they are called."""
 
 
 def _start_name(given: object) -> object:
-    return EARLIER_STARTS.get(given, given) if isinstance(given, str) else given
+    if isinstance(given, str) and given in FORMER_STARTS:
+        raise ValueError(f'this start is called "{FORMER_STARTS[given]}"')
+    return given
 
 
 StartName = Annotated[

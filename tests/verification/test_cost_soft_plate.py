@@ -42,7 +42,7 @@ def made_records(todo: list[Setting], order: float = 2.0) -> dict[str, Any]:
 def test_page_and_summary(tmp_path: Path) -> None:
     plan = make_plan(*read_scene("paper-table-3"))
     todo = [*settings(plan.scene), *soft_settings(plan.scene)]
-    found = summed_up(plan, todo, made_records(todo), ("plate.start=quiet",), TRUTH, 1.0)
+    found = summed_up(plan, todo, made_records(todo), ("plate.start=inertia-relief",), TRUTH, 1.0)
     write_report(cost_report(found), tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["front"]["flexible"][-1].startswith("soft plate, q")
@@ -80,7 +80,7 @@ def test_limit_without_convergence_is_the_finest_and_little_known() -> None:
     [
         (),
         ("plate.youngs_modulus=", "plate.first_frequency=5 Hz", "corner.patch_length=1", "damping.ratio=0.1"),
-        ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=sudden"),
+        ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=unstressed"),
     ],
 )
 def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None:

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from postprocess.figures.uncertainty_plots import draw_histogram, draw_sensitivity
 from postprocess.report.numbers import grouped
@@ -16,40 +12,12 @@ from postprocess.report.table import Column, Table, pairs
 from tailslap.report.footer import footer, study_summary
 from tailslap.studies.uncertainty.indices import RESAMPLES
 from tailslap.studies.uncertainty.sampling import SEED
-from tailslap.studies.uncertainty.spread import PERCENTILES, Spread
-
-
-@dataclass(frozen=True)
-class Input:
-    """A varied input: its range and the scene's own value in words, its Sobol indices and their 95 % intervals."""
-
-    key: str
-    lower: float
-    upper: float
-    unit: str
-    origin: str
-    of_the_scene: float | None
-    first_order: float
-    first_order_interval: tuple[float, float]
-    total: float
-    total_interval: tuple[float, float]
-
-    @property
-    def range(self) -> str:
-        """Its range, angles in degrees."""
-        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
-        return f"{self.lower * factor:.5g} to {self.upper * factor:.5g} {unit}".strip()
-
-    @property
-    def value(self) -> str:
-        """The scene's own value, angles in degrees."""
-        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
-        return "–" if self.of_the_scene is None else f"{self.of_the_scene * factor:.5g} {unit}".strip()
+from tailslap.studies.uncertainty.spread import PERCENTILES, Spread, VariedInput
 
 
 def spread_report(found: Spread) -> Report:
     """Page, summary, combinations, and what the terminal says."""
-    inputs = sorted(_inputs(found), key=lambda item: -item.total)
+    inputs = sorted(found.inputs, key=lambda item: -item.total)
     table = Table((*COLUMNS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
     said, name = headline(found, inputs), found.plan.scene.name
     page = Page(
@@ -57,7 +25,7 @@ def spread_report(found: Spread) -> Report:
         title=name,
         headline=said,
         sections=(
-            Section("Distribution", figures=(draw_histogram(*_histogram(found)),), layout="half"),
+            Section("Distribution", figures=(draw_histogram(*found.histogram),), layout="half"),
             Section("Sensitivity", figures=(draw_sensitivity(inputs),), layout="half"),
             Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
             Section("Peak force", tables=(pairs(_forces(found)),), layout="half"),
@@ -70,9 +38,9 @@ def spread_report(found: Spread) -> Report:
     cost = f"Cost:   {found.samples.combinations} combinations in {found.seconds:.2f} s"
     return Report(
         page,
-        summary(found, inputs),
+        summary(found),
         (short, said, refusals(found), cost),
-        histories={"samples.csv": _columns(found)},
+        histories={"samples.csv": found.columns},
     )
 
 
@@ -92,23 +60,12 @@ INDICES = (
 )
 
 
-def _inputs(found: Spread) -> list[Input]:
-    rows, indices = found.samples.ranges, found.indices
-    return [
-        Input(
-            item.key, item.lower, item.upper, item.unit, item.origin, item.given,
-            float(indices.first[i]), tuple(indices.first_interval[:, i].tolist()),
-            float(indices.total[i]), tuple(indices.total_interval[:, i].tolist()),
-        )
-        for i, item in enumerate(rows)
-    ]  # fmt: skip
-
-
-def summary(found: Spread, inputs: list[Input]) -> dict[str, Any]:
+def summary(found: Spread) -> dict[str, Any]:
     """The numbers of the study, SI; the inputs as the scene lists them."""
     samples, its = found.samples, found.distribution
-    listed = [item.key for item in samples.ranges]
-    percentiles = {f"percentile_{p}": x for p, x in zip(PERCENTILES, its.percentiles, strict=True)}
+    forces = {"mean": its.mean, "standard_deviation": its.standard_deviation}
+    forces |= {f"percentile_{p}": x for p, x in zip(PERCENTILES, its.percentiles, strict=True)}
+    forces["of_the_scene"] = float(found.plan.force.peak_force)
     return {
         **study_summary("uncertainty", found.plan),
         "seed": SEED,
@@ -117,31 +74,11 @@ def summary(found: Spread, inputs: list[Input]) -> dict[str, Any]:
         "refused": samples.refused,
         "rows_left_out": samples.rows_left_out,
         "first_refusal": found.first_refusal or None,
-        "peak_force": {
-            "mean": its.mean,
-            "standard_deviation": its.standard_deviation,
-            **percentiles,
-            "of_the_scene": float(found.plan.force.peak_force),
-            "histogram": {"edges": its.edges, "counts": its.counts},
-        },
-        "inputs": [vars(item) for item in sorted(inputs, key=lambda item: listed.index(item.key))],
+        "peak_force": forces | {"histogram": {"edges": its.edges, "counts": its.counts}},
+        "inputs": [vars(item) for item in found.inputs],
         "held": found.held,
         "cost": {"seconds": found.seconds},
     }
-
-
-def _columns(found: Spread) -> dict[str, np.ndarray]:
-    """The combinations of the distribution, inputs and force; NaN where the theory refuses one."""
-    samples = found.samples
-    values = np.hstack([samples.a, samples.b])
-    columns = {item.key: column for item, column in zip(samples.ranges, values, strict=True)}
-    return columns | {"peak_force": np.concatenate([samples.force_a, samples.force_b])}
-
-
-def _histogram(found: Spread) -> tuple[Any, ...]:
-    its = found.distribution
-    percentiles = tuple(zip(PERCENTILES, its.percentiles, strict=True))
-    return its.edges, its.counts, percentiles, float(found.plan.force.peak_force)
 
 
 def _forces(found: Spread) -> list[tuple[str, float, str]]:
@@ -152,7 +89,7 @@ def _forces(found: Spread) -> list[tuple[str, float, str]]:
     return [(name, force / 1e3, "kN") for name, force in rows]
 
 
-def headline(found: Spread, inputs: list[Input]) -> str:
+def headline(found: Spread, inputs: list[VariedInput]) -> str:
     """The result in three sentences, or four."""
     its = found.distribution
     low, _, high = (force / 1e3 for force in its.percentiles)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import time
 from dataclasses import dataclass
 
@@ -36,6 +37,34 @@ class Distribution:
 
 
 @dataclass(frozen=True)
+class VariedInput:
+    """A varied input: its range and the scene's own value in words, its Sobol indices and their 95 % intervals."""
+
+    key: str
+    lower: float
+    upper: float
+    unit: str
+    origin: str
+    of_the_scene: float | None
+    first_order: float
+    first_order_interval: tuple[float, float]
+    total: float
+    total_interval: tuple[float, float]
+
+    @property
+    def range(self) -> str:
+        """Its range, angles in degrees."""
+        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
+        return f"{self.lower * factor:.5g} to {self.upper * factor:.5g} {unit}".strip()
+
+    @property
+    def value(self) -> str:
+        """The scene's own value, angles in degrees."""
+        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
+        return "–" if self.of_the_scene is None else f"{self.of_the_scene * factor:.5g} {unit}".strip()
+
+
+@dataclass(frozen=True)
 class Spread:
     """The finished study of a plan. first_refusal: why the theory refused the first combination, or ""."""
 
@@ -45,6 +74,34 @@ class Spread:
     indices: Indices
     first_refusal: str
     seconds: float
+
+    @property
+    def inputs(self) -> tuple[VariedInput, ...]:
+        """Ranges and indices, in the order of the scene."""
+        found, items = self.indices, self.samples.ranges
+        first, total = (np.transpose(ends).tolist() for ends in (found.first_interval, found.total_interval))
+        return tuple(
+            VariedInput(
+                *(item.key, item.lower, item.upper, item.unit, item.origin, item.given),
+                *(float(found.first[i]), tuple(first[i]), float(found.total[i]), tuple(total[i])),
+            )
+            for i, item in enumerate(items)
+        )
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        """The combinations of the distribution, inputs and force; NaN where the theory refuses one."""
+        samples = self.samples
+        values = np.hstack([samples.a, samples.b])
+        columns = {item.key: column for item, column in zip(samples.ranges, values, strict=True)}
+        return columns | {"peak_force": np.concatenate([samples.force_a, samples.force_b])}
+
+    @property
+    def histogram(self) -> tuple[Array, Array, tuple[tuple[int, float], ...], float]:
+        """Edges and counts of the distribution, its percentiles, and the scene's own force [N]."""
+        its = self.distribution
+        percentiles = tuple(zip(PERCENTILES, its.percentiles, strict=True))
+        return its.edges, its.counts, percentiles, float(self.plan.force.peak_force)
 
     @property
     def held(self) -> tuple[str, ...]:
