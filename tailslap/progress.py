@@ -4,24 +4,42 @@ from __future__ import annotations
 
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-DELAY = 2.0
-"""Seconds before anything is shown."""
+DELAY, EVERY = 2.0, 0.1
+"""Seconds before anything is shown, and between two states of the line."""
 
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """Yield a function that takes the share done, 0 to 1."""
-    if not sys.stderr.isatty():
-        yield lambda share: None
-        return
-    from tqdm import tqdm
+    began = time.monotonic()
 
-    form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} of {remaining}"
-    with tqdm(total=1.0, desc=label, delay=DELAY, leave=False, file=sys.stderr, bar_format=form) as bar:
-        yield lambda share: bar.update(share - bar.n) and None
+    def words(share: float) -> str:
+        spent = time.monotonic() - began
+        return f"{label}: {clock(spent)} of {clock(spent / share) if share else '?'}"
+
+    with _line(1.0) as write:
+        yield lambda share: write(share, lambda: words(share))
+
+
+@contextmanager
+def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]]:
+    """Yield a function that takes how many of `total` are done, and what else is to be said.
+
+    before: how many were done when this begins, which count for no rate.
+    """
+    began = time.monotonic()
+
+    def words(done: int, note: str) -> str:
+        rate = (done - before) / max(time.monotonic() - began, 1e-9)
+        left = clock((total - done) / rate) if rate else "?"
+        return f"{label}: {done} of {total}, {rate:.3g}/s, {left} left{note}"
+
+    with _line(total) as write:
+        yield lambda done, note="": write(done, lambda: words(done, note))
 
 
 @contextmanager
@@ -37,3 +55,46 @@ def announced(text: str, delay: float = DELAY) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+
+
+def clock(seconds: float) -> str:
+    """Hours, minutes and seconds."""
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
+
+
+@contextmanager
+def _line(total: float) -> Iterator[Callable[[float, Callable[[], str]], None]]:
+    """Yield what writes a line with a bar over the last one; it is gone at the end. No thread of its own draws it."""
+    if not sys.stderr.isatty():
+        yield lambda done, words: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    console = Console(file=sys.stderr)
+    bar = Progress(
+        TextColumn("{task.percentage:3.0f} %"),
+        BarColumn(20),
+        TextColumn("{task.description}", markup=False),
+        console=console,
+        auto_refresh=False,
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
+    task, due = bar.add_task("", total=total), time.monotonic() + DELAY
+
+    def write(done: float, words: Callable[[], str]) -> None:
+        nonlocal due
+        if time.monotonic() >= due:
+            bar.start()
+            console.show_cursor(True)  # a process that is killed would leave the terminal without
+            bar.update(task, completed=done, description=words(), refresh=True)
+            due = time.monotonic() + EVERY
+
+    try:
+        yield write
+    finally:
+        bar.stop()
