@@ -1,4 +1,4 @@
-"""Signs of life on the terminal, for what takes over two seconds; silent where standard error is no terminal."""
+"""Signs of life on standard error: on a terminal a line that moves, for what takes over two seconds."""
 
 from __future__ import annotations
 
@@ -6,22 +6,28 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+
+Write = Callable[[float, Callable[[], str]], None]
+"""Takes how much is done, and what makes the words for it, which is called where they are shown."""
 
 DELAY, EVERY = 2.0, 0.1
 """Seconds before anything is shown, and between two states of the line."""
 
+LOGGED_EVERY = 30.0
+"""Seconds between lines of a count where standard error is no terminal."""
+
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """Yield a function that takes the share done, 0 to 1."""
+    """Yield a function that takes the share done, 0 to 1; silent where standard error is no terminal."""
     began = time.monotonic()
 
     def words(share: float) -> str:
         spent = time.monotonic() - began
         return f"{label}: {clock(spent)} of {clock(spent / share) if share else '?'}"
 
-    with _line(1.0) as write:
+    with _line(1.0) if sys.stderr.isatty() else nullcontext(_silent) as write:
         yield lambda share: write(share, lambda: words(share))
 
 
@@ -29,7 +35,8 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]]:
     """Yield a function that takes how many of `total` are done, and what else is to be said.
 
-    before: how many were done when this begins, which count for no rate.
+    before: how many were done when this begins, which count for no rate. Where standard error is no terminal it is a
+    line now and then.
     """
     began = time.monotonic()
 
@@ -38,7 +45,7 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
         left = clock((total - done) / rate) if rate else "?"
         return f"{label}: {done} of {total}, {rate:.3g}/s, {left} left{note}"
 
-    with _line(total) as write:
+    with _line(total) if sys.stderr.isatty() else _log() as write:
         yield lambda done, note="": write(done, lambda: words(done, note))
 
 
@@ -64,12 +71,27 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
 
 
+def _silent(done: float, words: Callable[[], str]) -> None:
+    """Write nothing."""
+
+
 @contextmanager
-def _line(total: float) -> Iterator[Callable[[float, Callable[[], str]], None]]:
+def _log() -> Iterator[Write]:
+    """Yield what prints a line from time to time."""
+    last = time.monotonic()
+
+    def write(done: float, words: Callable[[], str]) -> None:
+        nonlocal last
+        if time.monotonic() - last >= LOGGED_EVERY:
+            last = time.monotonic()
+            print(f"tailslap: {words()}", file=sys.stderr, flush=True)
+
+    yield write
+
+
+@contextmanager
+def _line(total: float) -> Iterator[Write]:
     """Yield what writes a line with a bar over the last one; it is gone at the end. No thread of its own draws it."""
-    if not sys.stderr.isatty():
-        yield lambda done, words: None
-        return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
@@ -89,9 +111,10 @@ def _line(total: float) -> Iterator[Callable[[float, Callable[[], str]], None]]:
     def write(done: float, words: Callable[[], str]) -> None:
         nonlocal due
         if time.monotonic() >= due:
+            bar.update(task, completed=done, description=words())
             bar.start()
             console.show_cursor(True)  # a process that is killed would leave the terminal without
-            bar.update(task, completed=done, description=words(), refresh=True)
+            bar.refresh()
             due = time.monotonic() + EVERY
 
     try:
