@@ -161,8 +161,8 @@ def _process(command: list[str]) -> subprocess.CompletedProcess[str]:
 
 def print_instructions(scene: str, changes: tuple[str, ...]) -> None:
     """A line a part, and the bare loop."""
-    changes = with_elements(make_plan(*read_scene(scene, changes)), changes)
-    parts = [part for part in parts_of(read_scene(scene, changes)[0]) if not refusal(part)]
+    plan = with_elements(make_plan(*read_scene(scene, changes)))
+    parts = [part for part in parts_of(plan.scene) if not refusal(part)]
     models = {part.name: fe_plan_of(part) for part in parts}
     print(f"{'instructions':<24}{'all':>8}{'on vectors':>12}")
     for part in parts:

@@ -23,9 +23,9 @@ from typing import Any
 
 from main_job import row
 
+from tailslap.sweep.folder import TABLE
 from tailslap.sweep.journal import NAME as JOURNAL
 from tailslap.sweep.row import TIMES
-from tailslap.sweep.table import NAME as TABLE
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),
@@ -122,7 +122,7 @@ def workers_of(pid: int) -> list[int]:
 
 def _lines(place: Path) -> int:
     journal = place / JOURNAL
-    return journal.read_bytes().count(b"\n") if journal.exists() else 0
+    return max(0, journal.read_bytes().count(b"\n") - 1) if journal.exists() else 0  # the first is its head
 
 
 def _table(place: Path) -> list[dict[str, Any]]:

@@ -90,11 +90,13 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
 def judge(seed: int, number: int) -> dict[str, Any]:
     """One scene: how it ended, and the error over the tolerance."""
     from tailslap.errors import InputError
+    from tailslap.planning.plan import make_plan
+    from tailslap.scene.files import read_scene
     from tailslap.tolerance import run_to_tolerance
 
     changes, tolerance = draw(seed, number)
     try:
-        outcome = run_to_tolerance(SCENE, changes, tolerance)
+        outcome = run_to_tolerance(make_plan(*read_scene(SCENE, changes)), tolerance)
     except InputError as error:
         return {"end": "refused", "why": error.key}
     choice = outcome.choice

@@ -76,7 +76,7 @@ def run(
         else:
             from tailslap.tolerance import run_to_tolerance
 
-            outcome = run_to_tolerance(name, changes, tolerance)
+            outcome = run_to_tolerance(plan, tolerance)
         if not no_pictures:
             from tailslap.report.pictures import draw_pictures
 

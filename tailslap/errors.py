@@ -20,6 +20,10 @@ class InputError(Exception):
         self.key, self.given, self.allowed = key, given, allowed
         super().__init__(f"{key}: given {_shown(given)}; {allowed}")
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
+        """It travels between processes with what it was made of."""
+        return type(self), (self.key, self.given, self.allowed)
+
 
 class Interrupted(KeyboardInterrupt):
     """An interrupt after which something is kept; the message says what."""

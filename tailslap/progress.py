@@ -1,27 +1,52 @@
-"""Signs of life on the terminal, for what takes over two seconds; silent where standard error is no terminal."""
+"""Signs of life on standard error: on a terminal a line that moves, for what takes over two seconds."""
 
 from __future__ import annotations
 
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
-DELAY = 2.0
-"""Seconds before anything is shown."""
+Write = Callable[[float, Callable[[], str]], None]
+"""Takes how much is done, and what makes the words for it, which is called where they are shown."""
+
+DELAY, EVERY = 2.0, 0.1
+"""Seconds before anything is shown, and between two states of the line."""
+
+LOGGED_EVERY = 30.0
+"""Seconds between lines of a count where standard error is no terminal."""
 
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """Yield a function that takes the share done, 0 to 1."""
-    if not sys.stderr.isatty():
-        yield lambda share: None
-        return
-    from tqdm import tqdm
+    """Yield a function that takes the share done, 0 to 1; silent where standard error is no terminal."""
+    began = time.monotonic()
 
-    form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} of {remaining}"
-    with tqdm(total=1.0, desc=label, delay=DELAY, leave=False, file=sys.stderr, bar_format=form) as bar:
-        yield lambda share: bar.update(share - bar.n) and None
+    def words(share: float) -> str:
+        spent = time.monotonic() - began
+        return f"{label}: {clock(spent)} of {clock(spent / share) if share else '?'}"
+
+    with _line(1.0) if sys.stderr.isatty() else nullcontext(_silent) as write:
+        yield lambda share: write(share, lambda: words(share))
+
+
+@contextmanager
+def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]]:
+    """Yield a function that takes how many of `total` are done, and what else is to be said.
+
+    before: how many were done when this begins, which count for no rate. Where standard error is no terminal it is a
+    line now and then.
+    """
+    began = time.monotonic()
+
+    def words(done: int, note: str) -> str:
+        rate = (done - before) / max(time.monotonic() - began, 1e-9)
+        left = clock((total - done) / rate) if rate else "?"
+        return f"{label}: {done} of {total}, {rate:.3g}/s, {left} left{note}"
+
+    with _line(total) if sys.stderr.isatty() else _log() as write:
+        yield lambda done, note="": write(done, lambda: words(done, note))
 
 
 @contextmanager
@@ -37,3 +62,62 @@ def announced(text: str, delay: float = DELAY) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+
+
+def clock(seconds: float) -> str:
+    """Hours, minutes and seconds."""
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
+
+
+def _silent(done: float, words: Callable[[], str]) -> None:
+    """Write nothing."""
+
+
+@contextmanager
+def _log() -> Iterator[Write]:
+    """Yield what prints a line from time to time."""
+    last = time.monotonic()
+
+    def write(done: float, words: Callable[[], str]) -> None:
+        nonlocal last
+        if time.monotonic() - last >= LOGGED_EVERY:
+            last = time.monotonic()
+            print(f"tailslap: {words()}", file=sys.stderr, flush=True)
+
+    yield write
+
+
+@contextmanager
+def _line(total: float) -> Iterator[Write]:
+    """Yield what writes a line with a bar over the last one; it is gone at the end. No thread of its own draws it."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    console = Console(file=sys.stderr)
+    bar = Progress(
+        TextColumn("{task.percentage:3.0f} %"),
+        BarColumn(20),
+        TextColumn("{task.description}", markup=False),
+        console=console,
+        auto_refresh=False,
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
+    task, due = bar.add_task("", total=total), time.monotonic() + DELAY
+
+    def write(done: float, words: Callable[[], str]) -> None:
+        nonlocal due
+        if time.monotonic() >= due:
+            bar.update(task, completed=done, description=words())
+            bar.start()
+            console.show_cursor(True)  # a process that is killed would leave the terminal without
+            bar.refresh()
+            due = time.monotonic() + EVERY
+
+    try:
+        yield write
+    finally:
+        bar.stop()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tailslap.planning.decisions import Decision, with_tables
-from tailslap.planning.plan import Plan
+from tailslap.planning.decisions import Decision
+from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate
 
 SOFTEST = 0.01
@@ -25,8 +25,7 @@ def decide_constraint(plan: Plan, plate: Plate, spring_share: float) -> tuple[Pl
         why = f"a spring would give by {spring_share:.1e} of the way, which is seen beside the plate's flexibility"
     else:
         return plan, ()
-    exact = corner.model_copy(update={"constraint": "exact"})
-    return with_tables(plan, corner=exact), (Decision("corner.constraint", "exact", why),)
+    return _decided(plan, Decision("corner.constraint", "exact", why))
 
 
 def softened_constraint(plan: Plan, spring_share: float) -> tuple[Plan, tuple[Decision, ...]]:
@@ -37,5 +36,8 @@ def softened_constraint(plan: Plan, spring_share: float) -> tuple[Plan, tuple[De
     if not corner.constraint_is_open or scale > 0.5:
         return plan, ()
     why = "friction would make the plate flutter too fast to be damped without harm; a softer spring feeds it less"
-    softer = corner.model_copy(update={"penalty_scale": scale})
-    return with_tables(plan, corner=softer), (Decision("corner.penalty_scale", scale, why),)
+    return _decided(plan, Decision("corner.penalty_scale", scale, why))
+
+
+def _decided(plan: Plan, decision: Decision) -> tuple[Plan, tuple[Decision, ...]]:
+    return with_changes(plan, {decision.key: decision.value}), (decision,)

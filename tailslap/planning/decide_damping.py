@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError
-from tailslap.planning.decisions import Decision, with_tables
+from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import make_static_model
 from tailslap.planning.flexibility import rigid_start
-from tailslap.planning.plan import Plan
-from tailslap.scene.schema import Damping, Plate
+from tailslap.planning.plan import Plan, with_changes
+from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
@@ -133,11 +133,11 @@ def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Pla
     rate = factor * max(suppressing_rate(growth), CURE * least)
     if not rate > 0.0:
         return plan, ()
-    table = (given or Damping()).model_copy(update={"kind": "elastic-velocity", "rate": rate})
-    return with_tables(plan, damping=table), (
+    decisions = (
         Decision("damping.kind", "elastic-velocity", _why(growth, factor)),
         Decision("damping.rate", rate, "1/s, as much as that takes"),
     )
+    return with_changes(plan, {decision.key: decision.value for decision in decisions}), decisions
 
 
 def _why(growth: Growth, factor: float) -> str:

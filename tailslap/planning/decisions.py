@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
-
-from tailslap.planning.plan import Plan
-from tailslap.scene.schema import Scene
 
 
 @dataclass(frozen=True)
@@ -28,9 +25,3 @@ def _shown(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.3g}"
     return f"[{', '.join(map(str, value))}]" if isinstance(value, tuple) else str(value)
-
-
-def with_tables(plan: Plan, **tables: Any) -> Plan:
-    """The plan with tables of its scene replaced; the rigid motion does not depend on these."""
-    scene: Scene = plan.scene.model_copy(update=tables)
-    return replace(plan, scene=scene)

@@ -11,10 +11,10 @@ from tailslap.errors import InputError, Missing
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
 from tailslap.planning.decide_damping import Growth, decide_damping, foresee
 from tailslap.planning.decide_mesh import Mesh, decide_mesh
-from tailslap.planning.decisions import Decision, with_tables
+from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import demand_steps, fe_input
 from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
-from tailslap.planning.plan import Plan
+from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate, Scene
 
 if TYPE_CHECKING:
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     from fem.discretisation.model import PlateModel
     from fem.start.rigid_state import RigidStart
-
-UPDATES_PER_SECOND = 2e7
-"""Element updates a second that the expected cost is reckoned with; `benchmarks/speed.py` measures them."""
 
 
 @dataclass(frozen=True)
@@ -138,8 +135,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     asked, given = plan, needed_plate(plan.scene)
     mesh, mesh_decisions = decide_mesh(plan, given)
     plate, start, travel = mesh.plate, rigid_start(plan), centre_travel(plan)
-    choices = {"elements": plate.elements, "element": plate.element}
-    plan = with_tables(plan, plate=given.model_copy(update=choices))
+    plan = with_changes(plan, {"plate.elements": plate.elements, "plate.element": plate.element})
     plan, constraint_decisions = decide_constraint(plan, plate, mesh.spring_share)
     normal = float(plan.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
     model, growth = _completed(plan, mesh, normal)

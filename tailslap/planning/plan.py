@@ -19,8 +19,8 @@ from solver import (
     strike_force,
 )
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.files import Source
 from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Changes, Source, varied
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def make_plan(scene: Scene, source: Source | None = None) -> Plan:
     motion = _motion(scene, body, start)
     with _refusals(scene, "strike"):
         force = strike_force(vehicle.mass, motion.strike.v_gy, scene.strike.duration)
-    return Plan(scene, source or Source(), body, stage1, start, motion, force)
+    return Plan(scene, source or Source.of(scene), body, stage1, start, motion, force)
 
 
 def stage_one(
@@ -143,11 +143,15 @@ def other_convention(plan: Plan) -> tuple[str, Plan] | None:
     if impact is None or (start and start.omega is not None):
         return None
     (other,) = (name for name in CONVENTIONS if name != impact.convention)
-    scene = plan.scene.model_copy(update={"impact": impact.model_copy(update={"convention": other})})
     try:
-        return other, make_plan(scene)
+        return other, make_plan(varied(plan.scene, {"impact.convention": other}))
     except InputError:
         return None
+
+
+def with_changes(plan: Plan, changes: Changes) -> Plan:
+    """The plan with keys of its scene changed on which the rigid motion does not depend; its source stays as given."""
+    return replace(plan, scene=varied(plan.scene, changes))
 
 
 def _start(scene: Scene, stage1: ImpulseResult[float] | None) -> StageTwoStart:

@@ -8,9 +8,9 @@ from typing import Any, get_args
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from tailslap.scene.files import Source
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.units import Quantity
+from tailslap.scene.vary import Source
 
 
 @dataclass(frozen=True)

@@ -34,17 +34,19 @@ def study_names() -> list[str]:
     return sorted([*(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg), *_registered])
 
 
-def with_elements(plan: Plan, changes: tuple[str, ...]) -> tuple[str, ...]:
-    """The changes, with the elements that the program chooses where the scene leaves them out."""
+def with_elements(plan: Plan) -> Plan:
+    """The plan with the elements that the program chooses where the scene leaves them out."""
     from tailslap.planning.decide_mesh import decide_mesh
     from tailslap.planning.fe_plan import needed_plate
+    from tailslap.planning.plan import make_plan
+    from tailslap.scene.vary import vary
 
     plate = needed_plate(plan.scene)
     if plate.elements is not None:
-        return changes
+        return plan
     chosen = decide_mesh(plan, plate)[0].plate
-    along, across = chosen.counts
-    return (*changes, f"plate.elements=[{along}, {across}]", f"plate.element={chosen.element}")
+    changes = {"plate.elements": chosen.elements, "plate.element": chosen.element}
+    return make_plan(*vary(plan.source, changes))
 
 
 class Studies(click.Group):

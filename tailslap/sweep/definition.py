@@ -14,21 +14,26 @@ import numpy as np
 import tailslap
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import needed_plate
-from tailslap.scene.files import Source, changed_tables, key_by_key, scene_text
-from tailslap.scene.inputs import SceneInput, scene_inputs
+from tailslap.scene.files import scene_text, source_of_text
+from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.schema import Scene
+from tailslap.scene.validate import key_by_key
+from tailslap.scene.vary import Changes, Source, changed_tables, parse_changes, parse_value
 from tailslap.sweep.values import MOST_RUNS, Choices, Span, parse_values, split_key
-from tailslap.sweep.variation import Variation, grid_variation, sample_variation
+from tailslap.sweep.variation import Variation, grid_variation, plain, sample_variation
 
 Given = tuple[str, Span | Choices]
 
 
 @dataclass(frozen=True)
 class Definition:
-    """A sweep; `given` are the --vary options as typed, `sample` the number of samples, None for a grid."""
+    """A sweep of a scene's text; `changes` and `given` are the --set and --vary options as typed, `source` is the
+    scene with the former put in, `sample` the number of samples, None for a grid."""
 
     scene: str
     text: str
     changes: tuple[str, ...]
+    source: Source
     given: tuple[str, ...]
     variations: tuple[Variation, ...]
     sample: int | None
@@ -37,20 +42,20 @@ class Definition:
     @property
     def runs(self) -> int:
         """How many there are."""
-        return self.sample or math.prod(len(item.texts) for item in self.variations)
+        return self.sample or math.prod(len(item.settings) for item in self.variations)
 
-    def changes_of(self, run: int) -> tuple[str, ...]:
-        """The changes of the scene, like those of --set, for a run."""
+    def changes_of(self, run: int) -> dict[str, Any]:
+        """What a run changes in the scene."""
         pairs = zip(self.variations, self._places(run), strict=True)
-        return (*self.changes, *(f"{item.key}={item.texts[i]}" for item, i in pairs))
+        return {item.key: item.settings[i] for item, i in pairs}
 
     def inputs_of(self, run: int) -> dict[str, float | int | str]:
         """Values of the keys that vary, SI or words, for a run."""
-        return {item.key: item.values[i] for item, i in zip(self.variations, self._places(run), strict=True)}
+        return {key: plain(value) for key, value in self.changes_of(run).items()}
 
     def as_written(self) -> dict[str, Any]:
         """What `sweep.json` holds: two sweeps are the same if this is. The digest is of all runs' values."""
-        values = json.dumps([[item.key, item.texts] for item in self.variations])
+        values = json.dumps([[item.key, item.settings] for item in self.variations])
         return {
             "scene": self.scene,
             "set": list(self.changes),
@@ -67,7 +72,7 @@ class Definition:
         """Number of each key's value; in a grid the last key's changes from run to run."""
         if self.sample:
             return (run,) * len(self.variations)
-        return tuple(map(int, np.unravel_index(run, [len(item.texts) for item in self.variations])))
+        return tuple(map(int, np.unravel_index(run, [len(item.settings) for item in self.variations])))
 
 
 def make_definition(
@@ -79,15 +84,18 @@ def make_definition(
     """
     text = scene_text(name)
     given = tuple(_given(words, bool(sample)) for words in varied)
-    _refuse_twice([key for key, _ in given], changes)
+    source = _fixed(source_of_text(text, name), changes, [key for key, _ in given])
     _refuse_too_many(given)
-    first = tuple(f"{key}={_first(values)}" for key, values in given)
-    scene = key_by_key(changed_tables(text, (*changes, *first), name)[0])
+    first = {key: parse_value(_first(values)) for key, values in given}
+    scene = _scene(source, first)
     needed_plate(scene)
 
-    def read(key: str, value: str) -> SceneInput:
-        tables, _ = changed_tables(text, (*changes, *first, f"{key}={value}"), name)
-        return next(row for row in scene_inputs(key_by_key(tables), Source()) if row.key == key)
+    def read(key: str, value: str) -> tuple[Any, str]:
+        scene = _scene(source, {**first, key: parse_value(value)})
+        row = next((row for row in scene_inputs(scene, source) if row.key == key), None)
+        if row is None:
+            raise InputError("--vary", key, "this is a table; allowed are its keys")
+        return functools.reduce(getattr, key.split("."), scene), row.unit
 
     readers = [functools.partial(read, key) for key, _ in given]
     if sample is None:
@@ -97,7 +105,7 @@ def make_definition(
         variations = [
             sample_variation(*item, *rest) for item, *rest in zip(given, readers, shares, strict=True)
         ]
-    return Definition(scene.name, text, changes, varied, tuple(variations), sample, seed)
+    return Definition(scene.name, text, changes, source, varied, tuple(variations), sample, seed)
 
 
 def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
@@ -116,13 +124,20 @@ def _first(values: Span | Choices) -> str:
     return values.lower if isinstance(values, Span) else values.texts[0]
 
 
-def _refuse_twice(keys: list[str], changes: tuple[str, ...]) -> None:
-    fixed = {change.partition("=")[0].strip() for change in changes}
+def _scene(source: Source, changes: Changes) -> Scene:
+    return key_by_key(changed_tables(source.given, changes)[0])
+
+
+def _fixed(source: Source, changes: tuple[str, ...], keys: list[str]) -> Source:
+    """The source with the changes that all runs have; the keys are those that vary."""
+    fixed = parse_changes(changes, source.given)
     for number, key in enumerate(keys):
         if key in keys[:number]:
             raise InputError("--vary", key, "it is varied twice; allowed is one --vary for each key")
         if key in fixed:
             raise InputError("--vary", key, "--set fixes it; leave out one of the two")
+    tables, noted = changed_tables(source.given, fixed)
+    return Source(source.text, tables, frozenset(noted))
 
 
 def _refuse_too_many(given: tuple[Given, ...]) -> None:

@@ -138,5 +138,9 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _has_rows(place: Path) -> bool:
+    """Whether the journal has more than its head."""
     journal = place / JOURNAL
-    return journal.is_file() and journal.stat().st_size > 0
+    if not journal.is_file():
+        return False
+    with journal.open("rb") as file:
+        return bool(file.readline() and file.readline())

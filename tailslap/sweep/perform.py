@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
-from tailslap.sweep.cluster import connected
+from tailslap.execution.cluster import connected
+from tailslap.execution.dispatch import PATIENCE_S, Dispatcher, SchedulerLostError, Work, WorkersLostError
+from tailslap.progress import counted
 from tailslap.sweep.complete import Effort, Sweep
 from tailslap.sweep.definition import Definition
-from tailslap.sweep.dispatch import Compute, Dispatcher, SchedulerLostError, WorkersLostError
 from tailslap.sweep.folder import sweep_folder
-from tailslap.sweep.journal import Journal, open_journal
-from tailslap.sweep.progress import sweep_progress
-from tailslap.sweep.row import ERROR, FAILED, STATUSES
+from tailslap.sweep.journal import Rows, open_rows
+from tailslap.sweep.row import ERROR, FAILED, STATUSES, compute_row, killing_row
 from tailslap.sweep.table import write_table
-from tailslap.sweep.worker import Finished, Task, run_batch
 
 LOST, INTERRUPTED = 3, 130
 
-PATIENCE_S = 60.0
-"""Seconds without any worker of this machine after which a sweep ends: Dask restarts one in two or three."""
+Compute = Callable[..., dict[str, Any]]
 
 
 class StoppedError(Exception):
@@ -37,19 +37,19 @@ def perform(
     place: Path,
     cluster: str | None = None,
     workers: int | None = None,
-    compute: Compute = run_batch,
+    compute: Compute = compute_row,
 ) -> Sweep:
     """Make the runs that are missing in the folder `place`, and write what belongs there.
 
-    cluster: address of a Dask scheduler; None: `workers` processes here. compute: what a worker does with a batch.
+    cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run.
     Raises InputError, and StoppedError for an interruption or the loss of the scheduler: the rows so far are then kept.
     """
     with sweep_folder(place, definition) as folder:
         try:
-            with open_journal(folder, definition.runs) as journal:
-                effort = _make_missing(definition, journal, cluster, workers, compute)
-                write_table(folder, definition, journal)
-            done = Sweep(definition, {name: journal.statuses[name] for name in STATUSES}, effort)
+            with open_rows(folder, definition) as rows:
+                effort = _make_missing(definition, rows, cluster, workers, compute)
+                write_table(folder, definition, rows)
+            done = Sweep(definition, {name: rows.statuses[name] for name in STATUSES}, effort)
             from tailslap.sweep.report import write_sweep
 
             write_sweep(done, folder)
@@ -65,40 +65,39 @@ def perform(
 
 def _stopped(why: str, folder: Path, definition: Definition, status: int) -> StoppedError:
     """The error to raise, when what the journal on disk has is in the table."""
-    with open_journal(folder, definition.runs) as journal:
-        kept = len(journal.begins)
+    with open_rows(folder, definition) as rows:
+        kept = len(rows.records)
         if kept:
-            write_table(folder, definition, journal)
+            write_table(folder, definition, rows)
     return StoppedError(why, kept, definition.runs, status)
 
 
 def _make_missing(
-    definition: Definition, journal: Journal, cluster: str | None, workers: int | None, compute: Compute
+    definition: Definition, rows: Rows, cluster: str | None, workers: int | None, compute: Compute
 ) -> Effort:
-    tasks = [Task(run, definition.changes_of(run)) for run in journal.missing(definition.runs)]
-    if not tasks:
+    missing = rows.missing(definition.runs)
+    if not missing:
         return Effort()
     own, most = 0.0, 0
 
-    def take(rows: list[Finished]) -> None:
+    def take(records: Mapping[Any, Any]) -> None:
         nonlocal own
-        journal.add(rows)
-        own += sum(row.seconds for row in rows)
+        rows.records.add(records)
+        own += sum(row.get("cost.run_s", 0.0) for row in records.values())
 
     def look(threads: int) -> None:
         nonlocal most
         most = max(most, threads)
-        failed = journal.statuses[FAILED] + journal.statuses[ERROR]
-        show(len(journal.begins), failed, threads)
+        idle = "" if threads else "; no worker is there, waiting for one"
+        show(len(rows.records), f", {rows.statuses[FAILED] + rows.statuses[ERROR]} failed{idle}")
+
+    def arguments(run: Any) -> tuple[Any, ...]:
+        return run, definition.source, definition.changes_of(run)
 
     with connected(cluster, workers) as client:
         patience = math.inf if cluster else PATIENCE_S  # a cluster's workers may come when others leave
-        dispatcher = Dispatcher(client, definition.text, tasks, take, compute, patience)
+        work = Work(compute, missing, arguments, killing_row)
         began = time.perf_counter()
-        with sweep_progress(definition.runs, len(journal.begins)) as show:
-            try:
-                dispatcher.run(look)
-            except KeyboardInterrupt:
-                dispatcher.collect_now()
-                raise
-        return Effort(len(tasks), most, time.perf_counter() - began, own)
+        with counted(definition.scene, definition.runs, len(rows.records)) as show:
+            Dispatcher(client, work, take, patience).run(look)
+        return Effort(len(missing), most, time.perf_counter() - began, own)

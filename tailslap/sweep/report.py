@@ -15,12 +15,12 @@ from postprocess.files.summary import write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
+from tailslap.progress import clock
 from tailslap.report.footer import footer
 from tailslap.results.manifest import listed_file
 from tailslap.sweep.complete import Sweep
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.folder import REPORT, SUMMARY, TABLE
-from tailslap.sweep.progress import clock
 from tailslap.sweep.row import ERROR, FAILED, PASSED, REFUSED
 from tailslap.sweep.table import read_columns
 from tailslap.sweep.variation import Variation
@@ -71,7 +71,7 @@ def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
     """The page; reasons: of each row that did not pass, shape (rows,)."""
     definition, curves = sweep.definition, draw_sweep(rows)
     varied = [
-        {"key": item.key, "values": values_words(item), "count": len(set(item.texts))}
+        {"key": item.key, "values": values_words(item), "count": len(set(item.settings))}
         for item in definition.variations
     ]
     changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)

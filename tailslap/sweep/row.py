@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import tailslap
 from tailslap.errors import InputError
+from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
     from tailslap.run import Outcome
@@ -17,15 +18,17 @@ if TYPE_CHECKING:
 PASSED, FAILED, REFUSED, ERROR = STATUSES = ("passed", "failed", "refused", "error")
 """All checks passed; a check failed; the theory or the model refuses the combination; the run broke down."""
 
+KILLS = "its worker died each time that it was computed, alone at last"
+
 TIMES = ("cost.run_s", "cost.setup_s", "cost.time_loop_s")
 """Columns that differ when the same run is made again; all others are the same to the bit."""
 
 
-def compute_row(run: int, text: str, changes: tuple[str, ...]) -> dict[str, Any]:
-    """Make a run of the scene's text with these changes. Whatever goes wrong is the row's status and reason."""
+def compute_row(run: int, source: Source, changes: Changes) -> dict[str, Any]:
+    """Make a run of the scene with these changes. Whatever goes wrong is the row's status and reason."""
     began = time.perf_counter()
     try:
-        found = outcome_columns(_outcome(text, changes))
+        found = outcome_columns(_outcome(source, changes))
     except InputError as refusal:
         found = {"status": REFUSED, "reason": str(refusal)}
     except MemoryError:
@@ -35,17 +38,16 @@ def compute_row(run: int, text: str, changes: tuple[str, ...]) -> dict[str, Any]
     return {"run": run, **found, **versions(), "cost.run_s": time.perf_counter() - began}
 
 
-def broken_row(run: int, reason: str) -> dict[str, Any]:
+def killing_row(run: Any) -> dict[str, Any]:
     """The row of a run that never came back."""
-    return {"run": run, "status": ERROR, "reason": reason}
+    return {"run": run, "status": ERROR, "reason": KILLS}
 
 
-def _outcome(text: str, changes: tuple[str, ...]) -> Outcome:
+def _outcome(source: Source, changes: Changes) -> Outcome:
     from tailslap.planning.plan import make_plan
     from tailslap.run import run_scene
-    from tailslap.scene.files import scene_of_text
 
-    return run_scene(make_plan(*scene_of_text(text, changes)))
+    return run_scene(make_plan(*vary(source, changes)))
 
 
 def outcome_columns(outcome: Outcome) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from postprocess.comparison.comparison import KEYS
 from tailslap.results.manifest import listed_file
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.folder import TABLE
-from tailslap.sweep.journal import Journal
+from tailslap.sweep.journal import Rows
 from tailslap.sweep.row import TIMES, versions
 from tailslap.sweep.variation import Variation
 
@@ -24,16 +24,16 @@ CHUNK = 20_000
 """Rows that are in memory at a time."""
 
 
-def write_table(folder: Path, definition: Definition, journal: Journal) -> Path:
-    """Write the table of all rows that the journal has, whole or not at all."""
+def write_table(folder: Path, definition: Definition, rows: Rows) -> Path:
+    """Write the table of all rows that there are, whole or not at all."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    schema = _schema(definition, _checks(journal))
+    schema = _schema(definition, _checks(rows))
     path = folder / TABLE
     with listed_file(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
-        rows = (row | definition.inputs_of(row["run"]) for row in journal.rows())
-        while chunk := list(itertools.islice(rows, CHUNK)):
+        complete = (row | definition.inputs_of(row["run"]) for row in rows.in_order())
+        while chunk := list(itertools.islice(complete, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
     return path
 
@@ -46,9 +46,9 @@ def read_columns(path: Path, names: Iterable[str]) -> dict[str, np.ndarray]:
     return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
 
 
-def _checks(journal: Journal) -> list[str]:
+def _checks(rows: Rows) -> list[str]:
     """Columns of checks: which there are depends on the runs."""
-    return sorted({name for row in journal.rows() for name in row if name.startswith("check.")})
+    return sorted({name for row in rows.in_order() for name in row if name.startswith("check.")})
 
 
 def _schema(definition: Definition, checks: list[str]) -> pa.Schema:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Verbatim
+from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import Growth
 from tailslap.planning.fe_model import make_model, resolved_plate
 from tailslap.planning.fe_plan import FePlan, needed_plate
 from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
-from tailslap.planning.plan import Plan
+from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Scene
-from tailslap.tolerance.ladder import Rung, ladder, seconds
+from tailslap.tolerance.ladder import Rung, ladder
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
@@ -52,16 +53,14 @@ def constraints(scene: Scene) -> tuple[str, ...]:
 
 def candidate(plan: Plan, rung: Rung) -> Candidate | None:
     """The rung's candidate, or None where the mesh cannot carry the inertia or the patch."""
-    update: dict[str, Any] = {"element": rung.element, "elements": rung.elements, "hourglass": 0.1}
-    plate = needed_plate(plan.scene).model_copy(update=update)
-    corner = plan.scene.corner.model_copy(update={"constraint": rung.constraint})
-    plan = replace(plan, scene=plan.scene.model_copy(update={"plate": plate, "corner": corner}))
     try:
-        model = make_model(plan, plate)
+        plan = with_changes(plan, rung.changes)
+        model = make_model(plan, needed_plate(plan.scene))
     except InputError:
         return None
     steps = math.ceil(plan.motion.strike.t / model.loop.time_step)
-    return Candidate(rung, plan, model, share_given(plan, model), seconds(rung, steps, plan.scene.time.rows))
+    seconds = loop_seconds(rung.element, rung.elements, steps, plan.scene.time.rows)
+    return Candidate(rung, plan, model, share_given(plan, model), seconds)
 
 
 def coarsest(plan: Plan, constraint: str) -> list[Candidate]:

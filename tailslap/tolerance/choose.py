@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from tailslap.errors import InputError, Verbatim
 from tailslap.planning.flexibility import sensitivity
 from tailslap.planning.plan import Plan
+from tailslap.scene.vary import shown
 from tailslap.tolerance.candidates import Candidate, answered, candidate, coarsest, constraints
 from tailslap.tolerance.ladder import Rung, ladder
 
@@ -50,7 +51,7 @@ class Choice:
     @property
     def changes(self) -> tuple[str, ...]:
         """The setting as --set would give it."""
-        return self.rung.changes
+        return shown({key: value for key, value in self.rung.changes.items() if value is not None})
 
 
 def choose(plan: Plan, tolerance: float) -> Choice:

@@ -10,7 +10,7 @@ from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene.files import read_scene
+from tailslap.scene.vary import vary
 from tailslap.tolerance.candidates import answered, candidate
 from tailslap.tolerance.choose import RIGID, Choice
 from tailslap.tolerance.ladder import Rung
@@ -23,43 +23,37 @@ COARSER_SHARE, FINER_SHARE = 1.0 / 3.0, 1.0
 """Least error over the change between two meshes, where the other mesh is half, and twice, as fine: order two."""
 
 
-def judged(outcome: Outcome, choice: Choice, name: str, changes: tuple[str, ...]) -> Outcome:
-    """The outcome with the check "tolerance"; name, changes: the scene as the user gave it."""
+def judged(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
+    """The outcome with the check "tolerance"; plan: of the scene as the user gave it."""
     if choice.against == RIGID:
         value, how = largest(outcome.difference), "difference from the exact rigid motion"
     else:
-        value, how = _from_limit(outcome, choice, name, changes)
+        value, how = _from_limit(outcome, choice, plan)
     met = bool(math.isfinite(value) and value <= choice.tolerance)
     check = Check("tolerance", value, choice.tolerance, met, f"largest of five: {how}")
     return replace(outcome, checks=(*outcome.checks, check), choice=choice)
 
 
-def _from_limit(outcome: Outcome, choice: Choice, name: str, changes: tuple[str, ...]) -> tuple[float, str]:
+def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, str]:
     """Estimated distance from the limit of fine meshes, by a second run on another mesh."""
     if not outcome.fe:
         return math.nan, "there is no answer to judge"
     for rung, share in ((choice.rung.scaled(0.5), COARSER_SHARE), (choice.rung.scaled(2.0), FINER_SHARE)):
-        plan = _plan(rung, name, changes)
-        other = _run(plan) if plan else None
+        other = _run(plan, rung) if rung else None
         if other is None or not other.fe:
             continue
         moved = max(abs(other.fe[key] / value - 1.0) for key, value in outcome.fe.items())
         along, across = other.fe_plan.plate.counts
         how = f"distance from the limit of fine meshes, estimated from a second run with {along} x {across} elements"
-        return max(share, _left_over_moved(outcome, other, choice, name, changes)) * moved, how
+        return max(share, _left_over_moved(outcome, other, choice, plan)) * moved, how
     return math.nan, "no second mesh made a model to judge by"
 
 
-def _left_over_moved(
-    outcome: Outcome, other: Outcome, choice: Choice, name: str, changes: tuple[str, ...]
-) -> float:
+def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Plan) -> float:
     """Distance from the limit over the distance between the two meshes: of the modal answers, else of the gives."""
     mine, its = (
         made and answered(made)
-        for made in (
-            candidate(make_plan(*read_scene(name, changes)), rung)
-            for rung in (choice.rung, _rung(other, choice))
-        )
+        for made in (candidate(plan, rung) for rung in (choice.rung, _rung(other, choice)))
     )
     if mine and its and choice.limit and mine.answer and its.answer:
         return _apart(mine.answer, choice.limit) / max(_apart(mine.answer, its.answer), TINY)
@@ -75,14 +69,9 @@ def _apart(values: Mapping[str, float], others: Mapping[str, float]) -> float:
     return max(abs(values[name] / others[name] - 1.0) for name in values)
 
 
-def _plan(rung: Rung | None, name: str, changes: tuple[str, ...]) -> Plan | None:
-    if rung is None:
-        return None
-    return make_plan(*read_scene(name, (*changes, *rung.changes)))
-
-
-def _run(plan: Plan) -> Outcome | None:
+def _run(plan: Plan, rung: Rung) -> Outcome | None:
+    changed = make_plan(*vary(plan.source, rung.changes))
     try:
-        return run_scene(plan)
+        return run_scene(changed)
     except InputError:
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from tailslap.scene.schema import MOST_ELEMENTS, Scene
 
@@ -13,11 +14,7 @@ ACROSS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
 STRETCH = 1.2
 """Length over height of an element."""
 
-NANOSECONDS = {"quad4": 12.0, "quad9": 75.0}
-"""Time per element update on one core of the machines that this was measured on; only their ratio matters."""
-
-ROW_SECONDS = 5e-5
-"""Time that a row of the history costs, whatever the mesh."""
+ELEMENTS = ("quad4", "quad9")
 
 
 @dataclass(frozen=True)
@@ -29,14 +26,14 @@ class Rung:
     constraint: str
 
     @property
-    def changes(self) -> tuple[str, ...]:
-        """The same as --set would give it."""
-        along, across = self.elements
-        return (
-            f"plate.element={self.element}",
-            f"plate.elements=[{along}, {across}]",
-            f"corner.constraint={self.constraint}",
-        )
+    def changes(self) -> dict[str, Any]:
+        """What it changes in a scene."""
+        return {
+            "plate.hourglass": None,  # of one-point elements, which are none of these
+            "plate.element": self.element,
+            "plate.elements": self.elements,
+            "corner.constraint": self.constraint,
+        }
 
     @property
     def fineness(self) -> tuple[int, int]:
@@ -58,11 +55,5 @@ def ladder(scene: Scene, constraint: str) -> Iterator[Rung]:
         along = max(2, round(across * ratio))
         if along * across > MOST_ELEMENTS // 64:
             return
-        for element in NANOSECONDS:
+        for element in ELEMENTS:
             yield Rung(element, (along, across), constraint)
-
-
-def seconds(rung: Rung, steps: int, rows: int) -> float:
-    """Expected time of the loop."""
-    along, across = rung.elements
-    return steps * along * across * NANOSECONDS[rung.element] * 1e-9 + rows * ROW_SECONDS

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
-from tailslap.planning.decisions import with_tables
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.plan import Plan
-from tailslap.scene.schema import Damping, Plate
+from tailslap.planning.plan import Plan, with_changes
+from tailslap.scene.schema import Plate
 
 FINER_UP_TO = 400
 """Elements up to which the second mesh is the finer one; above, one of about as many nodes as the first."""
@@ -30,23 +30,22 @@ def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
 
 def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
     """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that is given."""
-    scene = fe_plan.asked.scene
-    assert scene.plate is not None
-    changes = {"elements": plate.elements, "element": plate.element, "distortion": 0.0, "lumping": "exact"}
-    corner = scene.corner
-    if not corner.constraint_is_open:
-        exact = {"constraint": "exact", "penalty_scale": 1.0, "damping_ratio": None}
-        corner = corner.model_copy(update=exact)
-    return with_tables(fe_plan.asked, plate=scene.plate.model_copy(update=changes), corner=corner)
+    changes: dict[str, Any] = {"plate.elements": plate.elements, "plate.element": plate.element}
+    changes |= {"plate.distortion": 0.0, "plate.lumping": "exact"}
+    if not ELEMENT_KINDS[plate.element].hourglass:
+        changes |= {"plate.hourglass": None}
+    if not fe_plan.asked.scene.corner.constraint_is_open:
+        changes |= {
+            "corner.constraint": "exact",
+            "corner.penalty_scale": None,
+            "corner.damping_ratio": None,
+        }
+    return with_changes(fe_plan.asked, changes)
 
 
 def damped_alike(plan: Plan, fe_plan: FePlan) -> Plan:
     """The plan with the elastic velocities damped as in this run."""
     damping = fe_plan.model.loop.elastic_damping
     if damping is not None:
-        kind = {"kind": "elastic-velocity", "rate": damping.rate}
-    elif plan.scene.damping is None:
-        kind = {"kind": "none", "rate": None}
-    else:
-        return plan
-    return with_tables(plan, damping=(plan.scene.damping or Damping()).model_copy(update=kind))
+        return with_changes(plan, {"damping.kind": "elastic-velocity", "damping.rate": damping.rate})
+    return plan if plan.scene.damping else with_changes(plan, {"damping.kind": "none"})

@@ -13,6 +13,7 @@ from postprocess.report.report import write_report
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
+from tailslap.scene.vary import vary
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import error_from, measure
 from tailslap.studies.cost.report import cost_report
@@ -86,8 +87,8 @@ def test_limit_without_convergence_is_the_finest_and_little_known() -> None:
 def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None:
     """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
     plan = make_plan(*read_scene("paper-table-3", changes))
-    soft = read_scene("paper-table-3", (*changes, *soft_changes(plan), "plate.element=quad9"))[0]
-    fe_plan = make_fe_plan(make_plan(soft, plan.source))
+    soft, source = vary(plan.source, {**soft_changes(plan), "plate.element": "quad9"})
+    fe_plan = make_fe_plan(make_plan(soft, source))
     assert soft.plate is not None
     assert soft.plate.first_frequency is None
     frequency, patch = (5.0, 1.0) if "corner.patch_length=1" in changes else (8.0, 2.0)
@@ -99,10 +100,10 @@ def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None
 def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> None:
     """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
     plan = make_plan(*read_scene("paper-table-3"))
-    changes, todo = soft_changes(plan), soft_settings(plan.scene)
+    soft, todo = vary(plan.source, soft_changes(plan))[1], soft_settings(plan.scene)
     by_key = {setting.key.removeprefix("soft plate, "): setting for setting in todo}
     wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
-    values = [measure("paper-table-3", changes, by_key[key])["values"] for key in wanted]
+    values = [measure(soft, by_key[key])["values"] for key in wanted]
     coarse, medium, fine, loose, stiff = values
     assert error_from(medium, fine) < 0.5 * error_from(coarse, medium)
     assert error_from(loose, medium) == pytest.approx(10.0 * error_from(stiff, medium), rel=0.05)

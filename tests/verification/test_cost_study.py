@@ -11,7 +11,8 @@ import pytest
 from postprocess.comparison.grid_convergence import grid_convergence
 from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
-from tailslap.scene.files import read_scene
+from tailslap.scene.files import read_scene, read_source
+from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost import survey as survey_module
 from tailslap.studies.cost.measure import error_from, measure
 from tailslap.studies.cost.points import Point, cheapest, front
@@ -84,23 +85,22 @@ def test_settings_have_names_of_their_own() -> None:
 
 def test_rigid_methods_are_as_good_as_they_say() -> None:
     plan = make_plan(*read_scene("paper-table-3"))
-    exact = measure("paper-table-3", (), Setting(EXACT, "exact", "closed form"))
+    exact = measure(plan.source, Setting(EXACT, "exact", "closed form"))
     assert error_from(exact["values"], survey_module.rigid_truth(plan)) == 0.0
-    tight = measure("paper-table-3", (), Setting(ODE, "DOP853", "tight", rtol=1e-11))
+    tight = measure(plan.source, Setting(ODE, "DOP853", "tight", rtol=1e-11))
     assert error_from(tight["values"], survey_module.rigid_truth(plan)) < 1e-12
     assert len(tight["loop"]) > 3
 
 
 def test_finite_elements_are_measured_and_refusals_noted() -> None:
-    changes = ("plate.elements=[6,2]",)
-    found = measure("paper-abaqus", changes, Setting(FE, "mesh", "6 x 2", changes))
+    base = read_source("paper-abaqus")
+    found = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
     assert len(found["loop"]) == len(found["setup"]) >= 2
     assert found["failed"] == []
-    own = run_scene(make_plan(*read_scene("paper-abaqus", changes)))
+    own = run_scene(make_plan(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))))
     assert found["values"] == own.fe
-    refused = measure(
-        "paper-abaqus", ("corner.constraint=exact",), Setting(FE, "p", "p", ("corner.penalty_scale=3",))
-    )
+    exact = vary(base, {"corner.constraint": "exact"})[1]
+    refused = measure(exact, Setting(FE, "p", "p", {"corner.penalty_scale": 3.0}))
     assert "constraint" in refused["refused"]
 
 
@@ -138,7 +138,7 @@ def test_interrupted_study_measures_only_what_is_missing(
     plan = make_plan(*read_scene("paper-table-3"))
     done: list[str] = []
 
-    def noted(name: str, changes: tuple[str, ...], setting: Setting) -> dict[str, Any]:
+    def noted(source: Source, setting: Setting) -> dict[str, Any]:
         if len(done) == 5:
             done.append("stop")
             raise KeyboardInterrupt
@@ -147,8 +147,8 @@ def test_interrupted_study_measures_only_what_is_missing(
 
     monkeypatch.setattr(survey_module, "measure", noted)
     with pytest.raises(KeyboardInterrupt):
-        survey(plan, "paper-table-3", (), tmp_path / "out")
-    found = survey(plan, "paper-table-3", (), tmp_path / "out")
+        survey(plan, tmp_path / "out")
+    found = survey(plan, tmp_path / "out")
     assert len(done) - 1 == len(set(done)) - 1 == len(found.points)
     assert list(tmp_path.iterdir()) == []
 

@@ -18,13 +18,14 @@ from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import stage_two_numbers
 from tailslap.run import run_scene
-from tailslap.scene.files import read_scene, validate
+from tailslap.scene.files import read_scene
+from tailslap.scene.vary import vary
 from tailslap.studies.flexibility.measure import (
     farthest,
     largest_difference,
     modal_opinion,
     one_run,
-    thickness_tables,
+    thickness_changes,
 )
 from tailslap.studies.flexibility.sweep import (
     STARTS,
@@ -32,7 +33,7 @@ from tailslap.studies.flexibility.sweep import (
     define,
     frequencies,
     held,
-    run_tables,
+    run_changes,
     three_meshes,
 )
 
@@ -50,9 +51,9 @@ def small_sweep(scene: str, *given: float) -> Sweep:
 )
 def test_thickness_at_constant_mass_does_what_the_modulus_does(scene: str, hertz: float) -> None:
     sweep = small_sweep(scene, hertz)
-    tables = run_tables(sweep, hertz, (8, 4))
-    by_modulus = one_run(tables)
-    by_thickness = one_run(thickness_tables(tables, by_modulus["youngs_modulus"], sweep.own))
+    base, changes = sweep.plan.source, run_changes(sweep, hertz, (8, 4))
+    by_modulus = one_run(base, changes)
+    by_thickness = one_run(base, thickness_changes(changes, by_modulus["youngs_modulus"], sweep.own))
     assert by_thickness["youngs_modulus"] == sweep.own.youngs_modulus
     ratio = by_modulus["youngs_modulus"] / sweep.own.youngs_modulus
     assert by_thickness["thickness"] / sweep.own.thickness == pytest.approx(ratio, rel=1e-14)
@@ -63,7 +64,7 @@ def test_thickness_at_constant_mass_does_what_the_modulus_does(scene: str, hertz
 def test_differences_go_with_the_inverse_square_of_the_first_frequency() -> None:
     given = (200.0, 100.0, 50.0, 25.0)
     sweep = small_sweep("paper-abaqus", *given)
-    runs = [one_run(run_tables(sweep, hertz, (8, 4))) for hertz in given]
+    runs = [one_run(sweep.plan.source, run_changes(sweep, hertz, (8, 4))) for hertz in given]
     assert not any(run["failed"] for run in runs)
     rigid = stage_two_numbers(sweep.plan)
     sizes = {
@@ -79,21 +80,18 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency() -> None
 
 def test_the_modal_model_is_of_the_same_opinion() -> None:
     sweep = small_sweep("paper-table-3", 20.0)
-    tables = run_tables(sweep, 20.0, (8, 4))
-    whole, modal = one_run(tables), modal_opinion(tables)
+    base, changes = sweep.plan.source, run_changes(sweep, 20.0, (8, 4))
+    whole, modal = one_run(base, changes), modal_opinion(base, changes)
     flexible = farthest(whole["values"], stage_two_numbers(sweep.plan))
     assert farthest(modal["values"], whole["values"]) < 1e-2 * flexible
     assert modal["estimate"] < 0.1 * flexible
-    assert (
-        "unstressed"
-        in modal_opinion({**tables, "plate": tables["plate"] | {"start": "unstressed"}})["refused"]
-    )
+    assert "unstressed" in modal_opinion(base, {**changes, "plate.start": "unstressed"})["refused"]
 
 
 def test_what_each_start_keeps() -> None:
     sweep = small_sweep("mash-tl4-sut", 2.0)
     relief, momenta, unstressed = (
-        one_run(run_tables(sweep, 2.0, (8, 4), name))["departure"] for name in STARTS
+        one_run(sweep.plan.source, run_changes(sweep, 2.0, (8, 4), name))["departure"] for name in STARTS
     )
     assert relief["v_gy"] > 3e-3 > 1e-5 > max(abs(relief["omega"]), abs(relief["v_p"]))
     assert max(abs(momenta["v_gx"]), abs(momenta["v_gy"])) < 1e-12
@@ -104,7 +102,8 @@ def test_what_each_start_keeps() -> None:
 def test_the_largest_difference_is_seen_in_any_phase() -> None:
     """An oscillating plate strikes close to the rigid velocity here, and was ten times as far off before."""
     sweep = small_sweep("mash-tl4-sut", 25.0)
-    outcome = run_scene(make_plan(validate(run_tables(sweep, 25.0, (8, 4), "unstressed"))))
+    changes = run_changes(sweep, 25.0, (8, 4), "unstressed")
+    outcome = run_scene(make_plan(*vary(sweep.plan.source, changes)))
     largest, at_strike = largest_difference(outcome), abs(outcome.difference["v_gy"])
     difference = outcome.fe_history["v_gy"] - outcome.rigid_history["v_gy"]
     assert largest > 10.0 * at_strike
@@ -132,10 +131,11 @@ def test_three_starts_whatever_the_scene_has() -> None:
     own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
     sweep = define(make_plan(*read_scene("mash-tl4-sut", own)), (50.0,))[0]
     assert sweep.meshes[1] == (20, 6)  # what the program chooses where the scene does not
-    tables = {name: run_tables(sweep, 50.0, sweep.meshes[0], name) for name in STARTS}
-    assert [tables[name]["plate"]["start"] for name in STARTS] == list(STARTS)
-    assert run_tables(sweep, 50.0, sweep.meshes[0]) == tables[STARTS[0]]
-    assert not any("verify" in each for each in tables.values())
+    changes = {name: run_changes(sweep, 50.0, sweep.meshes[0], name) for name in STARTS}
+    scenes = {name: vary(sweep.plan.source, each)[0] for name, each in changes.items()}
+    assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(STARTS)
+    assert run_changes(sweep, 50.0, sweep.meshes[0]) == changes[STARTS[0]]
+    assert not any(scene.verify or scene.wall for scene in scenes.values())
 
 
 @pytest.mark.parametrize(

@@ -16,10 +16,12 @@ from tailslap.command_line import _status
 from tailslap.errors import InputError, Interrupted
 from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
-from tailslap.scene.files import read_scene, scene_of_text, validate
+from tailslap.scene.files import read_scene, source_of_text
+from tailslap.scene.validate import validate
+from tailslap.scene.vary import Changes, vary
 from tailslap.studies.stability import against_reference
 from tailslap.studies.stability.against_reference import KINDS, grade
-from tailslap.studies.stability.axes import Tables, base_tables
+from tailslap.studies.stability.axes import base_source
 from tailslap.studies.stability.campaign import Campaign, run_campaign
 from tailslap.studies.stability.draw import ELEMENTS, draw, flat, random_cells
 from tailslap.studies.stability.effort import expected_effort
@@ -27,8 +29,8 @@ from tailslap.studies.stability.reference import (
     MAX_ELEMENTS,
     Reference,
     find_reference,
+    reference_changes,
     reference_counts,
-    reference_tables,
     trustworthy,
 )
 from tailslap.studies.stability.report import stability_report
@@ -40,20 +42,22 @@ from tailslap.verification.checks import CHECKS, advice
 
 pytestmark = pytest.mark.verification
 
-BASE = base_tables(read_scene("mash-tl4-sut")[0])
-DRAWN = [draw(BASE, 1, number) for number in range(90)]
+TRUCK = read_scene("mash-tl4-sut")[0]
+BASE = base_source(TRUCK)
+DRAWN = [cell.tables for cell in random_cells(TRUCK, 1, 90)]
 
 
 def test_a_draw_is_known_by_seed_and_number() -> None:
-    assert draw(BASE, 1, 7) == DRAWN[7]
-    assert draw(BASE, 2, 7) != DRAWN[7] != DRAWN[8]
+    assert draw(TRUCK, BASE, 1, 7) == draw(TRUCK, BASE, 1, 7) != draw(TRUCK, BASE, 2, 7)
+    assert random_cells(TRUCK, 1, 8)[7].tables == DRAWN[7] != DRAWN[8]
 
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
 def test_draws_are_scenes_that_can_be_planned_and_afforded(scene: str) -> None:
-    base = base_tables(read_scene(scene)[0])
+    own = read_scene(scene)[0]
+    base = base_source(own)
     for number in range(20):
-        assert expected_effort(make_plan(validate(draw(base, 3, number)))).steps <= 400_000
+        assert expected_effort(make_plan(*vary(base, draw(own, base, 3, number)))).steps <= 400_000
 
 
 def test_a_third_starts_unstressed_and_the_others_share_the_rest() -> None:
@@ -87,12 +91,12 @@ def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("tailslap.studies.stability.draw.MAX_STEPS", 10)
     monkeypatch.setattr("tailslap.studies.stability.draw.MAX_TRIES", 5)
     with pytest.raises(InputError, match="none of 5 draws"):
-        draw(BASE, 1, 0)
+        draw(TRUCK, BASE, 1, 0)
 
 
 def test_a_draw_read_from_its_file_is_the_same_scene() -> None:
     for tables in DRAWN:
-        assert scene_of_text(toml_text(tables, "x"))[0] == validate(tables)
+        assert vary(source_of_text(toml_text(tables, "x")), {})[0] == validate(tables)
 
 
 def five(value: float) -> dict[str, float]:
@@ -132,31 +136,29 @@ def test_the_distance_is_that_of_the_quantity_that_is_farthest_off() -> None:
     assert verdict.allowed == pytest.approx(1e-3 + 0.25 * 0.01)
 
 
-def small(**plate: Any) -> Tables:
-    """A cell that runs at once, of a plate soft enough to matter."""
-    scene = read_scene("paper-table-3", ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa"))[0]
-    tables = base_tables(scene)
-    tables["plate"] |= plate
-    return tables
+SMALL = base_source(read_scene("paper-table-3", ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa"))[0])
+"""A cell that runs at once, of a plate soft enough to matter."""
 
 
-def verdict_of(tables: Tables) -> dict[str, Any]:
-    return verdict_on(tables, against_reference.against_reference)
+def verdict_of(changes: Changes) -> dict[str, Any]:
+    return verdict_on(SMALL, changes, against_reference.against_reference)
 
 
 def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
-    tables = small(element="quad4-reduced", hourglass=0.1, distortion=0.1, start="unstressed")
-    tables["corner"] |= {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
-    tables["damping"], tables["material"] = {"ratio": 0.3}, {"law": "neo-hookean"}
-    plate = validate(tables).plate
+    plate_keys = {"element": "quad4-reduced", "hourglass": 0.1, "distortion": 0.1, "start": "unstressed"}
+    corner_keys = {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
+    changes = {f"plate.{key}": value for key, value in plate_keys.items()}
+    changes |= {f"corner.{key}": value for key, value in corner_keys.items()}
+    own, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
+    plate = own.plate
     assert plate is not None
-    refined = validate(reference_tables(tables, plate, 1.5))
+    refined = vary(cell, reference_changes(plate, 1.5))[0]
     assert refined.plate is not None
     assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
     assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
-    assert refined.material == validate(tables).material
+    assert refined.material == own.material
     assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
-    calmed = validate(reference_tables(tables, plate, 1.5, 0.05))
+    calmed = vary(cell, reference_changes(plate, 1.5, 0.05))[0]
     assert calmed.damping is not None
     assert calmed.damping.ratio == 0.05
 
@@ -168,36 +170,32 @@ def test_a_refined_mesh_has_its_limit() -> None:
 
 
 def test_a_right_cell_and_a_spring_too_soft() -> None:
-    assert verdict_of(small(element="quad9"))["kind"] == "right"
-    soft = small()
-    soft["corner"]["penalty_scale"] = 0.01
-    assert verdict_of(soft)["kind"] == "caught"
+    assert verdict_of({"plate.element": "quad9"})["kind"] == "right"
+    assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "caught"
 
 
 def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
-    soft = small()
-    soft["corner"]["penalty_scale"] = 0.01
-    assert verdict_of(soft)["kind"] == "wrong"
+    assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "wrong"
 
 
 def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert verdict_of(small(element="hexagon"))["kind"] == "refused"
+    assert verdict_of({"plate.element": "hexagon"})["kind"] == "refused"
     monkeypatch.setattr(against_reference, "find_reference", lambda *arguments: None)
-    assert verdict_of(small())["kind"] == "unjudged"
+    assert verdict_of({})["kind"] == "unjudged"
 
     def breaks(*arguments: Any) -> None:
         raise ZeroDivisionError("boom")
 
     monkeypatch.setattr(against_reference, "find_reference", breaks)
-    assert verdict_of(small())["reason"] == "reference broke: ZeroDivisionError: boom"
+    assert verdict_of({})["reason"] == "reference broke: ZeroDivisionError: boom"
     monkeypatch.setattr("tailslap.run.run_checks", breaks)
-    broken = verdict_of(small())
+    broken = verdict_of({})
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
 def test_a_reference_that_fails_a_check_or_is_swayed_by_its_damping_is_not_trusted() -> None:
-    outcome = run_scene(make_plan(validate(small())))
+    outcome = run_scene(make_plan(*vary(SMALL, {})))
     assert trustworthy(outcome)
     unbalanced = Check.at_most("energy balance", 1.0, 0.0, "made to fail")
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
@@ -208,19 +206,18 @@ def test_a_reference_that_fails_a_check_or_is_swayed_by_its_damping_is_not_trust
 
 
 def test_where_no_reference_is_trusted_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    tables = small()
-    plate = validate(tables).plate
+    plate = vary(SMALL, {})[0].plate
     assert plate is not None
-    found = find_reference(tables, plate)
+    found = find_reference(SMALL, plate)
     assert found is not None
     assert found.model == "quad9 15 x 5"
     monkeypatch.setattr("tailslap.studies.stability.reference.MAX_SECONDS", 0.0)
-    assert find_reference(tables, plate) is None
+    assert find_reference(SMALL, plate) is None
 
 
 def campaign_of(*kinds: str) -> Campaign:
     plan = make_plan(*read_scene("mash-tl4-sut"))
-    cells = {cell.key: cell for cell in random_cells(BASE, 1, len(kinds))}
+    cells = {cell.key: cell for cell in random_cells(TRUCK, 1, len(kinds))}
     failed = {"caught": "mesh, time step", "good but failed": "mesh"}
     verdicts = [Verdict(kind, failed.get(kind, ""), distance=0.1, allowed=0.01) for kind in kinds]
     return Campaign(plan, (), {"seed": 1}, KINDS, cells, dict(zip(cells, verdicts, strict=True)), 1.0)
@@ -245,7 +242,9 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: 
 
 def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
     found = campaign_of("wrong")
-    found = replace(found, cells={key: replace(cell, tables=small()) for key, cell in found.cells.items()})
+    found = replace(
+        found, cells={key: replace(cell, base=SMALL, changes={}) for key, cell in found.cells.items()}
+    )
     write_report(stability_report(found), tmp_path)
     assert run_scene(make_plan(*read_scene(str(tmp_path / "cell-0000.toml")))).fe
 
@@ -302,9 +301,8 @@ def test_map_and_random_cells_have_folders_of_their_own(
 
 @pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
 def test_every_check_has_advice(start: str) -> None:
-    tables = small(start=start)
-    tables["verify"] = {"tolerance": 1e-3}
-    names = {check.name for check in run_scene(make_plan(validate(tables))).checks}
+    scene, source = vary(SMALL, {"plate.start": start, "verify.tolerance": 1e-3})
+    names = {check.name for check in run_scene(make_plan(scene, source)).checks}
     assert names <= {name for name, kind in CHECKS.items() if kind.advice}
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import operator
 import os
 import signal
@@ -17,13 +19,14 @@ from typing import Any
 import pytest
 
 from postprocess.report.report import write_report
-from tailslap.errors import InputError, Interrupted
+from tailslap.errors import InputError, Interrupted, Verbatim
+from tailslap.execution.journal import Journal
+from tailslap.execution.run_parts import run_parts
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
-from tailslap.studies.journal import Journal
-from tailslap.studies.parallel import run_parts
+from tailslap.scene.vary import Changes, Source
 from tailslap.studies.stability.against_rigid import KINDS, against_rigid
-from tailslap.studies.stability.axes import Tables, base_tables, cell_tables, map_cells, stability_axes
+from tailslap.studies.stability.axes import base_source, map_cells, stability_axes
 from tailslap.studies.stability.campaign import Campaign
 from tailslap.studies.stability.report import headline, stability_report
 from tailslap.studies.stability.verdict import Verdict, verdict_on
@@ -36,16 +39,18 @@ COARSE = ("plate.elements=[10,3]",)
 
 def verdict(first: str, x: float, second: str, y: float, *changes: str) -> dict[str, Any]:
     scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
-    return verdict_of(cell_tables(base_tables(scene), stability_axes(scene, 3), {first: x, second: y}))
+    by_name = {axis.name: axis for axis in stability_axes(scene, 3)}
+    changes = {**by_name[first].changes(scene, x), **by_name[second].changes(scene, y)}
+    return verdict_of(base_source(scene), changes)
 
 
-def verdict_of(tables: Tables) -> dict[str, Any]:
-    return verdict_on(tables, partial(against_rigid, tolerance=1e-3))
+def verdict_of(base: Source, changes: Changes) -> dict[str, Any]:
+    return verdict_on(base, changes, partial(against_rigid, tolerance=1e-3))
 
 
 def test_eight_axes_with_ten_values_make_2800_cells() -> None:
     scene = read_scene("paper-table-3")[0]
-    found = map_cells(base_tables(scene), stability_axes(scene, 10))
+    found = map_cells(scene, stability_axes(scene, 10))
     assert len(found) == len({cell.key for cell in found}) == 28 * 100
     frictionless = read_scene("paper-abaqus", ("corner.constraint=exact",))[0]
     assert {axis.name for axis in stability_axes(frictionless, 10)}.isdisjoint({"friction", "penalty"})
@@ -53,12 +58,13 @@ def test_eight_axes_with_ten_values_make_2800_cells() -> None:
 
 def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact() -> None:
     scene = read_scene("mash-tl4-sut")[0]
-    base = base_tables(scene)
-    changed = cell_tables(base, stability_axes(scene, 3), {"speed": 2.0, "angle": 30.0})
-    assert changed["impact"]["speed"] == 2.0 * base["impact"]["speed"]
-    assert changed["impact"]["angle"] == pytest.approx(0.5235987755982988)
+    base = base_source(scene)
+    axes = tuple(axis for axis in stability_axes(scene, 3) if axis.name in ("speed", "angle"))
+    changed = next(cell for cell in map_cells(scene, axes) if cell.entries["first_value"] > 1.0).tables
+    assert changed["impact"]["speed"] == 10.0 * base.given["impact"]["speed"]
+    assert changed["impact"]["angle"] == pytest.approx(math.radians(1.0))
     assert "wall" not in changed
-    assert base["impact"]["angle"] < 0.3
+    assert 0.2 < base.given["impact"]["angle"] < 0.3
 
 
 @pytest.mark.parametrize(
@@ -87,9 +93,10 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.Monke
 
 def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed() -> None:
     scene = read_scene("paper-table-3", ("plate.elements=",))[0]
-    tables = base_tables(scene)
-    tables["plate"]["youngs_modulus"] *= 1e-4
-    assert verdict_of(tables)["kind"] == "flexible"
+    assert scene.plate is not None
+    assert scene.plate.youngs_modulus is not None
+    softer = {"plate.youngs_modulus": 1e-4 * scene.plate.youngs_modulus}
+    assert verdict_of(base_source(scene), softer)["kind"] == "flexible"
 
 
 def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,7 +180,7 @@ def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(
         interrupt(journal(a=1), {"x": 1})
     before = journal(a=1).path.read_text()
     monkeypatch.setattr(os, "replace", lambda *paths: 1 / 0)
-    with pytest.raises(ZeroDivisionError), journal(a=1):
+    with pytest.raises(ZeroDivisionError), journal(a=2):
         pass
     assert journal(a=1).path.read_text() == before
 
@@ -188,7 +195,7 @@ def test_parts_that_the_journal_has_are_not_run_again(journal: Any) -> None:
 def campaign_of(*verdicts: Verdict) -> Campaign:
     plan = make_plan(*read_scene("paper-table-3"))
     axes = stability_axes(plan.scene, 2)[:2]
-    cells = {cell.key: cell for cell in map_cells(base_tables(plan.scene), axes)}
+    cells = {cell.key: cell for cell in map_cells(plan.scene, axes)}
     found = dict(zip(cells, verdicts, strict=True))
     return Campaign(plan, axes, {"tolerance": 1e-3}, KINDS, cells, found, 1.0)
 
@@ -218,26 +225,71 @@ def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5
 
 
-def test_interrupt_does_not_wait_for_parts_that_take_long(tmp_path: Path) -> None:
-    """A part sleeps for ten minutes; the study ends at once, and keeps what was done."""
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(
+    tmp_path: Path, sent: signal.Signals
+) -> None:
+    """Two parts sleep for ten minutes; the study ends at once, however it is ended, and its workers with it."""
     code = (
         "import time\n"
         "from pathlib import Path\n"
-        "from tailslap.studies.journal import Journal\n"
-        "from tailslap.studies.parallel import run_parts\n"
+        "from tailslap.execution.journal import Journal\n"
+        "from tailslap.execution.run_parts import run_parts\n"
         "if __name__ == '__main__':\n"
+        "    parts = {'short': (0.0,), 'long': (600.0,), 'longer': (600.0,)}\n"
         f"    with Journal(Path({str(tmp_path / 'out')!r}), {{}}) as journal:\n"
-        "        run_parts(time.sleep, {'short': (0.0,), 'long': (600.0,)}, journal, 'x', workers=2)\n"
+        "        run_parts(time.sleep, parts, journal, 'x', workers=2)\n"
     )
     script = tmp_path / "script.py"
     script.write_text(code)
     journal = tmp_path / ".out.journal"
     study = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.PIPE, text=True)
-    for _ in range(1200):
+    for _ in range(4800):
         if journal.is_file() and '"short"' in journal.read_text():
             break
         time.sleep(0.05)
-    study.send_signal(signal.SIGINT)
+    below = children(study.pid)
+    assert len(below) >= 2
+    began = time.monotonic()
+    study.send_signal(sent)
     _, error = study.communicate(timeout=120)
-    assert "1 parts are kept" in error
+    while any(map(alive, below)):
+        assert time.monotonic() - began < 120.0
+        time.sleep(0.05)
+    assert ("1 parts are kept" in error) == (sent == signal.SIGINT)
     assert '"short"' in journal.read_text()
+
+
+def children(pid: int) -> list[int]:
+    """Processes that this one has started, and those that they have."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
+                found.append(int(path.parent.name))
+    return [*found, *(below for child in found for below in children(child))]
+
+
+def alive(pid: int) -> bool:
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    return False
+
+
+def test_a_part_s_error_is_raised_as_it_was(journal: Any) -> None:
+    """Also where it was made on another process, and what was done before is kept."""
+    for workers in (1, 2):
+        with (
+            pytest.raises(InputError, match="SCENE: given nothing-1; x"),
+            journal(workers=workers) as noted,
+        ):
+            run_parts(raising, {"a": (0,), "b": (1,)}, noted, "raising", workers)
+        with journal(workers=workers) as again:
+            assert again.records == {"a": 0}
+
+
+def raising(number: int) -> int:
+    if number:
+        time.sleep(1.0)
+        raise InputError("SCENE", Verbatim(f"nothing-{number}"), "x")
+    return number

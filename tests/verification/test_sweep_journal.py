@@ -16,17 +16,16 @@ from tailslap.results.manifest import demand_ours, listed_file
 from tailslap.results.result_folder import result_folder
 from tailslap.sweep.definition import Definition, make_definition
 from tailslap.sweep.folder import sweep_folder
-from tailslap.sweep.journal import NAME, open_journal
+from tailslap.sweep.journal import NAME, open_rows
 from tailslap.sweep.table import read_columns, write_table
-from tailslap.sweep.worker import Finished, finished
 
 pytestmark = pytest.mark.verification
 
 RUNS = 6
 
 
-def row(run: int, **more: Any) -> Finished:
-    return finished({"run": run, "status": "passed", "reason": "", **more})
+def row(run: int, **more: Any) -> dict[int, dict[str, Any]]:
+    return {run: {"run": run, "status": "passed", "reason": ""} | more}
 
 
 def sweep(friction: str = "0:0.5:6") -> Definition:
@@ -34,50 +33,65 @@ def sweep(friction: str = "0:0.5:6") -> Definition:
 
 
 def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
-    with open_journal(tmp_path, RUNS) as journal:
-        journal.add([row(4, give=0.1), row(1)])
-        journal.add([row(0)])
-    with open_journal(tmp_path, RUNS) as journal:
-        assert [found["run"] for found in journal.rows()] == [0, 1, 4]
-        assert journal.missing(RUNS) == [2, 3, 5]
-        assert journal.statuses["passed"] == 3
+    with open_rows(tmp_path, sweep()) as rows:
+        rows.records.add(row(4, give=0.1) | row(1))
+        rows.records.add(row(0))
+    with open_rows(tmp_path, sweep()) as rows:
+        assert [found["run"] for found in rows.in_order()] == [0, 1, 4]
+        assert rows.missing(RUNS) == [2, 3, 5]
+        assert rows.statuses["passed"] == 3
 
 
 def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
-    with open_journal(tmp_path, RUNS) as journal:
-        journal.add([row(1, give=0.1), row(1, give=0.2)])
-        journal.add([row(1, give=0.3)])
-        assert [found["give"] for found in journal.rows()] == [0.1]
-    assert (tmp_path / NAME).read_bytes().count(b"\n") == 1
+    with open_rows(tmp_path, sweep()) as rows:
+        rows.records.add(row(1, give=0.1))
+        rows.records.add(row(1, give=0.3))
+        assert [found["give"] for found in rows.in_order()] == [0.1]
+        assert rows.statuses["passed"] == 1
+    assert (tmp_path / NAME).read_bytes().count(b"\n") == 2  # the first is the head
+
+
+def whole_journal(folder: Path) -> list[bytes]:
+    """Lines of a journal with three rows."""
+    with open_rows(folder, sweep()) as rows:
+        rows.records.add(row(0, give=0.0) | row(1, give=1 / 3) | row(2, give=2 / 3))
+    return (folder / NAME).read_bytes().splitlines(keepends=True)
 
 
 def test_a_journal_cut_anywhere_keeps_its_whole_lines(tmp_path: Path) -> None:
     """Cut after each byte in turn: the runs of whole lines are there, the torn one is missing and can be added."""
-    lines = [row(run, give=run / 3).line for run in range(3)]
+    head, *lines = whole_journal(tmp_path)
     whole = b"".join(lines)
     for length in range(len(whole) + 1):
-        (tmp_path / NAME).write_bytes(whole[:length])
+        (tmp_path / NAME).write_bytes(head + whole[:length])
         complete = [run for run in range(3) if length >= sum(map(len, lines[: run + 1])) - 1]
-        with open_journal(tmp_path, 3) as journal:
-            assert sorted(journal.begins) == complete
-            journal.add([row(run, give=run / 3) for run in journal.missing(3)])
-        with open_journal(tmp_path, 3) as journal:
-            assert [found["give"] for found in journal.rows()] == [0.0, 1 / 3, 2 / 3]
+        with open_rows(tmp_path, sweep()) as rows:
+            assert sorted(rows.records) == complete
+            for run in rows.missing(3):
+                rows.records.add(row(run, give=run / 3))
+        assert (tmp_path / NAME).read_bytes() == head + whole
 
 
 def test_a_damaged_line_in_the_middle_is_computed_again(tmp_path: Path) -> None:
-    lines = [row(0).line, b"\0\0\0\n", b'{"run":99,"status":"passed"}\n', b"[1]\n", row(2).line]
-    (tmp_path / NAME).write_bytes(b"".join(lines))
-    with open_journal(tmp_path, 3) as journal:
-        assert journal.missing(3) == [1]
-        assert sorted(journal.begins) == [0, 2]
+    head, first, _, last = whole_journal(tmp_path)
+    (tmp_path / NAME).write_bytes(b"".join([head, first, b"\0\0\0\n", b"[1]\n", last]))
+    with open_rows(tmp_path, sweep()) as rows:
+        assert rows.missing(3) == [1]
+        assert sorted(rows.records) == [0, 2]
+
+
+def test_a_journal_of_another_kind_is_refused_and_kept(tmp_path: Path) -> None:
+    (tmp_path / NAME).write_text("my diary\n")
+    with pytest.raises(InputError, match="no journal"), open_rows(tmp_path, sweep()):
+        pass
+    assert (tmp_path / NAME).read_text() == "my diary\n"
 
 
 def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
     numbers = {"fe.t": 0.1 + 0.2, "check.energy_balance": math.inf, "check.time_step": math.nan}
-    with open_journal(tmp_path, RUNS) as journal:
-        journal.add([row(5, **numbers), finished({"run": 2, "status": "refused", "reason": "no"})])
-        path = write_table(tmp_path, sweep(), journal)
+    with open_rows(tmp_path, sweep()) as rows:
+        rows.records.add(row(5, **numbers) | row(2, status="refused", reason="no"))
+        path = write_table(tmp_path, sweep(), rows)
     found = read_columns(path, ["run", "status", "reason", "corner.friction", *numbers])
     assert found["run"].tolist() == [2, 5]
     assert found["status"].tolist() == ["refused", "passed"]
@@ -89,8 +103,8 @@ def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
 
 def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
     place = tmp_path / "sweep"
-    with sweep_folder(place, sweep()) as folder, open_journal(folder, RUNS) as journal:
-        journal.add([row(0)])
+    with sweep_folder(place, sweep()) as folder, open_rows(folder, sweep()) as rows:
+        rows.records.add(row(0))
     with (
         pytest.raises(InputError, match=r"it holds another sweep: vary differ"),
         sweep_folder(place, sweep("0:1:6")),
@@ -109,8 +123,8 @@ def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
 def test_other_values_by_the_same_words_are_another_sweep(tmp_path: Path) -> None:
     """A new SciPy may draw other samples from the same seed: rows must not mix."""
     place = tmp_path / "sweep"
-    with sweep_folder(place, sweep()) as folder, open_journal(folder, RUNS) as journal:
-        journal.add([row(0)])
+    with sweep_folder(place, sweep()) as folder, open_rows(folder, sweep()) as rows:
+        rows.records.add(row(0))
     definition = json.loads((place / "sweep.json").read_text())
     (place / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
     with pytest.raises(InputError, match="another sweep: values differ"), sweep_folder(place, sweep()):
@@ -127,7 +141,7 @@ def test_two_sweeps_in_a_folder_at_once(tmp_path: Path) -> None:
 
 
 def test_nothing_is_left_of_a_sweep_without_rows(tmp_path: Path) -> None:
-    with sweep_folder(tmp_path / "a" / "b", sweep()), open_journal(tmp_path / "a" / "b", RUNS):
+    with sweep_folder(tmp_path / "a" / "b", sweep()), open_rows(tmp_path / "a" / "b", sweep()):
         assert (tmp_path / "a" / "b" / "sweep.json").is_file()
     assert not list(tmp_path.iterdir())
 
@@ -153,8 +167,8 @@ def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path: Path)
 @pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
 def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path: Path, name: str) -> None:
     place = tmp_path / "sweep"
-    with sweep_folder(place, sweep()) as folder, open_journal(folder, RUNS) as journal:
-        journal.add([row(0)])
+    with sweep_folder(place, sweep()) as folder, open_rows(folder, sweep()) as rows:
+        rows.records.add(row(0))
         with listed_file(folder / name) as partial:
             partial.write_text("ours")
     with sweep_folder(place, sweep()) as folder, listed_file(folder / name) as partial:

@@ -13,9 +13,10 @@ import pytest
 from postprocess.comparison.comparison import KEYS
 from postprocess.figures.sweep_plots import SweepRows, Varied, _edges, _scale, draw_sweep
 from postprocess.report.page import Page, write_page
+from tailslap.progress import clock, counted
+from tailslap.scene.vary import Source
 from tailslap.sweep.complete import Effort, Sweep
 from tailslap.sweep.definition import Definition
-from tailslap.sweep.progress import clock, sweep_progress
 from tailslap.sweep.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
 from tailslap.sweep.variation import Variation
 
@@ -99,12 +100,10 @@ def test_the_worst_of_the_five_differences() -> None:
 
 def sweep_of(some: SweepRows) -> Sweep:
     """A sweep with these rows."""
-    texts = [tuple(map(str, item.values)) for item in some.varied]
     varied = [
-        Variation(item.key, item.unit, text, tuple(item.values.tolist()), item.logarithmic)
-        for item, text in zip(some.varied, texts, strict=True)
+        Variation(item.key, item.unit, tuple(item.values.tolist()), item.logarithmic) for item in some.varied
     ]
-    definition = Definition("a<b", "name = 1", (), (), tuple(varied), len(some.status), 307)
+    definition = Definition("a<b", "name = 1", (), Source(), (), tuple(varied), len(some.status), 307)
     statuses = {name: int((some.status == name).sum()) for name in ("passed", "failed", "refused", "error")}
     return Sweep(definition, statuses, Effort())
 
@@ -167,9 +166,9 @@ def test_what_the_terminal_says() -> None:
 
 
 def test_words() -> None:
-    angle = Variation("impact.angle", "rad", ("1", "2"), (math.radians(10), math.radians(15)), False)
+    angle = Variation("impact.angle", "rad", (math.radians(10), math.radians(15)), False)
     assert values_words(angle) == "10 deg, 15 deg"
-    modulus = Variation("e", "Pa", ("",) * 6, (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
+    modulus = Variation("e", "Pa", (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
     assert values_words(modulus) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
     assert (shown("quad4", ""), shown(0.25, "")) == ("quad4", "0.25")
 
@@ -187,15 +186,12 @@ def test_progress_where_there_is_no_terminal(
 ) -> None:
     """Silent for half a minute; then 40 runs made in 40 s are one a second, and 40 are left."""
     now = [0.0]
-    monkeypatch.setattr("tailslap.sweep.progress.time.monotonic", lambda: now[0])
-    with sweep_progress(90, 10) as show:
+    monkeypatch.setattr("tailslap.progress.time.monotonic", lambda: now[0])
+    with counted("sut", 90, 10) as show:
         now[0] = 5.0
-        show(20, 0, 2)
+        show(20)
         assert capsys.readouterr().err == ""
         now[0] = 40.0
-        show(50, 1, 0)
+        show(50, ", 1 failed")
     said = capsys.readouterr().err
-    assert (
-        said
-        == "tailslap: 50 of 90 done, 1 failed, 1 runs/s, 0:40 left; no worker is there, waiting for one\n"
-    )
+    assert said == "tailslap: sut: 50 of 90, 1/s, 0:40 left, 1 failed\n"

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -24,17 +24,20 @@ import pytest
 import tailslap
 from tailslap.command_line import _status
 from tailslap.errors import InputError
+from tailslap.execution import cluster as cluster_module
+from tailslap.execution.dispatch import Dispatcher, SchedulerLostError
+from tailslap.execution.record_file import RecordFile
+from tailslap.execution.worker import OtherVersionError, Part, run_batch
 from tailslap.planning.plan import make_plan
 from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.run import run_scene
-from tailslap.scene.files import read_scene
-from tailslap.sweep import cluster as cluster_module
+from tailslap.scene.files import source_of_text
+from tailslap.scene.vary import vary
 from tailslap.sweep.definition import Definition, make_definition
-from tailslap.sweep.dispatch import Dispatcher, SchedulerLostError
+from tailslap.sweep.folder import _has_rows
 from tailslap.sweep.journal import NAME as JOURNAL
 from tailslap.sweep.perform import StoppedError, perform
-from tailslap.sweep.row import TIMES
-from tailslap.sweep.worker import OtherVersionError, Task, finished, run_batch
+from tailslap.sweep.row import TIMES, compute_row
 
 pytestmark = pytest.mark.verification
 
@@ -154,7 +157,7 @@ def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str
     for number in (0, 1, 157):
         row, outcome = (
             undisturbed[number],
-            run_scene(make_plan(*read_scene(scene, definition.changes_of(number)))),
+            run_scene(make_plan(*vary(definition.source, definition.changes_of(number)))),
         )
         assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
         assert row["corner.friction"] == outcome.fe_plan.plan.scene.corner_friction
@@ -192,8 +195,7 @@ def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
     process = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
-    journal = place / JOURNAL
-    wait_until(lambda: process.poll() is not None or (journal.exists() and journal.stat().st_size))
+    wait_until(lambda: process.poll() is not None or _has_rows(place))
     return process
 
 
@@ -229,7 +231,7 @@ def test_killed_in_mid_sweep_and_resumed(
     kept = (place / JOURNAL).read_bytes()
     done = perform(definition_of(scene), place, cluster)
     assert (place / JOURNAL).read_bytes().startswith(kept[: kept.rfind(b"\n") + 1])
-    assert done.effort.runs == RUNS - kept.count(b"\n")
+    assert done.effort.runs == RUNS - (kept.count(b"\n") - 1)
     assert table(place) == undisturbed
 
 
@@ -264,12 +266,12 @@ def test_a_worker_that_dies_is_survived(
     """The first worker to compute a certain run is killed under it, with kill -9."""
     mark, place = tmp_path / "mark", tmp_path / "sweep"
 
-    def compute(version: str, text: str, tasks: Sequence[Task]) -> list[Any]:
+    def compute(run: int, *rest: Any) -> dict[str, Any]:
         with contextlib.suppress(FileExistsError):
-            if any(task.run == 20 for task in tasks):
+            if run == 20:
                 mark.touch(exist_ok=False)
                 os.kill(os.getpid(), signal.SIGKILL)
-        return run_batch(version, text, tasks)
+        return compute_row(run, *rest)
 
     done = perform(definition_of(scene), place, cluster, compute=compute)
     assert mark.exists()
@@ -282,11 +284,11 @@ def test_a_run_that_kills_its_worker_again_and_again_is_a_row(
 ) -> None:
     """The runs that shared its batch are not blamed."""
 
-    def compute(version: str, text: str, tasks: Sequence[Task]) -> list[Any]:
-        if any(task.run == 7 for task in tasks):
+    def compute(run: int, *rest: Any) -> dict[str, Any]:
+        if run == 7:
             time.sleep(0.5)  # Dask gives up a worker that dies while it is being started
             os.kill(os.getpid(), signal.SIGKILL)
-        return [finished({"run": task.run, "status": "passed", "reason": ""}) for task in tasks]
+        return {"run": run, "status": "passed", "reason": ""}
 
     definition = definition_of(scene, ("corner.friction=0.1:0.5:40",))
     done = perform(definition, tmp_path / "sweep", cluster, compute=compute)
@@ -302,8 +304,9 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> Non
         raise ZeroDivisionError("by nought")
 
     monkeypatch.setattr("tailslap.run.run_scene", broken)
-    tasks = [Task(3, ("corner.friction=0.1",)), Task(4, ("corner.friction=0.2",))]
-    rows = [json.loads(item.line) for item in run_batch(tailslap.__version__, SCENE, tasks)]
+    source = source_of_text(SCENE)
+    parts = [Part(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
+    rows = run_batch(tailslap.__version__, compute_row, parts).records.values()
     assert [(row["run"], row["status"], row["reason"]) for row in rows] == [
         (3, "error", "ZeroDivisionError: by nought"),
         (4, "error", "ZeroDivisionError: by nought"),
@@ -314,10 +317,10 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) ->
     """kill -9 of scheduler and workers under a sweep; it resumes on another cluster, here on one local process."""
     place = tmp_path / "sweep"
 
-    def compute(version: str, text: str, tasks: Sequence[Task]) -> list[Any]:
-        if tasks[0].run >= 10:
+    def compute(run: int, *rest: Any) -> dict[str, Any]:
+        if run >= 10:
             time.sleep(HANG)
-        return [finished({"run": task.run, "status": "passed", "reason": ""}) for task in tasks]
+        return {"run": run, "status": "passed", "reason": ""}
 
     definition = definition_of(scene, ("corner.friction=0.1:0.5:14",))
     with loopback(tmp_path, 1) as found:
@@ -327,15 +330,13 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) ->
                 process.kill()
 
         with pytest.MonkeyPatch.context() as patched:
-            from tailslap.sweep.journal import Journal
+            add = RecordFile.add
 
-            add = Journal.add
-
-            def add_and_kill(journal: Journal, rows: Any) -> None:
-                add(journal, rows)
+            def add_and_kill(file: RecordFile, records: Any) -> None:
+                add(file, records)
                 kill_all(None)
 
-            patched.setattr(Journal, "add", add_and_kill)
+            patched.setattr(RecordFile, "add", add_and_kill)
             with pytest.raises(
                 StoppedError, match=r"the scheduler at tcp.* is gone; \d+ of 14 rows are kept"
             ) as stop:
@@ -367,7 +368,7 @@ def test_other_versions_are_refused(
     scene: str, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(OtherVersionError):
-        run_batch("0.0.0", SCENE, [])
+        run_batch("0.0.0", compute_row, [])
     monkeypatch.setattr(tailslap, "__version__", "9.9.9")
     with pytest.raises(InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
         perform(definition_of(scene), tmp_path / "sweep", cluster)
@@ -385,14 +386,15 @@ def test_connection_lost_while_rows_come_does_not_blame_a_worker() -> None:
         def cancel(self) -> None:
             pass
 
-    tasks = [Task(3, ("corner.friction=0.1",))]
     for status in ("running", "closed"):
         dispatcher = Dispatcher.__new__(Dispatcher)
         future, client = Broken(), SimpleNamespace(status=status)
-        vars(dispatcher).update(_client=client, _under_way={future: tasks}, _waiting=deque())
+        vars(dispatcher).update(_client=client, _under_way={future: [3]}, _waiting=deque())
+        records: dict[str | int, Any] = {}
         if status == "running":
-            assert dispatcher._rows_of(future) == []  # type: ignore[arg-type]
-            assert list(dispatcher._waiting) == tasks
+            dispatcher._add_records_of(future, records)  # type: ignore[arg-type]
+            assert records == {}
+            assert list(dispatcher._waiting) == [3]
         else:
             with pytest.raises(SchedulerLostError):
-                dispatcher._rows_of(future)  # type: ignore[arg-type]
+                dispatcher._add_records_of(future, records)  # type: ignore[arg-type]

@@ -53,7 +53,7 @@ def test_even_values_are_exact() -> None:
     exact = [float(Fraction(i, 20)) for i in range(13)]
     assert item.values == pytest.approx(exact, rel=4e-16)
     assert (item.values[0], item.values[-1]) == (0.0, 0.6)
-    assert [float(text) for text in item.texts] == list(item.values)
+    assert item.settings == item.values
 
 
 def test_equal_ratios_are_exact() -> None:
@@ -66,7 +66,7 @@ def test_units_become_si() -> None:
     speed, angle = grid("impact.speed=50 mph:60 mph:3", "impact.angle=10deg,15deg").variations
     assert speed.values == pytest.approx([50 * MPH, 55 * MPH, 60 * MPH], rel=1e-14)
     assert angle.values == pytest.approx([math.radians(10), math.radians(15)], rel=1e-14)
-    assert (speed.unit, angle.unit, angle.texts) == ("m/s", "rad", ("10deg", "15deg"))
+    assert (speed.unit, angle.unit, angle.settings) == ("m/s", "rad", angle.values)
 
 
 def test_words_lists_and_whole_numbers() -> None:
@@ -75,18 +75,18 @@ def test_words_lists_and_whole_numbers() -> None:
     ).variations
     assert (element.values, element.numeric) == (("quad4", "tri3"), False)
     assert counts.values == ("6 x 2", "12 x 4")
-    assert (rows.values, rows.texts) == ((100, 200, 300), ("100", "200", "300"))
+    assert counts.settings == ((6, 2), (12, 4))
+    assert rows.values == rows.settings == (100, 200, 300)
 
 
 def test_a_grid_has_every_combination_once() -> None:
     definition = grid("corner.friction=0.1,0.2,0.3", "plate.element=quad4,tri3")
     combinations = [tuple(definition.inputs_of(run).values()) for run in range(definition.runs)]
     assert combinations == [(f, e) for f in (0.1, 0.2, 0.3) for e in ("quad4", "tri3")]
-    assert definition.changes_of(3) == ("corner.friction=0.2", "plate.element=tri3")
-    assert grid("corner.friction=0.1,0.2", changes=("strike.duration=0.2",)).changes_of(1) == (
-        "strike.duration=0.2",
-        "corner.friction=0.2",
-    )
+    assert definition.changes_of(3) == {"corner.friction": 0.2, "plate.element": "tri3"}
+    fixed = grid("corner.friction=0.1,0.2", changes=("strike.duration=0.2",))
+    assert fixed.changes_of(1) == {"corner.friction": 0.2}
+    assert fixed.source.given["strike"] == {"duration": 0.2}
 
 
 @pytest.mark.parametrize("runs", [2, 7, 64])

@@ -14,7 +14,7 @@ import pytest
 
 from tailslap.errors import InputError
 from tailslap.planning.flexibility import sensitivity
-from tailslap.planning.plan import make_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import run_scene
 from tailslap.scene.files import read_scene
 from tailslap.tolerance import run_to_tolerance
@@ -27,8 +27,12 @@ pytestmark = pytest.mark.verification
 SOFT = ("plate.youngs_modulus=20 MPa", "corner.patch_length=1")
 
 
+def plan_of(name: str, *changes: str) -> Plan:
+    return make_plan(*read_scene(name, changes))
+
+
 def choice_of(name: str, tolerance: float, *changes: str) -> Choice:
-    return choose(make_plan(*read_scene(name, changes)), tolerance)
+    return choose(plan_of(name, *changes), tolerance)
 
 
 def check_of(result: Any) -> Any:
@@ -52,7 +56,7 @@ def test_half_a_mesh_of_two_is_none() -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-5])
 def test_stiff_plate_is_held_against_the_rigid_motion(tolerance: float) -> None:
-    result = run_to_tolerance("paper-table-3", (), tolerance)
+    result = run_to_tolerance(plan_of("paper-table-3"), tolerance)
     assert result.choice is not None
     assert result.choice.against == RIGID
     assert result.passed
@@ -63,7 +67,7 @@ def test_stiff_plate_is_held_against_the_rigid_motion(tolerance: float) -> None:
 
 def test_soft_plate_is_held_against_its_own_limit() -> None:
     """The error estimated from a second mesh is right to a factor of three, and the tolerance is met."""
-    result = run_to_tolerance("paper-table-3", SOFT, 2e-3)
+    result = run_to_tolerance(plan_of("paper-table-3", *SOFT), 2e-3)
     assert result.choice is not None
     assert result.choice.against == LIMIT
     fine = ("plate.element=quad9", "plate.elements=[40, 12]", "corner.constraint=exact")
@@ -89,10 +93,10 @@ def test_tolerances_that_make_no_sense(tolerance: float) -> None:
 
 def test_setting_that_would_flutter_is_damped_by_the_run() -> None:
     changes = ("plate.youngs_modulus=100 TPa", "impact.friction=0.8", "corner.penalty_scale=1")
-    result = run_to_tolerance("paper-table-3", changes, 1e-4)
+    result = run_to_tolerance(plan_of("paper-table-3", *changes), 1e-4)
     assert result.passed
     assert result.fe_plan.model.loop.elastic_damping is not None
-    forbidden = run_to_tolerance("paper-table-3", (*changes, "damping.kind=none"), 1e-4)
+    forbidden = run_to_tolerance(plan_of("paper-table-3", *changes, "damping.kind=none"), 1e-4)
     assert not forbidden.passed
 
 
@@ -107,10 +111,10 @@ def test_expectation_that_fails_is_reported() -> None:
     plan = make_plan(*read_scene("paper-table-3"))
     choice = choose(plan, 1e-4)
     result = run_scene(make_plan(*read_scene("paper-table-3", choice.changes)))
-    late = judged(result, replace(choice, tolerance=1e-6), "paper-table-3", ())
+    late = judged(result, replace(choice, tolerance=1e-6), plan)
     assert not late.passed
     assert not check_of(late).passed
-    gone = judged(replace(result, difference={}, fe={}), choice, "paper-table-3", ())
+    gone = judged(replace(result, difference={}, fe={}), choice, plan)
     assert math.isnan(check_of(gone).value)
     assert not check_of(gone).passed
 

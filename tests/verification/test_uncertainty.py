@@ -20,12 +20,13 @@ from scipy import stats
 
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.scene.files import read_scene
+from tailslap.scene.vary import vary
 from tailslap.studies import study_names
 from tailslap.studies.uncertainty.indices import sobol_indices
-from tailslap.studies.uncertainty.model import peak_forces, with_values
+from tailslap.studies.uncertainty.model import peak_forces
 from tailslap.studies.uncertainty.ranges import Range, study_ranges
 from tailslap.studies.uncertainty.sampling import draw
 from tailslap.studies.uncertainty.spread import Spread, describe, find_spread
@@ -38,9 +39,13 @@ E_LOW, E_HIGH, DT_LOW, DT_HIGH = 0.0, 0.4, 0.08, 0.18  # the default ranges
 MPH, DEGREE, POUND = 1609.344 / 3600.0, math.pi / 180.0, 0.45359237
 
 
+def plan_of(name: str, *changes: str) -> Plan:
+    return make_plan(*read_scene(name, changes))
+
+
 def run(name: str, *ranges: str, fixed: tuple[str, ...] = (), samples: int = 100_000) -> Spread:
-    plan = make_plan(*read_scene(name))
-    return find_spread(plan, study_ranges(name, (), ranges, fixed), samples)
+    plan = plan_of(name)
+    return find_spread(plan, study_ranges(plan, ranges, fixed), samples)
 
 
 @pytest.fixture(scope="module")
@@ -183,18 +188,16 @@ def test_each_combination_is_the_plan_s_own_solution(
     name: str, ranges: tuple[str, ...], changes: tuple[str, ...]
 ) -> None:
     plan = make_plan(*read_scene(name, changes))
-    samples = draw(plan.scene, study_ranges(name, changes, ranges, ()), 10)
+    samples = draw(plan.scene, study_ranges(plan, ranges, ()), 10)
     for table, forces in ((samples.a, samples.force_a), (samples.b, samples.force_b)):
         for column, force in zip(table.T.tolist(), forces, strict=True):
             values = {item.key: x for item, x in zip(samples.ranges, column, strict=True)}
-            assert make_plan(with_values(plan.scene, values)).force.peak_force == pytest.approx(
-                force, rel=1e-12
-            )
+            assert make_plan(*vary(plan.source, values)).force.peak_force == pytest.approx(force, rel=1e-12)
 
 
 def test_mixtures_take_one_input_from_the_second_table() -> None:
     plan = make_plan(*read_scene(TRUCK))
-    samples = draw(plan.scene, study_ranges(TRUCK, (), (), ()), 100)
+    samples = draw(plan.scene, study_ranges(plan, (), ()), 100)
     keys = [item.key for item in samples.ranges]
     for i in range(len(keys)):
         inputs = {key: (samples.b if key == keys[i] else samples.a)[j] for j, key in enumerate(keys)}
@@ -270,7 +273,7 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path: Path, monkeypatch: pyt
 
 def test_default_ranges() -> None:
     """MASH: 2.5 mph, 1.5 deg; 110 lb for the pickup, 55 lb for the car; the truck's tolerance is not known."""
-    found = {item.key: item for item in study_ranges("mash-tl3-pickup", (), (), ())}
+    found = {item.key: item for item in study_ranges(plan_of("mash-tl3-pickup"), (), ())}
     expected = {
         "vehicle.mass": (4890 * POUND, 5110 * POUND),
         "impact.speed": (59.5 * MPH, 64.5 * MPH),
@@ -282,23 +285,23 @@ def test_default_ranges() -> None:
     assert set(found) == set(expected)
     for key, ends in expected.items():
         assert (found[key].lower, found[key].upper) == pytest.approx(ends, rel=1e-12)
-    (mass,) = (item for item in study_ranges("mash-tl1-car", (), (), ()) if item.key == "vehicle.mass")
+    (mass,) = (item for item in study_ranges(plan_of("mash-tl1-car"), (), ()) if item.key == "vehicle.mass")
     assert (mass.lower / POUND, mass.upper / POUND) == pytest.approx((2365, 2475), rel=1e-12)
-    assert "vehicle.mass" not in {item.key for item in study_ranges(TRUCK, (), (), ())}
+    assert "vehicle.mass" not in {item.key for item in study_ranges(plan_of(TRUCK), (), ())}
 
 
 def test_only_what_the_force_depends_on_varies() -> None:
     """[start] overrides Stage 1; without friction no coefficient counts."""
-    assert [item.key for item in study_ranges("paper-table-3", (), (), ())] == [
+    assert [item.key for item in study_ranges(plan_of("paper-table-3"), (), ())] == [
         "impact.friction",
         "strike.duration",
     ]
-    assert [item.key for item in study_ranges("paper-abaqus", (), (), ())] == ["strike.duration"]
+    assert [item.key for item in study_ranges(plan_of("paper-abaqus"), (), ())] == ["strike.duration"]
 
 
 def test_given_ranges_take_units_and_replace_the_default() -> None:
     given = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
-    found = {item.key: item for item in study_ranges(TRUCK, (), given, ("impact.angle",))}
+    found = {item.key: item for item in study_ranges(plan_of(TRUCK), given, ("impact.angle",))}
     assert (found["impact.speed"].lower, found["impact.speed"].upper) == pytest.approx((50 * MPH, 60 * MPH))
     assert (found["vehicle.length"].lower, found["vehicle.length"].upper) == pytest.approx((9.144, 10.0))
     friction = found["impact.friction"]
@@ -333,7 +336,7 @@ def test_wrong_ranges_are_told_which_key(
     ranges: tuple[str, ...], fixed: tuple[str, ...], key: str, message: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        study_ranges(TRUCK, (), ranges, fixed)
+        study_ranges(plan_of(TRUCK), ranges, fixed)
     assert caught.value.key == key
     assert message in caught.value.allowed
 
@@ -342,7 +345,7 @@ def test_a_default_range_that_does_not_fit_says_whose_it_is() -> None:
     with pytest.raises(
         InputError, match=r"impact\.angle: given .* by default .*1\.5 deg, MASH.*--range gives"
     ):
-        study_ranges(TRUCK, ("impact.angle=1 deg",), (), ())
+        study_ranges(plan_of(TRUCK, "impact.angle=1 deg"), (), ())
 
 
 def test_a_force_that_does_not_change_has_no_indices() -> None:
@@ -361,7 +364,8 @@ def test_describe_by_hand() -> None:
 
 
 def test_a_hundred_thousand_combinations_in_two_seconds() -> None:
-    plan, ranges = make_plan(*read_scene("mash-tl3-pickup")), study_ranges("mash-tl3-pickup", (), (), ())
+    plan = plan_of("mash-tl3-pickup")
+    ranges = study_ranges(plan, (), ())
     began = time.process_time()
     spread = find_spread(plan, ranges, 100_000)
     assert time.process_time() - began < 2.0

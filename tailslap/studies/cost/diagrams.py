@@ -15,7 +15,7 @@ RIGID_LINES = {
     settings.EXACT: "exact solution",
     **{name: name for name in (*settings.INTEGRATORS, settings.MODES)},
     settings.MESH: "FE, meshes of quad4",
-    **{name: f"FE, {name}" for name in (settings.ROWSUM, settings.SUDDEN)},
+    **{name: f"FE, {name}" for name in (settings.ROWSUM, settings.UNSTRESSED)},
     settings.PENALTY: "FE, penalty scales",
     settings.SINGLE: f"FE, {settings.SINGLE}",
 }

@@ -10,9 +10,10 @@ from typing import Any
 from postprocess.comparison.comparison import relative_difference
 from solver import integrate_odes, plane_motion
 from tailslap.errors import InputError
+from tailslap.planning.cost import loop_seconds
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
-from tailslap.scene.files import read_scene
+from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost.settings import EXACT, MODAL, ODE, Setting
 
 MOST_REPEATS, LEAST_REPEATS, PATIENCE = 7, 2, 1.0
@@ -27,15 +28,15 @@ TOO_LONG = 30.0
 Record = dict[str, Any]
 
 
-def measure(name: str, changes: tuple[str, ...], setting: Setting) -> Record:
+def measure(source: Source, setting: Setting) -> Record:
     """What the setting gives: the five quantities, times [s] of every repeat, and what its own checks say."""
-    plan = make_plan(*read_scene(name, changes))
+    plan = make_plan(*vary(source, {}))
     if setting.kind == EXACT:
         return _rigid(plan, lambda: _exact(plan))
     if setting.kind == ODE:
         return _rigid(plan, lambda: _integrated(plan, setting))
     try:
-        changed = make_plan(*read_scene(name, (*changes, *setting.changes)))
+        changed = make_plan(*vary(source, setting.changes))
         return _modal(changed, setting) if setting.kind == MODAL else _finite_elements(changed, setting)
     except InputError as error:
         return {"refused": str(error)}
@@ -103,11 +104,9 @@ def _modal(plan: Plan, setting: Setting) -> Record:
 def _finite_elements(plan: Plan, setting: Setting) -> Record:
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.run import compare
-    from tailslap.tolerance.ladder import NANOSECONDS
 
     fe_plan = make_fe_plan(plan)
-    along, across = fe_plan.plate.counts
-    expected = fe_plan.expected_steps * along * across * NANOSECONDS["quad9"] * 1e-9
+    expected = loop_seconds("quad9", fe_plan.plate.counts, fe_plan.expected_steps)
     if expected > TOO_LONG:
         return {"refused": f"left out: the time loop would take about {expected:.0f} s"}
     began = time.perf_counter()

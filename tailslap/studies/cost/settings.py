@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Changes
 
 EXACT, ODE, MODAL, FE = "exact", "ode", "modal", "fe"
 """Kinds of method: the exact rigid solution, SciPy's integrators of the rigid equations, the plate by a few modes,
@@ -15,7 +16,7 @@ RTOLS = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 SAFETY_FACTORS = (0.45, 0.225)
 """Halves of the default, each of the last."""
 
-MESH, STEP, HOLD, ROWSUM, SUDDEN = (
+MESH, STEP, HOLD, ROWSUM, UNSTRESSED = (
     "mesh",
     "time step",
     "exact constraint",
@@ -39,7 +40,7 @@ class Setting:
     kind: str
     group: str
     label: str
-    changes: tuple[str, ...] = ()
+    changes: Changes = field(default_factory=dict)
     rtol: float = 0.0
     modes: int = 0
     single: bool = False
@@ -67,50 +68,42 @@ def settings(scene: Scene) -> list[Setting]:
 
 
 def _meshes(scene: Scene) -> list[Setting]:
-    exact = ("corner.constraint=exact",)
+    exact, row_sum = {"corner.constraint": "exact"}, {"plate.lumping": "row-sum"}
     return [
         *(_mesh(scene, MESH, factor) for factor in (0.25, 0.5, 1.0, 2.0, 4.0)),
         *(_mesh(scene, HOLD, factor, exact) for factor in (0.5, 1.0, 2.0, 4.0)),
-        *(_mesh(scene, ROWSUM, factor, ("plate.lumping=row-sum",)) for factor in (0.5, 1.0, 2.0, 4.0)),
+        *(_mesh(scene, ROWSUM, factor, row_sum) for factor in (0.5, 1.0, 2.0, 4.0)),
     ]
 
 
 def _elements() -> list[Setting]:
     """Other elements on the scene's mesh; how they converge is seen on the soft plate."""
-    kinds = [_one(ELEMENTS, name, f"plate.element={name}") for name in ("quad9", "tri3", "tri6")]
-    return [*kinds, _one(ELEMENTS, "quad4-reduced", "plate.element=quad4-reduced", "damping.ratio=0.01")]
+    kinds = [Setting(FE, ELEMENTS, name, {"plate.element": name}) for name in ("quad9", "tri3", "tri6")]
+    reduced = {"plate.element": "quad4-reduced", "damping.ratio": 0.01}
+    return [*kinds, Setting(FE, ELEMENTS, "quad4-reduced", reduced)]
 
 
 def _choices() -> list[Setting]:
-    steps = [_one(STEP, f"safety factor {x:g}", f"time.safety_factor={x}") for x in SAFETY_FACTORS]
-    springs = [
-        _one(PENALTY, f"scale {x:g}", f"corner.penalty_scale={x}") for x in (0.01, 0.1, 0.3, 3.0, 10.0)
+    unstressed = {"plate.start": "unstressed", "corner.constraint": "penalty"}
+    return [
+        *_values(STEP, "safety factor", "time.safety_factor", SAFETY_FACTORS),
+        *_values(PENALTY, "scale", "corner.penalty_scale", (0.01, 0.1, 0.3, 3.0, 10.0)),
+        *_values(DAMPING, "ratio", "damping.ratio", (0.01, 0.1, 0.5)),
+        Setting(FE, UNSTRESSED, "undamped", unstressed),
+        Setting(FE, UNSTRESSED, "damping 0.2", {**unstressed, "damping.ratio": 0.2}),
+        Setting(FE, UNSTRESSED, "dashpot 0.5", {**unstressed, "corner.damping_ratio": 0.5}),
+        Setting(FE, "history", "10 rows", {"time.rows": 10}),
+        Setting(FE, SINGLE, "stored", single=True),
     ]
-    damped = [_one(DAMPING, f"ratio {x:g}", f"damping.ratio={x}") for x in (0.01, 0.1, 0.5)]
-    sudden = [
-        _one(SUDDEN, "undamped", "plate.start=unstressed", "corner.constraint=penalty"),
-        _one(
-            SUDDEN, "damping 0.2", "plate.start=unstressed", "corner.constraint=penalty", "damping.ratio=0.2"
-        ),
-        _one(
-            SUDDEN,
-            "dashpot 0.5",
-            "plate.start=unstressed",
-            "corner.constraint=penalty",
-            "corner.damping_ratio=0.5",
-        ),
-    ]
-    rows = [_one("history", "10 rows", "time.rows=10")]
-    return [*steps, *springs, *damped, *sudden, *rows, Setting(FE, SINGLE, "stored", single=True)]
 
 
-def _one(group: str, label: str, *changes: str) -> Setting:
-    return Setting(FE, group, label, changes)
+def _values(group: str, label: str, key: str, values: tuple[float, ...]) -> list[Setting]:
+    return [Setting(FE, group, f"{label} {value:g}", {key: value}) for value in values]
 
 
-def _mesh(scene: Scene, group: str, factor: float, changes: tuple[str, ...] = ()) -> Setting:
+def _mesh(scene: Scene, group: str, factor: float, more: Changes | None = None) -> Setting:
     """The scene's mesh with so many times the elements each way."""
     assert scene.plate is not None
     along, across = (max(2, round(factor * count)) for count in scene.plate.counts)
-    changes = (f"plate.element={scene.plate.element}", *changes, f"plate.elements=[{along}, {across}]")
+    changes = {"plate.element": scene.plate.element, "plate.elements": (along, across), **(more or {})}
     return Setting(FE, group, f"{along} x {across}", changes, refinement=factor)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from tailslap.planning.fe_model import resolved_plate
 from tailslap.planning.fe_plan import needed_plate
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Changes
 from tailslap.studies.cost.settings import DAMPING, FE, MODAL, MODES, PENALTY, STEP, Setting
 
 FREQUENCY, PATCH = 8.0, 0.2
@@ -34,26 +38,24 @@ CHOICE_MESH = 2
 """Choices are made on quad9, so many times finer than the coarsest mesh."""
 
 
-def soft_changes(plan: Plan) -> tuple[str, ...]:
-    """What makes the scene's plate soft, as --set would give it.
+def soft_changes(plan: Plan) -> dict[str, Any]:
+    """What makes the scene's plate soft.
 
     The modulus that gives the first frequency is found once, so that every mesh is of the same plate. Friction is
     left out: on refined meshes a soft plate flutters with it.
     """
     scene, corner = plan.scene, plan.scene.corner
-    plate = needed_plate(scene)
-    found = [
-        f"plate.youngs_modulus={modulus(plan)!r}",
-        "plate.start=inertia-relief",
-        "corner.constraint=exact",
-    ]
-    found += [f"corner.patch_length={patch(scene)!r}"]
-    found += ["plate.first_frequency="] if plate.first_frequency is not None else []
-    found += ["corner.friction=0"] if corner.reaction != "none" else []
-    found += [
-        f"corner.{key}=" for key in ("penalty_scale", "damping_ratio") if key in corner.model_fields_set
-    ]
-    return (*found, *(["damping="] if scene.damping else []))
+    changes = {
+        "plate.youngs_modulus": modulus(plan),
+        "plate.start": "inertia-relief",
+        "corner.constraint": "exact",
+        "corner.patch_length": patch(scene),
+    }
+    removed = ["plate.first_frequency"] if needed_plate(scene).first_frequency is not None else []
+    friction = {"corner.friction": 0} if corner.reaction != "none" else {}
+    spring = sorted(corner.model_fields_set & {"penalty_scale", "damping_ratio"}, reverse=True)
+    removed += [f"corner.{key}" for key in spring] + (["damping"] if scene.damping else [])
+    return changes | friction | dict.fromkeys(removed)
 
 
 def modulus(plan: Plan) -> float:
@@ -90,31 +92,23 @@ def mesh(scene: Scene, factor: int) -> tuple[int, int]:
 
 def soft_settings(scene: Scene) -> list[Setting]:
     """Settings for the soft plate: meshes of every element, then choices on one mesh."""
-    meshes = [_mesh(scene, name, name, factor) for name, factors in REFINED.items() for factor in factors]
-    spring = ("corner.constraint=penalty",)
-    meshes += [_mesh(scene, SPRING, "quad4", factor, spring) for factor in REFINED["quad4"]]
-    steps = [
-        _choice(scene, STEP, f"safety factor {x:g}", 1 / x, f"time.safety_factor={x}") for x in SAFETY_FACTORS
+    spring = {"corner.constraint": "penalty"}
+
+    def choice(group: str, label: str, refinement: float, changes: Changes, **more: Any) -> Setting:
+        on = _mesh(scene, group, "quad9", CHOICE_MESH, changes)
+        return replace(on, label=label, refinement=refinement, choice=True, **more)
+
+    return [
+        *(_mesh(scene, name, name, factor) for name, factors in REFINED.items() for factor in factors),
+        *(_mesh(scene, SPRING, "quad4", factor, spring) for factor in REFINED["quad4"]),
+        *(choice(STEP, f"safety factor {x:g}", 1 / x, {"time.safety_factor": x}) for x in SAFETY_FACTORS),
+        *(choice(PENALTY, f"scale {x:g}", x, {**spring, "corner.penalty_scale": x}) for x in SCALES),
+        *(choice(DAMPING, f"ratio {x:g}", 1 / x, {"damping.ratio": x}) for x in RATIOS),
+        *(choice(MODES, f"{n} modes", float(n), {}, kind=MODAL, modes=n) for n in COUNTS),
     ]
-    springs = [
-        _choice(scene, PENALTY, f"scale {x:g}", x, *spring, f"corner.penalty_scale={x}") for x in SCALES
-    ]
-    damped = [_choice(scene, DAMPING, f"ratio {x:g}", 1 / x, f"damping.ratio={x}") for x in RATIOS]
-    modal = [_choice(scene, MODES, f"{n} modes", float(n), modes=n) for n in COUNTS]
-    return [*meshes, *steps, *springs, *damped, *modal]
 
 
-def _mesh(scene: Scene, group: str, element: str, factor: int, changes: tuple[str, ...] = ()) -> Setting:
+def _mesh(scene: Scene, group: str, element: str, factor: int, more: Changes | None = None) -> Setting:
     along, across = mesh(scene, factor)
-    given = (f"plate.element={element}", f"plate.elements=[{along}, {across}]", *changes)
+    given = {"plate.element": element, "plate.elements": (along, across), **(more or {})}
     return Setting(FE, group, f"{along} x {across}", given, refinement=factor, soft=True)
-
-
-def _choice(
-    scene: Scene, group: str, label: str, refinement: float, *changes: str, modes: int | None = None
-) -> Setting:
-    on = _mesh(scene, group, "quad9", CHOICE_MESH, changes)
-    kind = FE if modes is None else MODAL
-    return Setting(
-        kind, group, label, on.changes, modes=modes or 0, refinement=refinement, soft=True, choice=True
-    )

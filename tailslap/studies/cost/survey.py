@@ -9,17 +9,17 @@ from itertools import pairwise
 from pathlib import Path
 
 from postprocess.comparison.grid_convergence import GridConvergence, grid_convergence
+from tailslap.execution.journal import Journal
+from tailslap.execution.run_parts import run_parts
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import COMPARED
-from tailslap.progress import progress_bar
-from tailslap.scene.files import read_scene
+from tailslap.scene.vary import shown, vary
 from tailslap.studies import with_elements
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import Record, error_from, measure, rigid_truth
 from tailslap.studies.cost.points import CostSurvey, Point
 from tailslap.studies.cost.settings import MESH, STEP, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
-from tailslap.studies.journal import Journal
 from tailslap.studies.study import Call
 
 ROUNDING = 2.2e-12
@@ -34,28 +34,24 @@ SOFT_QUAD4, LIMIT, SOFT_STEP = "soft plate, quad4", "soft plate, quad9", "soft p
 
 def study_cost(call: Call) -> CostSurvey:
     """The study as the command line asks for it."""
-    changes = with_elements(call.plan, call.changes)
-    return survey(make_plan(*read_scene(call.name, changes)), call.name, changes, call.place)
+    return survey(with_elements(call.plan), call.place)
 
 
-def survey(plan: Plan, name: str, changes: tuple[str, ...], place: Path) -> CostSurvey:
+def survey(plan: Plan, place: Path) -> CostSurvey:
     """Measure every setting; an interrupted survey of the same scene goes on from its journal beside `place`."""
     began, todo = time.perf_counter(), [*settings(plan.scene), *soft_settings(plan.scene)]
     definition = {"study": "cost", "scene": plan.scene.model_dump(), "settings": [s.key for s in todo]}
-    with (
-        Journal(place, definition) as journal,
-        progress_bar(f"{plan.scene.name}: {len(todo)} settings") as progress,
-    ):
+    with Journal(place, definition) as journal:
         if SOFT_PLATE not in journal.records:
-            journal.add(SOFT_PLATE, list(soft_changes(plan)))
-        soft = tuple(journal.records[SOFT_PLATE])
-        for number, setting in enumerate(todo):
-            if setting.key not in journal.records:
-                journal.add(setting.key, measure(name, (*changes, *(soft if setting.soft else ())), setting))
-            progress((number + 1) / len(todo))
+            journal.add(SOFT_PLATE, soft_changes(plan))
+        changes = journal.records[SOFT_PLATE]
+        soft_scene, soft = vary(plan.source, changes)
+        parts = {s.key: (soft if s.soft else plan.source, s) for s in todo}
+        # One after the other: they are timed.
+        run_parts(measure, parts, journal, f"{plan.scene.name}: {len(todo)} settings", workers=1)
         records = {setting.key: journal.records[setting.key] for setting in todo}
-    soft_truth = rigid_truth(make_plan(*read_scene(name, (*changes, *soft))))
-    return summed_up(plan, todo, records, soft, soft_truth, time.perf_counter() - began)
+    soft_truth = rigid_truth(make_plan(soft_scene))
+    return summed_up(plan, todo, records, shown(changes), soft_truth, time.perf_counter() - began)
 
 
 def summed_up(

@@ -12,7 +12,6 @@ import numpy as np
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced, progress_bar
-from tailslap.scene.files import read_scene
 from tailslap.studies import with_elements
 from tailslap.studies.features.loops import Loop, bare_loop, difference, program_loop, rows_of_history
 from tailslap.studies.features.parts import AGAIN, BARE, PLAIN, Part, fe_plan_of, parts_of, refusal, with_wall
@@ -122,7 +121,7 @@ class Costs:
 
 def study_costs(call: Call, turns: int) -> Costs:
     """The study as the command line asks for it; all parts get the elements that the program chooses."""
-    return find_costs(make_plan(*read_scene(call.name, with_elements(call.plan, call.changes))), turns)
+    return find_costs(with_elements(call.plan), turns)
 
 
 def find_costs(plan: Plan, turns: int) -> Costs:

@@ -9,7 +9,8 @@ from typing import Any
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.scene.schema import Corner, Damping, Material, Scene, Wall
+from tailslap.scene.schema import Scene, Wall
+from tailslap.scene.vary import Changes, varied
 
 PLAIN, AGAIN, BARE = "plain", "plain again", "bare loop"
 """The loop without parts, the same a second time, and the loop that has no code for them."""
@@ -33,44 +34,45 @@ class Part:
 
 def plain_scene(scene: Scene) -> Scene:
     """The scene with a plate, a penalty spring, and nothing else that a step has to work for."""
-    plate = needed_plate(scene)
-    element = "quad4" if plate.element == "quad4-reduced" else plate.element
-    return _changed(
-        scene,
-        corner=Corner(reaction="none", penalty_scale=scene.corner.penalty_scale),
-        plate=plate.model_copy(update={"element": element}),
-        time=scene.time.model_copy(update={"threads": 1}),
+    reduced = {"plate.element": "quad4", "plate.hourglass": None}
+    changes = {
+        "corner": {"reaction": "none", "penalty_scale": scene.corner.penalty_scale},
+        "time.threads": 1,
         **dict.fromkeys(("material", "damping", "wall")),
-    )
+        **(reduced if needed_plate(scene).element == "quad4-reduced" else {}),
+    }
+    return varied(scene, changes)
 
 
 def parts_of(scene: Scene) -> list[Part]:
     """The plain scene, and the plain scene with each part; values are the scene's own where it has them."""
     plain = plain_scene(scene)
-    given, plate, damping = scene.corner, needed_plate(plain), scene.damping
+    given, damping = scene.corner, scene.damping
     ratio = (damping.ratio if damping else None) or 0.02
     patch = given.patch_length or 0.1 * scene.vehicle.length
     dashpot = given.damping_ratio or 0.2
     law = given.reaction if given.reaction != "none" else "drag"
     friction = scene.corner_friction or (scene.impact.friction if scene.impact else 0.0) or 0.47
-    one_point = _changed(plain, plate=plate.model_copy(update={"element": "quad4-reduced"}))
+    sliding = {"corner.reaction": law, "corner.friction": friction}
+    exact = {"corner.constraint": "exact", "corner.penalty_scale": None}
+    one_point = {"plate.element": "quad4-reduced", "plate.hourglass": needed_plate(scene).hourglass}
 
-    def corner(**changes: Any) -> Scene:
-        return _changed(plain, corner=plain.corner.model_copy(update=changes))
+    def part(name: str, what: str, changes: Changes, *rest: Any, **more: Any) -> Part:
+        return Part(name, what, varied(plain, changes), *rest, **more)
 
     parts = [
         Part(PLAIN, "internal forces, penalty spring, drift", plain, without=""),
-        Part("friction", f"{law}, coefficient {friction:g}", corner(reaction=law, friction=friction)),
-        Part("damping", f"damping.ratio = {ratio:g}", _changed(plain, damping=Damping(ratio=ratio))),
-        Part("dashpot", f"corner.damping_ratio = {dashpot:g}", corner(damping_ratio=dashpot)),
-        Part("exact constraint", 'corner.constraint = "exact"', corner(constraint="exact")),
-        Part("patch", f"corner.patch_length = {patch:g}", corner(patch_length=patch)),
-        Part("neo-Hookean", "material.law", _changed(plain, material=Material(law="neo-hookean"))),
-        Part(ONE_POINT, "no control", one_point, controlled=False),
-        Part("hourglass control", 'plate.element = "quad4-reduced"', one_point, ONE_POINT),
+        part("friction", f"{law}, coefficient {friction:g}", sliding),
+        part("damping", f"damping.ratio = {ratio:g}", {"damping.ratio": ratio}),
+        part("dashpot", f"corner.damping_ratio = {dashpot:g}", {"corner.damping_ratio": dashpot}),
+        part("exact constraint", 'corner.constraint = "exact"', exact),
+        part("patch", f"corner.patch_length = {patch:g}", {"corner.patch_length": patch}),
+        part("neo-Hookean", "material.law", {"material.law": "neo-hookean"}),
+        part(ONE_POINT, "no control", one_point, controlled=False),
+        part("hourglass control", 'plate.element = "quad4-reduced"', one_point, ONE_POINT),
     ]
     if (os.cpu_count() or 1) > 1:
-        parts.append(Part("two threads", "time.threads = 2", _changed(plain, time=_threads(plain))))
+        parts.append(part("two threads", "time.threads = 2", {"time.threads": 2}))
     if _loop_tables(scene) != _loop_tables(plain):
         parts.append(Part("the scene as given", "all its parts", scene))
     return parts
@@ -78,10 +80,9 @@ def parts_of(scene: Scene) -> list[Part]:
 
 def with_wall(scene: Scene, plan: Plan) -> Scene:
     """The plain scene with a wall: its own, or one as long as the slide needs."""
-    wall = scene.wall or Wall(
-        length=2.0 * max(1.0, abs(plan.motion.strike.slide)), depth=5.0, elements=(60, 10)
-    )
-    return _changed(plain_scene(scene), wall=wall)
+    length = 2.0 * max(1.0, abs(plan.motion.strike.slide))
+    wall = scene.wall or Wall(length=length, depth=5.0, elements=(60, 10))
+    return varied(plain_scene(scene), {"wall": wall.model_dump()})
 
 
 def fe_plan_of(part: Part) -> FePlan:
@@ -98,15 +99,7 @@ def refusal(part: Part) -> str:
     return ""
 
 
-def _threads(scene: Scene) -> Any:
-    return scene.time.model_copy(update={"threads": 2})
-
-
 def _loop_tables(scene: Scene) -> tuple[Any, ...]:
     """What the time loop of a scene depends on."""
     plate = needed_plate(scene)
     return scene.corner, plate.element, scene.material, scene.damping, scene.time.threads
-
-
-def _changed(scene: Scene, **tables: Any) -> Scene:
-    return scene.model_copy(update=tables)

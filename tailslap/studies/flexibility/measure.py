@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import time
 from typing import Any
@@ -14,9 +13,8 @@ from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene.files import validate
+from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.flexibility.sweep import STARTS, Section
-from tailslap.studies.stability.axes import Tables
 
 Record = dict[str, Any]
 
@@ -28,42 +26,43 @@ JUDGED = "numerical error"
 
 
 def measure(
-    starts: dict[str, list[Tables | None]], modal: Tables, own: Section | None, half_patch: Tables | None
+    base: Source, starts: dict[str, list[Changes | None]], modal: Changes, own: Section | None, half: bool
 ) -> Record:
-    """The record of a point; starts: by name the tables of their runs, coarse to fine, None for one that is left out.
+    """The record of a point; starts: by name what its runs change, coarse to fine, None for one that is left out.
 
     modal: of the modal model; own: the scene's section where the first start's middle mesh is run once more by its
-    thickness; half_patch: the finest mesh held over half the length, where that is to be run.
+    thickness; half: whether the finest mesh is run once more, held over half the length.
     """
-    runs = {name: [one_run(tables) for tables in meshes] for name, meshes in starts.items()}
-    record: Record = {"starts": runs, "modal": modal_opinion(modal)}
-    if half_patch is not None:
-        record["half_patch"] = one_run(half_patch)
-    tables, middle = starts[STARTS[0]][1], runs[STARTS[0]][1]
-    if own is not None and tables is not None and "refused" not in middle:
-        record["thickness"] = one_run(thickness_tables(tables, middle["youngs_modulus"], own))
+    runs = {name: [one_run(base, changes) for changes in meshes] for name, meshes in starts.items()}
+    record: Record = {"starts": runs, "modal": modal_opinion(base, modal)}
+    _, changes, finest = starts[STARTS[0]]
+    if half and finest is not None:
+        patch = 0.5 * finest["corner.patch_length"]
+        record["half_patch"] = one_run(base, {**finest, "corner.patch_length": patch})
+    middle = runs[STARTS[0]][1]
+    if own is not None and changes is not None and "refused" not in middle:
+        record["thickness"] = one_run(base, thickness_changes(changes, middle["youngs_modulus"], own))
     return record
 
 
-def thickness_tables(tables: Tables, modulus: float, own: Section) -> Tables:
-    """The plate of these tables, whose modulus is this [Pa], with the scene's own modulus and the thickness for it.
+def thickness_changes(changes: Changes, modulus: float, own: Section) -> Changes:
+    """The plate of these changes, whose modulus is this [Pa], with the scene's own modulus and the thickness for it.
 
     E t stays, and so does density times thickness, which is the mass.
     """
-    tables, ratio = copy.deepcopy(tables), modulus / own.youngs_modulus
-    tables["plate"].pop("first_frequency")
+    ratio = modulus / own.youngs_modulus
     changed = Section(own.thickness * ratio, own.density / ratio, own.youngs_modulus)
-    tables["plate"] |= changed._asdict()
-    return tables
+    plate = {f"plate.{key}": value for key, value in changed._asdict().items()}
+    return {**changes, "plate.first_frequency": None, **plate}
 
 
-def one_run(tables: Tables | None) -> Record:
+def one_run(base: Source, changes: Changes | None) -> Record:
     """Values, failed checks, reaction and stored energy of a finite-element run; `refused` says why there is none."""
-    if tables is None:
+    if changes is None:
         return {"refused": "left out: its time loop would take too long"}
     began = time.perf_counter()
     try:
-        outcome = run_scene(make_plan(validate(tables)))
+        outcome = run_scene(make_plan(*vary(base, changes)))
     except InputError as error:
         return {"refused": str(error)}
     except Exception as error:  # one point must not end the study; it is shown as failed
@@ -122,12 +121,12 @@ def stored_share(outcome: Outcome) -> float:
     return float(history["strain_energy"].max() / history["kinetic_energy"][0])
 
 
-def modal_opinion(tables: Tables) -> Record:
+def modal_opinion(base: Source, changes: Changes) -> Record:
     """The same plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
     from tailslap.modal import modal_run
 
     try:
-        found = modal_run(make_fe_plan(make_plan(validate(tables))), tolerance=1.0)
+        found = modal_run(make_fe_plan(make_plan(*vary(base, changes))), tolerance=1.0)
     except InputError as error:
         return {"refused": str(error)}
     except Exception as error:  # as above

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tailslap.execution.journal import Journal
+from tailslap.execution.run_parts import run_parts
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import Plan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.scene.vary import Changes
 from tailslap.studies.flexibility.levels import (
     Level,
     PowerLaw,
@@ -27,13 +30,9 @@ from tailslap.studies.flexibility.sweep import (
     define,
     expected_seconds,
     frequencies,
-    half_patch_tables,
-    run_tables,
+    run_changes,
     thickness_places,
 )
-from tailslap.studies.journal import Journal
-from tailslap.studies.parallel import run_parts
-from tailslap.studies.stability.axes import Tables
 from tailslap.studies.study import Call
 
 LEVELS = (1e-3, 1e-2, 5e-2, 1e-1)
@@ -91,22 +90,20 @@ def _parts(sweep: Sweep, fe_plan: FePlan) -> dict[str, tuple[Any, ...]]:
     parts = {}
     for number, frequency in enumerate(sweep.frequencies):
         starts = {name: _runs(sweep, fe_plan, frequency, name) for name in STARTS}
-        modal = run_tables(sweep, frequency, sweep.meshes[-1])
-        modal.pop("damping", None)
-        finest = starts[STARTS[0]][-1]
-        half = half_patch_tables(finest) if finest is not None and number == middle else None
-        parts[f"{frequency!r} Hz"] = (starts, modal, sweep.own if number in thin else None, half)
+        modal = {**run_changes(sweep, frequency, sweep.meshes[-1]), "damping": None}
+        own = sweep.own if number in thin else None
+        parts[f"{frequency!r} Hz"] = (sweep.plan.source, starts, modal, own, number == middle)
     return parts
 
 
-def _runs(sweep: Sweep, fe_plan: FePlan, frequency: float, start: str) -> list[Tables | None]:
-    """Tables of a start's runs; of an oscillating plate the finest, since that makes a run on another mesh by itself.
+def _runs(sweep: Sweep, fe_plan: FePlan, frequency: float, start: str) -> list[Changes | None]:
+    """What a start's runs change; of an oscillating plate the finest, since that makes a run on another mesh by itself.
 
     A run that would take too long is left out.
     """
     meshes = sweep.meshes[-1:] if start == "unstressed" else sweep.meshes
     return [
-        run_tables(sweep, frequency, mesh, start)
+        run_changes(sweep, frequency, mesh, start)
         if expected_seconds(sweep, fe_plan, frequency, mesh) <= TOO_LONG
         else None
         for mesh in meshes

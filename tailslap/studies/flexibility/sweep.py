@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tailslap.errors import InputError
+from tailslap.planning.cost import loop_seconds
 from tailslap.planning.fe_model import MIN_STEPS, plate_density
 from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
-from tailslap.studies.stability.axes import Tables, base_tables
+from tailslap.scene.vary import Changes
 
 STARTS = ("inertia-relief", "inertia-relief-momenta", "unstressed")
 """The starts that are run, whatever the scene's own; the first with meshes, modal model and thicknesses beside it."""
@@ -32,9 +32,6 @@ LEAST_HALVED = (4, 2)
 
 TOO_LONG = 120.0
 """Expected seconds of a time loop above which a run is left out."""
-
-NANOSECONDS = {"quad4": 12.0, "quad4-reduced": 12.0, "tri3": 8.0, "quad9": 75.0, "tri6": 40.0}
-"""Time per element update on one core, roughly."""
 
 THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
 """Places in the sweep where it is repeated by the thickness, from the stiffest (0) to the softest (1)."""
@@ -126,19 +123,23 @@ def held(scene: Scene, coarsest: tuple[int, int]) -> Held:
     return Held(corner.constraint if own else "exact", patch, own, corner.patch_length is not None)
 
 
-def run_tables(sweep: Sweep, frequency: float, elements: tuple[int, int], start: str = STARTS[0]) -> Tables:
-    """The scene with this first frequency [Hz], mesh and start, its corner held as the study holds it."""
-    tables = copy.deepcopy(base_tables(sweep.plan.scene))
-    tables.pop("verify", None)  # plates that differ from the rigid body are the subject, and no failure
-    plate, corner = tables["plate"], tables.setdefault("corner", {})
-    plate.pop("youngs_modulus", None)
-    plate |= {"first_frequency": frequency, "elements": elements, "element": sweep.element, "start": start}
-    corner |= {"patch_length": sweep.held.patch}
+def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start: str = STARTS[0]) -> Changes:
+    """What gives the scene this first frequency [Hz], mesh and start, its corner held as the study holds it."""
+    changes: dict[str, Any] = {
+        "wall": None,
+        "verify": None,  # plates that differ from the rigid body are the subject, and no failure
+        "plate.youngs_modulus": None,
+        "plate.first_frequency": frequency,
+        "plate.elements": elements,
+        "plate.element": sweep.element,
+        "plate.start": start,
+        "corner.patch_length": sweep.held.patch,
+    }
     if not sweep.held.own_constraint:
-        corner["constraint"] = sweep.held.constraint
+        changes["corner.constraint"] = sweep.held.constraint
     if start == "unstressed":
-        tables.setdefault("time", {})["rows"] = _rows(sweep, frequency)
-    return tables
+        changes["time.rows"] = _rows(sweep, frequency)
+    return changes
 
 
 def _rows(sweep: Sweep, frequency: float) -> int:
@@ -147,20 +148,13 @@ def _rows(sweep: Sweep, frequency: float) -> int:
     return max(sweep.plan.scene.time.rows, min(MOST_ROWS, math.ceil(ROWS_A_PERIOD * periods)))
 
 
-def half_patch_tables(tables: Tables) -> Tables:
-    """The same with the corner held over half the length of side."""
-    tables = copy.deepcopy(tables)
-    tables["corner"]["patch_length"] *= 0.5
-    return tables
-
-
 def expected_seconds(sweep: Sweep, fe_plan: FePlan, frequency: float, elements: tuple[int, int]) -> float:
     """Time that the loop is expected to take, from the scene's own steps."""
     own = fe_plan.plate.elements
     assert own is not None
     finer = elements[0] / own[0]
     steps = max(MIN_STEPS, fe_plan.expected_steps * finer * frequency / sweep.own_frequency)
-    return math.prod(elements) * steps * NANOSECONDS[fe_plan.plate.element] * 1e-9
+    return loop_seconds(fe_plan.plate.element, elements, steps)
 
 
 def thickness_places(points: int) -> set[int]:

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 from postprocess.comparison.comparison import largest
 from tailslap.run import Outcome
-from tailslap.studies.stability.axes import Tables
 from tailslap.studies.stability.reference import Reference, find_reference
 from tailslap.studies.stability.verdict import (
     CAUGHT,
@@ -40,9 +39,9 @@ GOOD_TO = (5e-4, 0.1)
 """The same for a result that is good beyond doubt."""
 
 
-def against_reference(tables: Tables, outcome: Outcome) -> Verdict:
+def against_reference(outcome: Outcome) -> Verdict:
     """The verdict; without a strike there is nothing to compare."""
-    reference = find_reference(tables, outcome.fe_plan.plate) if outcome.fe else None
+    reference = find_reference(outcome.fe_plan.asked.source, outcome.fe_plan.plate) if outcome.fe else None
     return grade(outcome.difference, failed_checks(outcome), reference)
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import time
 from collections.abc import Mapping
+from typing import Any
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene.files import validate
-from tailslap.scene.schema import Plate
-from tailslap.studies.stability.axes import Tables
+from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.vary import Changes, vary
 from tailslap.studies.stability.reference import FLUTTER_DAMPING, quadratic_and_exact
 from tailslap.studies.stability.verdict import (
     CAUGHT,
@@ -43,26 +42,26 @@ BESIDE_THE_POINT = {"reaction against rigid", "friction by ringing"}
 """Checks that a refined model may fail and still confirm the five quantities: if it is corrupted, it disagrees."""
 
 
-def against_rigid(tables: Tables, outcome: Outcome, tolerance: float) -> Verdict:
+def against_rigid(outcome: Outcome, tolerance: float) -> Verdict:
     """The verdict; tolerance: difference from the rigid motion up to which the cell is right."""
     found = largest(outcome.difference)
     if not outcome.passed:
         return Verdict(CAUGHT, ", ".join(failed_checks(outcome)), difference=found)
     if found <= tolerance:
         return Verdict(RIGHT, difference=found)
-    return _confirmed(tables, outcome, found, tolerance)
+    return _confirmed(outcome, found, tolerance)
 
 
-def _confirmed(tables: Tables, outcome: Outcome, found: float, tolerance: float) -> Verdict:
+def _confirmed(outcome: Outcome, found: float, tolerance: float) -> Verdict:
     """Flexible if its own error is small beside the difference and the difference survives refinement, else wrong."""
-    own = outcome.error
+    own, asked = outcome.error, outcome.fe_plan.asked
     # Statics bounds error and flexibility alike: with a bound that is wide, both are.
     if not own.total <= tolerance + SURVIVES * max(found, own.flexibility):
         return Verdict(WRONG, reason=f"its own numerical error is {own.total:.1e}", difference=found)
     verdict = Verdict(WRONG, reason="no refined model came to a result", difference=found)
     for name, refine in REFINEMENTS.items():
         began = time.perf_counter()
-        refined = _refined_difference(refine(copy.deepcopy(tables), outcome.fe_plan.plate))
+        refined = _refined_difference(asked, refine(asked.scene, outcome.fe_plan.plate))
         if refined is None:
             continue
         its, moved = largest(refined), distance(outcome.difference, refined)
@@ -75,39 +74,37 @@ def _confirmed(tables: Tables, outcome: Outcome, found: float, tolerance: float)
     return verdict
 
 
-def _refined_difference(tables: Tables) -> Mapping[str, float] | None:
+def _refined_difference(plan: Plan, changes: Changes) -> Mapping[str, float] | None:
     """Differences of a refined model from the rigid motion; None where they say nothing."""
     try:
-        refined = run_scene(make_plan(validate(tables)))
+        refined = run_scene(make_plan(*vary(plan.source, changes)))
     except InputError:
         return None
     usable = math.isfinite(largest(refined.difference)) and set(failed_checks(refined)) <= BESIDE_THE_POINT
     return refined.difference if usable else None
 
 
-def _finer(tables: Tables, plate: Plate) -> Tables:
+def _finer(scene: Scene, plate: Plate) -> Changes:
     """Twice the elements each way, half the time step, four times the corner's spring; plate: as the run had it."""
-    along, across = plate.counts
-    tables["plate"] |= {"elements": (2 * along, 2 * across), "element": plate.element}
-    time, corner = tables.setdefault("time", {}), tables.setdefault("corner", {})
-    time["safety_factor"] = 0.5 * time.get("safety_factor", 0.9)
-    if corner.keys() & {"penalty_scale", "damping_ratio"} or corner.get("constraint") == "penalty":
-        corner["penalty_scale"] = 4.0 * corner.get("penalty_scale", 1.0)
-    return tables
+    (along, across), corner = plate.counts, scene.corner
+    changes: dict[str, Any] = {"plate.elements": (2 * along, 2 * across), "plate.element": plate.element}
+    changes |= {"time.safety_factor": 0.5 * scene.time.safety_factor}
+    if corner.constraint == "penalty" and not corner.constraint_is_open:
+        changes |= {"corner.penalty_scale": 4.0 * corner.penalty_scale}
+    return changes
 
 
-def _finer_and_damped(tables: Tables, plate: Plate) -> Tables:
+def _finer_and_damped(scene: Scene, plate: Plate) -> Changes:
     """The same, with damping enough to keep the finer model from fluttering."""
-    damping = tables.setdefault("damping", {})
-    damping["ratio"] = max(FLUTTER_DAMPING, damping.get("ratio", 0.0))
-    return _finer(tables, plate)
+    ratio = (scene.damping.ratio if scene.damping else None) or 0.0
+    return {"damping.ratio": max(FLUTTER_DAMPING, ratio), **_finer(scene, plate)}
 
 
-def _richer(tables: Tables, plate: Plate) -> Tables:
+def _richer(scene: Scene, plate: Plate) -> Changes:
     """Quadratic elements and the exact constraint, on finer elements where they were quadratic already."""
     along, across = plate.counts
     times = 1 if ELEMENT_KINDS[plate.element].richer else 2
-    return quadratic_and_exact(tables, plate, (times * along, times * across))
+    return quadratic_and_exact(plate, (times * along, times * across))
 
 
 REFINEMENTS = {"finer": _finer, "finer_and_damped": _finer_and_damped, "richer": _richer}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,27 +11,33 @@ from typing import Any
 import numpy as np
 
 from tailslap.scene.schema import Scene
-
-Tables = dict[str, dict[str, Any]]
+from tailslap.scene.vary import Changes, Source, changed_tables, vary
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A quantity that varies: name, what its numbers mean, values, its setter."""
+    """A quantity that varies: name, what its numbers mean, values, what a value changes in a scene."""
 
     name: str
     meaning: str
     values: tuple[float, ...]
-    apply: Callable[[Tables, float], None]
+    changes: Callable[[Scene, float], Changes]
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A scene of the campaign: its key in the journal, its entries in the table of cells, and its tables."""
+    """A scene of the campaign: its key in the journal, its entries in the table of cells, and what it changes in which
+    scene; that need not make a scene."""
 
     key: str
     entries: dict[str, Any]
-    tables: Tables
+    base: Source
+    changes: Changes
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """Its tables, as in a scene file."""
+        return changed_tables(self.base.given, self.changes)[0]
 
 
 def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
@@ -59,20 +64,21 @@ def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
     return tuple(axis for axis in axes if axis.name not in absent)
 
 
-def map_cells(base: Tables, axes: tuple[Axis, ...]) -> list[Cell]:
+def map_cells(scene: Scene, axes: tuple[Axis, ...]) -> list[Cell]:
     """Every cell of the map: each pair of axes, each pair of their values."""
+    base = base_source(scene)
     return [
-        _map_cell(base, pair, values)
+        _map_cell(scene, base, pair, values)
         for pair in combinations(axes, 2)
         for values in product(*(axis.values for axis in pair))
     ]
 
 
-def _map_cell(base: Tables, pair: tuple[Axis, ...], values: tuple[float, ...]) -> Cell:
+def _map_cell(scene: Scene, base: Source, pair: tuple[Axis, ...], values: tuple[float, ...]) -> Cell:
     (first, second), (x, y) = pair, values
     entries = {"first": first.name, "first_value": x, "second": second.name, "second_value": y}
-    point = {first.name: x, second.name: y}
-    return Cell(cell_key(point), entries, cell_tables(base, pair, point))
+    changes = {**first.changes(scene, x), **second.changes(scene, y)}
+    return Cell(cell_key({first.name: x, second.name: y}), entries, base, changes)
 
 
 def cell_key(point: Mapping[str, float]) -> str:
@@ -80,63 +86,55 @@ def cell_key(point: Mapping[str, float]) -> str:
     return " ".join(f"{name}={value!r}" for name, value in point.items())
 
 
-def base_tables(scene: Scene) -> Tables:
-    """The scene's tables, SI, as the cells change them; the wall is left out, since slides differ."""
-    tables: Tables = scene.model_dump(exclude_unset=True)
-    tables.pop("wall", None)
-    tables["name"] = scene.name  # type: ignore[assignment]
-    return tables
+def base_source(scene: Scene) -> Source:
+    """What the cells change: the scene in SI, without its wall, since slides differ."""
+    return vary(Source.of(scene), {"wall": None})[1]
 
 
-def cell_tables(base: Tables, axes: tuple[Axis, ...], point: Mapping[str, float]) -> Tables:
-    """The scene's tables where the axes have these values, in their order."""
-    tables, by_name = copy.deepcopy(base), {axis.name: axis for axis in axes}
-    for name, value in point.items():
-        by_name[name].apply(tables, value)
-    return tables
+def _stiffness(scene: Scene, factor: float) -> Changes:
+    plate = scene.plate
+    assert plate is not None
+    if plate.first_frequency is not None:
+        return {"plate.first_frequency": plate.first_frequency * math.sqrt(factor)}
+    assert plate.youngs_modulus is not None
+    return {"plate.youngs_modulus": plate.youngs_modulus * factor}
 
 
-def _stiffness(tables: Tables, factor: float) -> None:
-    plate = tables["plate"]
-    if "first_frequency" in plate:
-        plate["first_frequency"] *= math.sqrt(factor)
-    else:
-        plate["youngs_modulus"] *= factor
+def _penalty(scene: Scene, value: float) -> Changes:
+    return {"corner.penalty_scale": value}
 
 
-def _penalty(tables: Tables, value: float) -> None:
-    tables.setdefault("corner", {})["penalty_scale"] = value
+def _friction(scene: Scene, value: float) -> Changes:
+    return {"corner.friction": value}
 
 
-def _friction(tables: Tables, value: float) -> None:
-    tables.setdefault("corner", {})["friction"] = value
+def _speed(scene: Scene, factor: float) -> Changes:
+    start, changes = scene.start, {}
+    if scene.impact:
+        changes["impact.speed"] = scene.impact.speed * factor
+    if start and start.omega is not None:
+        changes["start.omega"] = start.omega * factor
+    if start and start.corner_speed is not None:
+        changes["start.corner_speed"] = start.corner_speed * factor
+    return changes
 
 
-def _speed(tables: Tables, factor: float) -> None:
-    for table, keys in (("impact", ("speed",)), ("start", ("omega", "corner_speed"))):
-        for key in keys:
-            if key in tables.get(table, {}):
-                tables[table][key] *= factor
+def _angle(scene: Scene, degrees: float) -> Changes:
+    angles = {"impact.angle": scene.impact, "start.angle": scene.start}
+    given = [key for key, table in angles.items() if table and table.angle is not None]
+    return dict.fromkeys(given, math.radians(degrees))
 
 
-def _angle(tables: Tables, degrees: float) -> None:
-    for table in ("impact", "start"):
-        if "angle" in tables.get(table, {}):
-            tables[table]["angle"] = math.radians(degrees)
+def _slenderness(scene: Scene, ratio: float) -> Changes:
+    return {"vehicle.width": ratio * scene.vehicle.length}
 
 
-def _slenderness(tables: Tables, ratio: float) -> None:
-    tables["vehicle"]["width"] = ratio * tables["vehicle"]["length"]
+def _time_step(scene: Scene, factor: float) -> Changes:
+    return {"time.safety_factor": factor}
 
 
-def _time_step(tables: Tables, factor: float) -> None:
-    tables.setdefault("time", {})["safety_factor"] = factor
-
-
-def _damping(tables: Tables, ratio: float) -> None:
+def _damping(scene: Scene, ratio: float) -> Changes:
     if ratio > 0.0:
-        tables.setdefault("damping", {})["ratio"] = ratio
-    else:
-        tables.get("damping", {}).pop("ratio", None)
-        if not tables.get("damping"):
-            tables.pop("damping", None)
+        return {"damping.ratio": ratio}
+    alone = scene.damping is not None and scene.damping.model_fields_set == {"ratio"}
+    return {"damping" if alone else "damping.ratio": None}

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from tailslap.execution.journal import Journal
+from tailslap.execution.run_parts import run_parts
 from tailslap.planning.plan import Plan
-from tailslap.studies.journal import Journal
-from tailslap.studies.parallel import run_parts
 from tailslap.studies.stability import against_reference, against_rigid
-from tailslap.studies.stability.axes import Axis, Cell, base_tables, cell_key, map_cells, stability_axes
+from tailslap.studies.stability.axes import Axis, Cell, base_source, cell_key, map_cells, stability_axes
 from tailslap.studies.stability.draw import random_cells
 from tailslap.studies.stability.verdict import CAUGHT, REFUSED, WRONG, Verdict, verdict_on
 from tailslap.studies.study import Call
@@ -88,23 +88,24 @@ def run_campaign(
 ) -> Campaign:
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
     began, scene = time.perf_counter(), call.plan.scene
-    base = base_tables(scene)
     axes = () if count else stability_axes(scene, points)
     verify: Callable[..., Verdict]
     settings: dict[str, Any]
     if count:
         cells, kinds, verify = (
-            random_cells(base, seed, count),
+            random_cells(scene, seed, count),
             against_reference.KINDS,
             against_reference.against_reference,
         )
         settings = {"seed": seed}  # their number is left out: more cells go on from those there are
     else:
-        cells, kinds = map_cells(base, axes), against_rigid.KINDS
+        cells, kinds = map_cells(scene, axes), against_rigid.KINDS
         verify = partial(against_rigid.against_rigid, tolerance=tolerance)
         settings = {"points": points, "tolerance": tolerance}
-    with Journal(call.place, {"study": "stability", "scene": base, **settings}) as journal:
-        parts = {cell.key: (cell.tables, verify) for cell in cells}
+    with Journal(
+        call.place, {"study": "stability", "scene": base_source(scene).given, **settings}
+    ) as journal:
+        parts = {cell.key: (cell.base, cell.changes, verify) for cell in cells}
         run_parts(verdict_on, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
         verdicts = {cell.key: Verdict(**journal.records[cell.key]) for cell in cells}
     seconds = time.perf_counter() - began

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import validate
-from tailslap.studies.stability.axes import Cell, Tables
+from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Changes, Source, vary
+from tailslap.studies.stability.axes import Cell, base_source
 from tailslap.studies.stability.effort import beam_frequency, expected_effort
 
 MAX_STEPS, MAX_SECONDS = 400_000, 3.0
@@ -46,123 +47,130 @@ class _Dice:
         return values[int(self._random.choice(len(values), p=shares))]
 
 
-def random_cells(base: Tables, seed: int, count: int) -> list[Cell]:
+def random_cells(scene: Scene, seed: int, count: int) -> list[Cell]:
     """The first so many draws of a seed."""
-    drawn = [draw(base, seed, number) for number in range(count)]
-    return [Cell(f"{n:04d}", {"number": n, **flat(tables)}, tables) for n, tables in enumerate(drawn)]
+    base = base_source(scene)
+    return [_random_cell(scene, base, seed, number) for number in range(count)]
 
 
-def flat(tables: Tables) -> dict[str, Any]:
+def _random_cell(scene: Scene, base: Source, seed: int, number: int) -> Cell:
+    cell = Cell(f"{number:04d}", {}, base, draw(scene, base, seed, number))
+    return replace(cell, entries={"number": number, **flat(cell.tables)})
+
+
+def flat(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Values of a scene by the full names of their keys, sorted."""
     inner = [(name, table) for name, table in tables.items() if isinstance(table, dict)]
     return dict(sorted((f"{name}.{key}", value) for name, table in inner for key, value in table.items()))
 
 
-def draw(base: Tables, seed: int, number: int) -> Tables:
-    """The tables of a cell. Raises InputError where the scene allows no possible and affordable one."""
+def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
+    """What a cell changes in the base. Raises InputError where the scene allows no possible and affordable one."""
     dice = _Dice(seed, number)
     for _ in range(MAX_TRIES):
-        tables = _drawn(base, dice, number)
-        if _affordable(tables):
-            return tables
+        changes = _drawn(scene, dice, number)
+        if _affordable(base, changes):
+            return changes
     raise InputError(
         "--random", number, f"none of {MAX_TRIES} draws of this scene is possible and affordable"
     )
 
 
-def _affordable(tables: Tables) -> bool:
+def _affordable(base: Source, changes: Changes) -> bool:
     """Whether the rigid motion exists, and a run is not too long."""
     try:
-        effort = expected_effort(make_plan(validate(tables)))
+        effort = expected_effort(make_plan(*vary(base, changes)))
     except InputError:
         return False
     return effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS
 
 
-def _drawn(base: Tables, dice: _Dice, number: int) -> Tables:
-    tables = copy.deepcopy(base)
-    for name in ("verify", "wall", "damping", "material"):
-        tables.pop(name, None)
-    _draw_vehicle(tables, dice)
-    _draw_motion(tables, dice)
-    _draw_plate(tables, dice, number)
-    _draw_corner(tables, dice)
-    _draw_damping(tables, dice)
+def _drawn(scene: Scene, dice: _Dice, number: int) -> Changes:
+    """All that is drawn, in this order: each takes its random numbers from the same sequence."""
+    changes: dict[str, Any] = dict.fromkeys(("verify", "wall", "damping", "material"))
+    changes |= _vehicle(dice)
+    length, width = changes["vehicle.length"], changes["vehicle.width"]
+    changes |= _motion(scene, dice)
+    changes |= _plate(scene, dice, number, length, width)
+    changes |= _corner(dice, length, changes["plate.elements"] or (10, 1))
+    changes |= _damping(dice)
     if dice.happens(0.5):
-        tables["material"] = {"law": "neo-hookean"}
-    tables["name"] = f"cell-{number:04d}"  # type: ignore[assignment]
-    return tables
+        changes["material.law"] = "neo-hookean"
+    return changes | {"name": f"cell-{number:04d}"}
 
 
-def _draw_vehicle(tables: Tables, dice: _Dice) -> None:
+def _vehicle(dice: _Dice) -> Changes:
     length = dice.even(3.0, 20.0)
-    tables["vehicle"] |= {"length": length, "width": length * dice.ratio(0.05, 1.0)}
+    return {"vehicle.length": length, "vehicle.width": length * dice.ratio(0.05, 1.0)}
 
 
-def _draw_motion(tables: Tables, dice: _Dice) -> None:
+def _motion(scene: Scene, dice: _Dice) -> Changes:
     """Stage 1 where the scene has it, for Stage 2 to follow; else the start, the spin in proportion to the speed."""
     speed, angle = dice.ratio(1.0, 40.0), math.radians(dice.even(2.0, 60.0))
     restitution, friction = dice.even(0.0, 0.8), 0.0 if dice.happens(0.1) else dice.even(0.0, 1.2)
-    reaction = dice.one_of(("drag", "none", "signed"), (0.6, 0.2, 0.2))
-    corner = tables["corner"] = {"reaction": reaction}
-    if "impact" in tables:
-        tables.pop("start", None)
+    reaction, start = dice.one_of(("drag", "none", "signed"), (0.6, 0.2, 0.2)), scene.start
+    changes: dict[str, Any] = {"corner": None, "corner.reaction": reaction, "start": None}
+    if scene.impact:
         drawn = {"speed": speed, "angle": angle, "restitution": restitution, "friction": friction}
-        tables["impact"] |= drawn
-        return
-    spin = tables["start"]["omega"] / tables["start"]["corner_speed"]
-    tables["start"] = {"angle": angle, "corner_speed": speed, "omega": spin * speed}
-    if reaction != "none":
-        corner["friction"] = friction
+        return changes | {f"impact.{key}": value for key, value in drawn.items()}
+    assert start is not None
+    assert start.omega is not None
+    assert start.corner_speed is not None
+    spin = start.omega / start.corner_speed
+    changes |= {"start.angle": angle, "start.corner_speed": speed, "start.omega": spin * speed}
+    return changes | ({"corner.friction": friction} if reaction != "none" else {})
 
 
-def _draw_plate(tables: Tables, dice: _Dice, number: int) -> None:
-    plate = tables["plate"]
-    for key in ("elements", "element", "hourglass", "lumping", "distortion"):
-        plate.pop(key, None)
-    plate["start"] = RELIEVED[number // 3 % 2] if number % 3 else "unstressed"
-    _draw_stiffness(tables, dice)
+def _plate(scene: Scene, dice: _Dice, number: int, length: float, width: float) -> Changes:
+    keys = ("elements", "element", "hourglass", "lumping", "distortion")
+    changes: dict[str, Any] = dict.fromkeys(f"plate.{key}" for key in keys)
+    changes["plate.start"] = RELIEVED[number // 3 % 2] if number % 3 else "unstressed"
+    changes |= _stiffness(scene, dice, length, width)
     if not dice.happens(OPEN):
-        plate["elements"] = (round(dice.ratio(4.0, 40.0)), round(dice.ratio(2.0, 12.0)))
+        changes["plate.elements"] = (round(dice.ratio(4.0, 40.0)), round(dice.ratio(2.0, 12.0)))
     if not dice.happens(OPEN):
-        plate["element"] = dice.one_of(ELEMENTS)
+        changes["plate.element"] = dice.one_of(ELEMENTS)
     if dice.happens(0.1):
-        plate["lumping"] = "row-sum"
+        changes["plate.lumping"] = "row-sum"
     if dice.happens(0.3):
-        plate["distortion"] = dice.even(0.0, 0.2)
+        changes["plate.distortion"] = dice.even(0.0, 0.2)
+    return changes
 
 
-def _draw_stiffness(tables: Tables, dice: _Dice) -> None:
+def _stiffness(scene: Scene, dice: _Dice, length: float, width: float) -> Changes:
     """A modulus from 1e-4 to 1e4 times the scene's, for a third of the cells by the frequency that it gives a beam."""
-    plate, factor = tables["plate"], dice.ratio(1e-4, 1e4)
-    if "first_frequency" in plate:
-        plate["first_frequency"] *= math.sqrt(factor)
-        return
-    plate["youngs_modulus"] *= factor
-    if dice.happens(1.0 / 3.0):
-        plate["first_frequency"] = beam_frequency(tables)
-        del plate["youngs_modulus"]
+    plate, factor = scene.plate, dice.ratio(1e-4, 1e4)
+    assert plate is not None
+    if plate.first_frequency is not None:
+        return {"plate.first_frequency": plate.first_frequency * math.sqrt(factor)}
+    assert plate.youngs_modulus is not None
+    modulus = plate.youngs_modulus * factor
+    if not dice.happens(1.0 / 3.0):
+        return {"plate.youngs_modulus": modulus}
+    return {
+        "plate.youngs_modulus": None,
+        "plate.first_frequency": beam_frequency(scene, length, width, modulus),
+    }
 
 
-def _draw_corner(tables: Tables, dice: _Dice) -> None:
-    corner, length = tables["corner"], tables["vehicle"]["length"]
+def _corner(dice: _Dice, length: float, elements: tuple[int, int]) -> Changes:
+    changes: dict[str, Any] = {}
     hold = dice.one_of(("open", "penalty", "exact", "dashpot"), (0.4, 0.2, 0.2, 0.2))
     if hold == "exact":
-        corner["constraint"] = "exact"
+        changes["corner.constraint"] = "exact"
     elif hold != "open":
-        corner |= {"constraint": "penalty", "penalty_scale": dice.ratio(0.1, 10.0**1.5)}
+        changes |= {"corner.constraint": "penalty", "corner.penalty_scale": dice.ratio(0.1, 10.0**1.5)}
     if hold == "dashpot":
-        corner["damping_ratio"] = dice.ratio(0.01, 1.0)
+        changes["corner.damping_ratio"] = dice.ratio(0.01, 1.0)
     if dice.happens(0.5):
-        along = tables["plate"].get("elements", (10, 1))[0]
-        corner["patch_length"] = max(dice.even(0.1, 0.3) * length, 1.2 * length / along)
+        changes["corner.patch_length"] = max(dice.even(0.1, 0.3) * length, 1.2 * length / elements[0])
+    return changes
 
 
-def _draw_damping(tables: Tables, dice: _Dice) -> None:
+def _damping(dice: _Dice) -> Changes:
     kind = dice.one_of(("open", "ratio", "bulk", "none"), (0.6, 0.15, 0.1, 0.15))
     if kind == "ratio":
-        tables["damping"] = {"ratio": dice.ratio(0.005, 0.3)}
-    elif kind == "bulk":
-        tables["damping"] = {"bulk_viscosity": 0.06}
-    elif kind == "none":
-        tables["damping"] = {"kind": "none"}
+        return {"damping.ratio": dice.ratio(0.005, 0.3)}
+    if kind == "bulk":
+        return {"damping.bulk_viscosity": 0.06}
+    return {"damping.kind": "none"} if kind == "none" else {}

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 from tailslap.planning.decide_mesh import ELEMENTS
 from tailslap.planning.plan import Plan
-from tailslap.scene.schema import Plate
-from tailslap.studies.stability.axes import Tables
+from tailslap.scene.schema import Plate, Scene
 
 STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.5, "tri6": 3.5}
 """Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
 
-UPDATES_PER_SECOND = {"quad4": 1e7, "quad4-reduced": 2e7, "quad9": 3e6, "tri3": 1e7, "tri6": 3e6}
-"""Cells of the mesh that the time loop updates in a second, on the safe side."""
+AFFORDED_PER_SECOND = {"quad4": 1e7, "quad4-reduced": 2e7, "quad9": 3e6, "tri3": 1e7, "tri6": 3e6}
+"""Cells of the mesh that count as updated in a second: no forecast, but part of what a draw's number stands for."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ def expected_effort(plan: Plan) -> Effort:
     crossings = plan.motion.strike.t * _wave_speed(plan, plate) / short
     ratio = (plan.scene.damping.ratio if plan.scene.damping else None) or 0.0
     steps = max(1000.0, STEPS_A_CROSSING[element] * crossings / (math.hypot(1.0, ratio) - ratio))
-    return Effort(steps, steps * along * across / UPDATES_PER_SECOND[element])
+    return Effort(steps, steps * along * across / AFFORDED_PER_SECOND[element])
 
 
 def _wave_speed(plan: Plan, plate: Plate) -> float:
@@ -55,9 +54,9 @@ _BEAM = 22.3733 / (2.0 * math.pi * math.sqrt(12.0))
 """First frequency of a free beam times its length squared, over wave speed and height."""
 
 
-def beam_frequency(tables: Tables) -> float:
-    """First frequency [Hz] of a slender plate with these tables' modulus."""
-    vehicle, plate = tables["vehicle"], tables["plate"]
-    length, width = vehicle["length"], vehicle["width"]
-    density = plate.get("density") or vehicle["mass"] / (length * width * plate["thickness"])
-    return float(_BEAM * math.sqrt(plate["youngs_modulus"] / density) * width / length**2)
+def beam_frequency(scene: Scene, length: float, width: float, modulus: float) -> float:
+    """First frequency [Hz] of a slender plate of the scene's mass and thickness with these sides and modulus."""
+    vehicle, plate = scene.vehicle, scene.plate
+    assert plate is not None
+    density = plate.density or vehicle.mass / (length * width * plate.thickness)
+    return float(_BEAM * math.sqrt(modulus / density) * width / length**2)

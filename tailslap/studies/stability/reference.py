@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import time
 from collections.abc import Mapping
@@ -11,11 +10,10 @@ from dataclasses import dataclass
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
+from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import MORE_DAMPING, Outcome, attempt, damping_is_open, rings
-from tailslap.scene.files import validate
 from tailslap.scene.schema import Plate
-from tailslap.studies.stability.axes import Tables
+from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.stability.effort import expected_effort
 from tailslap.studies.stability.verdict import failed_checks, model_name
 
@@ -47,7 +45,7 @@ class Reference:
     seconds: float
 
 
-def find_reference(tables: Tables, plate: Plate) -> Reference | None:
+def find_reference(cell: Source, plate: Plate) -> Reference | None:
     """The first model that comes to a trustworthy result; plate: the cell's own, with what the program chose."""
     began = time.perf_counter()
     for finer, ratio in (
@@ -57,10 +55,9 @@ def find_reference(tables: Tables, plate: Plate) -> Reference | None:
         (FINER, FLUTTER_DAMPING),
         (0.7, FLUTTER_DAMPING),
     ):
-        changed = reference_tables(tables, plate, finer, ratio)
         try:
-            plan = make_plan(validate(changed))
-            outcome = None if expected_effort(plan).seconds > MAX_SECONDS else _without_ringing(changed)
+            plan = make_plan(*vary(cell, reference_changes(plate, finer, ratio)))
+            outcome = None if expected_effort(plan).seconds > MAX_SECONDS else _without_ringing(plan)
         except InputError:
             continue
         if outcome is not None and trustworthy(outcome):
@@ -69,27 +66,23 @@ def find_reference(tables: Tables, plate: Plate) -> Reference | None:
     return None
 
 
-def reference_tables(tables: Tables, plate: Plate, finer: float, ratio: float = 0.0) -> Tables:
-    """Tables of the refined model; ratio: of its damping, 0 to leave it to the program."""
-    changed = quadratic_and_exact(copy.deepcopy(tables), plate, reference_counts(plate.counts, finer))
-    for key in ("lumping", "distortion"):
-        changed["plate"].pop(key, None)
-    changed.pop("damping", None)
-    if ratio:
-        changed["damping"] = {"ratio": ratio}
-    return changed
+def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes:
+    """What makes a cell's scene the refined model; ratio: of its damping, 0 to leave it to the program."""
+    return {
+        **quadratic_and_exact(plate, reference_counts(plate.counts, finer)),
+        **dict.fromkeys(("plate.lumping", "plate.distortion", "damping")),
+        **({"damping.ratio": ratio} if ratio else {}),
+    }
 
 
-def quadratic_and_exact(tables: Tables, plate: Plate, counts: tuple[int, int]) -> Tables:
-    """The tables, changed to so many quadratic elements of the plate's kind and the exact constraint."""
-    model, corner = tables["plate"], tables.setdefault("corner", {})
-    model.pop("hourglass", None)
-    for key in ("penalty_scale", "damping_ratio"):
-        corner.pop(key, None)
-    corner["constraint"] = "exact"
-    model["element"] = ELEMENT_KINDS[plate.element].richer or plate.element
-    model["elements"] = counts
-    return tables
+def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
+    """So many quadratic elements of the plate's kind, and the exact constraint."""
+    return {
+        **dict.fromkeys(("plate.hourglass", "corner.penalty_scale", "corner.damping_ratio")),
+        "corner.constraint": "exact",
+        "plate.element": ELEMENT_KINDS[plate.element].richer or plate.element,
+        "plate.elements": counts,
+    }
 
 
 def reference_counts(counts: tuple[int, int], finer: float) -> tuple[int, int]:
@@ -106,9 +99,8 @@ def trustworthy(outcome: Outcome) -> bool:
     return math.isfinite(found) and DEMANDED.isdisjoint(failed_checks(outcome)) and not swayed
 
 
-def _without_ringing(tables: Tables) -> Outcome:
+def _without_ringing(plan: Plan) -> Outcome:
     """A run, made once more with more damping where it rings; no second mesh."""
-    plan = make_plan(validate(tables))
     outcome = attempt(plan)
     if rings(outcome) and damping_is_open(outcome.fe_plan):
         return attempt(plan, MORE_DAMPING)

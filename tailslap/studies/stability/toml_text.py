@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
-from tailslap.studies.stability.axes import Tables
 
-
-def toml_text(tables: Tables, title: str) -> str:
+def toml_text(tables: Mapping[str, Any], title: str) -> str:
     """The text, its first line a comment; values are SI numbers, which the file may leave without a unit."""
     heads = [f"{key} = {_value(value)}" for key, value in tables.items() if not isinstance(value, dict)]
     bodies = [_table(name, table) for name, table in tables.items() if isinstance(table, dict)]

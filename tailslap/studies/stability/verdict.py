@@ -11,8 +11,7 @@ from typing import Any
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.run import Outcome, run_scene
-from tailslap.scene.files import validate
-from tailslap.studies.stability.axes import Tables
+from tailslap.scene.vary import Changes, Source, vary
 
 RIGHT, REFUSED, CAUGHT, WRONG = "right", "refused", "caught", "wrong"
 
@@ -61,18 +60,18 @@ class Verdict:
         return self.failed or self.reason
 
 
-def verdict_on(tables: Tables, verify: Callable[[Tables, Outcome], Verdict]) -> dict[str, Any]:
-    """Run the scene that the tables describe, and hold it against what `verify` does; a record of the journal."""
+def verdict_on(base: Source, changes: Changes, verify: Callable[[Outcome], Verdict]) -> dict[str, Any]:
+    """Run the scene with these changes, and hold it against what `verify` does; a record of the journal."""
     began = time.perf_counter()
     try:
-        outcome = run_scene(make_plan(validate(tables)))
+        outcome = run_scene(make_plan(*vary(base, changes)))
     except InputError as error:
         return asdict(Verdict(REFUSED, reason=str(error)))
     except Exception as error:  # whatever it is, a program that breaks has not refused
         return asdict(Verdict(WRONG, reason=f"broke: {type(error).__name__}: {error}"))
     seconds = time.perf_counter() - began
     try:
-        verdict = verify(tables, outcome)
+        verdict = verify(outcome)
     except Exception as error:  # the reference breaks, and with it the program
         verdict = Verdict(WRONG, reason=f"reference broke: {type(error).__name__}: {error}")
     estimate, steps = outcome.error.total, outcome.run.steps

@@ -27,9 +27,9 @@ def peak_forces(scene: Scene, inputs: Mapping[str, Array]) -> Array:
     return np.concatenate([_block(scene, {key: x[rows] for key, x in inputs.items()}) for rows in blocks])
 
 
-def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with these values [SI] in place of its own."""
-    for key, value in values.items():
+def _with_columns(scene: Any, inputs: Mapping[str, Array]) -> Any:
+    """The scene with columns in place of numbers: a table of scenes, not a scene, and not validated."""
+    for key, value in inputs.items():
         table, _, name = key.partition(".")
         changed = (getattr(scene, table) or Start()).model_copy(update={name: value})
         scene = scene.model_copy(update={table: changed})
@@ -37,7 +37,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def _block(scene: Scene, inputs: Mapping[str, Array]) -> Array:
-    combined: Any = with_values(scene, inputs)  # type: ignore[arg-type]  # columns in place of numbers
+    combined = _with_columns(scene, inputs)
     vehicle, corner = combined.vehicle, combined.corner
     body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
     angle, omega, corner_speed = _start(combined, body)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.files import read_scene
+from tailslap.planning.plan import Plan
 from tailslap.scene.inputs import SceneInput, scene_inputs
 from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Source, parse_value, vary
 from tailslap.studies.uncertainty.tolerances import default_limits
 
 STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitution")
@@ -28,11 +29,12 @@ KEYS = (
 FROM_USER = "--range"
 
 
-class _Texts(NamedTuple):
-    """The ends of a range as they would stand in a scene, and where it comes from."""
+class _Ends(NamedTuple):
+    """The ends of a range, as a scene may say them; the range as typed, and where it comes from."""
 
-    lower: str
-    upper: str
+    lower: Any
+    upper: Any
+    text: str
     origin: str
 
 
@@ -48,29 +50,27 @@ class Range:
     origin: str
 
 
-def study_ranges(
-    name: str, changes: tuple[str, ...], ranges: tuple[str, ...], fixed: tuple[str, ...]
-) -> tuple[Range, ...]:
-    """The ranges for the scene `name` with its changes, in the order of `KEYS`.
+def study_ranges(plan: Plan, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
+    """The ranges for the plan's scene, in the order of `KEYS`.
 
     ranges: of the form KEY=LOWER:UPPER; fixed: keys that do not vary. Raises InputError.
     """
-    scene = read_scene(name, changes)[0]
+    scene = plan.scene
     used = used_keys(scene)
-    texts = {
-        key: _Texts(repr(lower), repr(upper), origin)
+    given = {
+        key: _Ends(lower, upper, f"{lower!r}:{upper!r}", origin)
         for key, (lower, upper, origin) in default_limits(scene).items()
         if key in used
     }
     for text in ranges:
-        key, limits = _split(text, used)
-        texts[key] = limits
+        key, ends = _split(text, used)
+        given[key] = ends
     for key in fixed:
-        if texts.pop(key, None) is None:
-            raise InputError("--fix", key, f"it does not vary; allowed are {', '.join(texts) or 'none'}")
-    if not texts:
+        if given.pop(key, None) is None:
+            raise InputError("--fix", key, f"it does not vary; allowed are {', '.join(given) or 'none'}")
+    if not given:
         raise InputError("--fix", ", ".join(fixed), "then nothing varies; allowed is to leave one free")
-    return tuple(_range(name, changes, key, texts[key]) for key in KEYS if key in texts)
+    return tuple(_range(plan, key, given[key]) for key in KEYS if key in given)
 
 
 def used_keys(scene: Scene) -> tuple[str, ...]:
@@ -87,7 +87,7 @@ def used_keys(scene: Scene) -> tuple[str, ...]:
     return tuple(key for key in KEYS if key not in unused)
 
 
-def _split(text: str, used: tuple[str, ...]) -> tuple[str, _Texts]:
+def _split(text: str, used: tuple[str, ...]) -> tuple[str, _Ends]:
     """Key and ends of KEY=LOWER:UPPER."""
     key, equals, values = (part.strip() for part in text.partition("="))
     lower, colon, upper = (part.strip() for part in values.partition(":"))
@@ -96,30 +96,28 @@ def _split(text: str, used: tuple[str, ...]) -> tuple[str, _Texts]:
     if key not in used:
         why = f"the peak force of this scene does not depend on it; allowed are {', '.join(used)}"
         raise InputError(key, values, why)
-    return key, _Texts(lower, upper, FROM_USER)
+    return key, _Ends(parse_value(lower), parse_value(upper), f"{lower}:{upper}", FROM_USER)
 
 
-def _range(name: str, changes: tuple[str, ...], key: str, texts: _Texts) -> Range:
+def _range(plan: Plan, key: str, ends: _Ends) -> Range:
     """The range, its ends read as the scene would read them, with its units and bounds."""
     try:
-        lower, upper = (_row(name, (*changes, f"{key}={text}"), key) for text in (texts.lower, texts.upper))
+        lower, upper = (_row(*vary(plan.source, {key: end}), key) for end in ends[:2])
     except InputError as error:
-        if texts.origin == FROM_USER:
+        if ends.origin == FROM_USER:
             raise
-        where = Verbatim(f"{texts.lower} to {texts.upper} by default ({texts.origin})")
+        where = Verbatim(f"{ends.lower} to {ends.upper} by default ({ends.origin})")
         raise InputError(key, where, f"{error.allowed}; --range gives another range") from None
     if lower is None or upper is None or not _number(upper) > _number(lower):
-        raise InputError(
-            key, f"{texts.lower}:{texts.upper}", "the second value must be larger than the first"
-        )
-    given = _row(name, changes, key)
+        raise InputError(key, ends.text, "the second value must be larger than the first")
+    given = _row(plan.scene, plan.source, key)
     own = None if given is None else _number(given)
-    return Range(key, _number(lower), _number(upper), lower.unit, own, texts.origin)
+    return Range(key, _number(lower), _number(upper), lower.unit, own, ends.origin)
 
 
-def _row(name: str, changes: tuple[str, ...], key: str) -> SceneInput | None:
-    """The key of the scene with these changes, as a row of its table of inputs."""
-    return next((row for row in scene_inputs(*read_scene(name, changes)) if row.key == key), None)
+def _row(scene: Scene, source: Source, key: str) -> SceneInput | None:
+    """The key as a row of the scene's table of inputs."""
+    return next((row for row in scene_inputs(scene, source) if row.key == key), None)
 
 
 def _number(row: SceneInput) -> float:

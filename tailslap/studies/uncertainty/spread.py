@@ -13,9 +13,10 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced
 from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.vary import vary
 from tailslap.studies.study import Call
 from tailslap.studies.uncertainty.indices import Indices, sobol_indices
-from tailslap.studies.uncertainty.model import Array, with_values
+from tailslap.studies.uncertainty.model import Array
 from tailslap.studies.uncertainty.ranges import Range, study_ranges, used_keys
 from tailslap.studies.uncertainty.sampling import SEED, Samples, draw, tables
 
@@ -118,7 +119,7 @@ class Spread:
 
 def study_spread(call: Call, samples: int, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> Spread:
     """The study as the command line asks for it."""
-    return find_spread(call.plan, study_ranges(call.name, call.changes, ranges, fixed), samples)
+    return find_spread(call.plan, study_ranges(call.plan, ranges, fixed), samples)
 
 
 def find_spread(plan: Plan, ranges: tuple[Range, ...], at_least: int) -> Spread:
@@ -155,7 +156,7 @@ def _first_refusal(plan: Plan, samples: Samples) -> str:
         for row in np.flatnonzero(np.isnan(force))[:1]:
             values = zip(samples.ranges, table[:, row].tolist(), strict=True)
             try:
-                make_plan(with_values(plan.scene, {item.key: value for item, value in values}))
+                make_plan(*vary(plan.source, {item.key: value for item, value in values}))
             except InputError as error:
                 return str(error)
     return ""

@@ -1,4 +1,4 @@
-"""The workers of a sweep: processes of this machine, or those of a Dask scheduler. Both are a Dask client."""
+"""The workers: processes of this machine, or those of a Dask scheduler. Both are a Dask client."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import tailslap
 from tailslap.errors import InputError, Verbatim
-from tailslap.sweep.worker import make_ready
+from tailslap.execution.worker import make_ready
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -22,7 +22,7 @@ ANSWER_S = 5.0
 """Seconds within which a scheduler must answer."""
 
 SETTINGS = {
-    "distributed.scheduler.allowed-failures": 1,  # deaths of a worker under a batch before its runs are tried singly
+    "distributed.scheduler.allowed-failures": 1,  # deaths of a worker under a batch before its parts are tried singly
     "distributed.worker.profile.enabled": False,  # this and the next three keep Dask's own share of the cores small
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "10s",
@@ -44,12 +44,13 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
     import distributed  # noqa: F401  its own settings must be there before ours, which are taken back at the end
 
     with _quiet(), dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
-        client = stack.enter_context(_remote(cluster) if cluster else _local(workers or _cores()))
+        client = stack.enter_context(_remote(cluster) if cluster else _local(workers or available_cores()))
         _check_versions(client, cluster)
         yield client
 
 
-def _cores() -> int:
+def available_cores() -> int:
+    """How many cores this process may use."""
     return len(os.sched_getaffinity(0))
 
 

@@ -1,0 +1,123 @@
+"""Whether tables make a scene: each key by itself, and keys that need or exclude each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from fem.contact.constraints import CONSTRAINTS
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.scene.schema import Damping, Scene
+
+
+def validate(data: dict[str, Any]) -> Scene:
+    """The scene that these tables describe. Raises InputError for the first thing that is wrong."""
+    scene = key_by_key(data)
+    _check_together(scene)
+    return scene
+
+
+def key_by_key(data: dict[str, Any]) -> Scene:
+    """The scene, each key valid by itself, whatever keys that need or exclude each other. Raises InputError."""
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(error) from None
+
+
+def _input_error(error: ValidationError) -> InputError:
+    first = error.errors()[0]
+    key = ".".join(str(part) for part in first["loc"])
+    kind = first["type"]
+    if kind == "missing":
+        return InputError(key, Missing, "this key is required")
+    if kind == "extra_forbidden":
+        return InputError(key, first["input"], f"there is no such key; {_known(first['loc'])}")
+    if kind == "literal_error":
+        return InputError(key, first["input"], f"allowed is {first['ctx']['expected']}")
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return InputError(key, first["input"], f"allowed is a table, [{key}]")
+    message = first["msg"].removeprefix("Value error, ")
+    return InputError(key, first["input"], message[0].lower() + message[1:])
+
+
+def _known(location: tuple[int | str, ...]) -> str:
+    model: Any = Scene
+    for part in location[:-1]:
+        kinds = model.model_fields[part].annotation
+        model = next(k for k in (kinds, *getattr(kinds, "__args__", ())) if hasattr(k, "model_fields"))
+    return f"allowed are {', '.join(model.model_fields)}"
+
+
+def _check_together(scene: Scene) -> None:
+    """Keys that need or exclude each other."""
+    start = scene.start
+    complete = start is not None and None not in (start.angle, start.omega, start.corner_speed)
+    if scene.impact is None and not complete:
+        raise InputError(
+            "impact", Missing, "this table is required unless [start] gives angle, omega and corner_speed"
+        )
+    friction = scene.corner.friction
+    if scene.corner.frictionless and friction is not None:
+        allowed = f'it has no meaning with corner.reaction = "{scene.corner.reaction}"; leave it out'
+        raise InputError("corner.friction", friction, allowed)
+    if not scene.corner.frictionless and friction is None and scene.impact is None:
+        raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
+    _check_plate(scene)
+
+
+def _check_plate(scene: Scene) -> None:
+    """Keys of the finite-element model that need or exclude each other."""
+    tables = {
+        "material": scene.material,
+        "damping": scene.damping,
+        "verify": scene.verify,
+        "wall": scene.wall,
+    }
+    for name, table in tables.items():
+        if table and not scene.plate:
+            raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
+    for key in ("penalty_scale", "damping_ratio"):
+        constraint = CONSTRAINTS[scene.corner.constraint]
+        if key not in constraint.keys and key in scene.corner.model_fields_set:
+            allowed = f'constraint = "{constraint.name}" has no spring; leave it out'
+            raise InputError(f"corner.{key}", getattr(scene.corner, key), allowed)
+    plate = scene.plate
+    if plate and plate.youngs_modulus is None and plate.first_frequency is None:
+        raise InputError("plate.youngs_modulus", Missing, "this key or plate.first_frequency is required")
+    if plate and plate.youngs_modulus is not None and plate.first_frequency is not None:
+        allowed = (
+            "it sets the modulus; leave out this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
+        )
+        raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
+    if plate and not ELEMENT_KINDS[plate.element].hourglass and "hourglass" in plate.model_fields_set:
+        needing = " or ".join(f'"{name}"' for name, kind in ELEMENT_KINDS.items() if kind.hourglass)
+        raise InputError(
+            "plate.hourglass", plate.hourglass, f"only element = {needing} needs it; leave it out"
+        )
+    if plate and plate.lumping == "row-sum" and not ELEMENT_KINDS[plate.element].row_sums:
+        why = f"row sums of {plate.element} give its corners no mass"
+        allowed = f'{why}; allowed with them is another element, or "exact"'
+        raise InputError("plate.lumping", plate.lumping, allowed)
+    if scene.damping:
+        _check_damping(scene.damping)
+
+
+def _check_damping(damping: Damping) -> None:
+    if not damping.model_fields_set:
+        allowed = "it needs kind, ratio or bulk_viscosity; left out, the program decides"
+        raise InputError("damping", "an empty table", allowed)
+    if damping.rate is not None and damping.kind != "elastic-velocity":
+        raise InputError(
+            "damping.rate", damping.rate, 'it belongs to kind = "elastic-velocity"; leave it out'
+        )
+    if damping.rate is None and damping.kind == "elastic-velocity":
+        raise InputError(
+            "damping.rate", Missing, 'kind = "elastic-velocity" needs it; left out, the program decides'
+        )
+    given = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
+    if damping.kind == "none" and given:
+        allowed = 'kind = "none" forbids all damping; leave out one of the two'
+        raise InputError(f"damping.{given[0]}", getattr(damping, given[0]), allowed)
