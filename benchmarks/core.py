@@ -137,8 +137,8 @@ def elements() -> None:
         seconds = best_loop(result)
         updates = result.run.steps * result.fe_plan.model.loop.table.connectivity.shape[1] / seconds / 1e6
         print(
-            f"{', '.join(changes):<44}{worst(result):>11.1e}{result.fe_plan.give:>10.2e}{result.run.steps:>8}"
-            f"{seconds:>10.3f}{updates:>13.1f}",
+            f"{', '.join(changes):<44}{worst(result):>11.1e}{result.fe_plan.deflection_ratio:>10.2e}"
+            f"{result.run.steps:>8}{seconds:>10.3f}{updates:>13.1f}",
             flush=True,
         )
 
@@ -171,7 +171,7 @@ def run_scene_give(*changes: str) -> float:
     """Give of the plate without a run."""
     from tailslap.planning.fe_plan import make_fe_plan
 
-    return make_fe_plan(make_plan(*read_scene("paper-abaqus", changes))).give
+    return make_fe_plan(make_plan(*read_scene("paper-abaqus", changes))).deflection_ratio
 
 
 if __name__ == "__main__":

@@ -29,9 +29,9 @@ def main() -> None:
         ripple = outcome.fe_history["reaction_normal"] - outcome.rigid_history["reaction_normal"]
         ripple = ripple[np.isfinite(ripple)]
         seen = float(np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2)))
-        foretold = rounding_noise(outcome.fe_plan.model).ripple(outcome.rigid["t"])
-        forces = f"{foretold:.2e} N for {seen:.2e} N"
-        print(f"{foretold / seen:5.2f} times: {forces}, {outcome.run.steps} steps, {' '.join(case)}")
+        predicted = rounding_noise(outcome.fe_plan.model).ripple(outcome.rigid["t"])
+        forces = f"{predicted:.2e} N for {seen:.2e} N"
+        print(f"{predicted / seen:5.2f} times: {forces}, {outcome.run.steps} steps, {' '.join(case)}")
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 SCENE = "mash-tl4-sut"
-LEAST_ACROSS, MOST_ACROSS = 12, 48
+MIN_ACROSS, MAX_ACROSS = 12, 48
 """Quadratic elements across the plate of the model that is held for the limit: twice the picked, within these."""
 
 
@@ -67,7 +67,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     """
     plate, plan = outcome.fe_plan.plate, outcome.fe_plan.plan
     vehicle = plan.scene.vehicle
-    across = min(max(LEAST_ACROSS, 2 * plate.elements[1]), MOST_ACROSS)
+    across = min(max(MIN_ACROSS, 2 * plate.elements[1]), MAX_ACROSS)
     along = max(2, round(across * vehicle.length / (1.2 * vehicle.width)))
     mesh = ("plate.element=quad9", f"plate.elements=[{along},{across}]", "corner.constraint=exact")
     found = None
@@ -130,7 +130,7 @@ def sensitivity(seed: int, number: int) -> dict[str, Any]:
     if not outcome.passed:
         return {}
     worst = max(map(abs, outcome.difference.values()))
-    return {"angle": outcome.fe_plan.plan.start.angle, "ratio": worst / outcome.fe_plan.give}
+    return {"angle": outcome.fe_plan.plan.start.angle, "ratio": worst / outcome.fe_plan.deflection_ratio}
 
 
 def all_of(function: Any, seed: int, scenes: int) -> list[dict[str, Any]]:

@@ -148,7 +148,9 @@ def _estimate(
     )
     at_strike = _worst(finer, motion)
     cycles = max(1.0, lowest * fe_plan.plan.motion.strike.t)
-    return Estimate(float(max(moved, at_strike)), fe_plan.give**2 * cycles, _worst(coarser, motion))
+    return Estimate(
+        float(max(moved, at_strike)), fe_plan.deflection_ratio**2 * cycles, _worst(coarser, motion)
+    )
 
 
 def _worst(one: ModalMotion, other: ModalMotion) -> float:

@@ -8,7 +8,7 @@ __all__, __getattr__ = lazily(
     __name__,
     {
         "deformed": "deformed_frequency",
-        "flutter": "Flutter foresee_flutter",
+        "flutter": "Flutter predict_flutter",
         "rounding": "RoundingNoise rounding_noise",
     },
 )

@@ -65,7 +65,7 @@ class Flutter:
     lowest: float = 0.0
 
 
-def foresee_flutter(
+def predict_flutter(
     model: PlateModel, start: RigidStart, duration: float, viscous: float = 0.0, harmless: float = HARMLESS
 ) -> Flutter:
     """Growth over a run.

@@ -15,7 +15,7 @@ SAFETY_FACTOR = 1.25
 CAUTIOUS_FACTOR = 3.0
 """F_s for two grids, or for three whose observed order is not to be believed."""
 
-LEAST_ORDER = 0.5
+MIN_ORDER = 0.5
 """Observed orders below this say that the values do not converge, or not yet."""
 
 ROUNDING = 1e-14
@@ -77,7 +77,7 @@ def _behaviour(first: float, second: float, size: float, ratios: tuple[float, fl
     if first * second <= 0.0:
         return "oscillating", math.nan
     order = observed_order(second / first, ratios)
-    if not order >= LEAST_ORDER:
+    if not order >= MIN_ORDER:
         return ("slow" if order > 0.0 else "diverging"), order
     return "converging", order
 

@@ -11,7 +11,7 @@ Integers = NDArray[np.integer]
 AMPLITUDE = 0.3
 """Largest displacement as drawn, over the plate's width."""
 
-MOST_EDGES = 3000
+MAX_EDGES = 3000
 """A finer mesh is drawn by its outline alone: the page stays small."""
 
 REST, MESH = "#9aa3ad", "#8fb0d3"
@@ -37,7 +37,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
         lines = [(positions[outline], REST, 0.9), (deformed[outline], FE, 1.6)]
-        if len(edges) <= MOST_EDGES:
+        if len(edges) <= MAX_EDGES:
             lines.insert(1, (deformed[edges], MESH, 0.6))
         for segments, colour, width in lines:
             codes = np.tile((Path.MOVETO, Path.LINETO), len(segments))

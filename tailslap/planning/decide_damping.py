@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
     from fem.stability.flutter import Flutter
 
-CURE = 4.0
+REQUIRED_DAMPING = 4.0
 """Rate of the damping over that of the fastest growing mode: above 2 it decays."""
 
 HARMLESS_UNSTRESSED = 2.0
@@ -36,7 +36,7 @@ HEARD = 0.005
 
 @dataclass(frozen=True)
 class Growth:
-    """What the linearised model foretells of friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh
+    """What the linearised model predicts of friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh
     could be analysed; its exponent over the run; the exponent that counts; whether coarser meshes stood in; the lowest
     elastic frequency [rad/s]. And of rounding: the ripple at the end of the run over the reaction at the start, and
     the rate of damping that keeps it unheard, 0 where it is."""
@@ -52,7 +52,7 @@ class Growth:
     @property
     def overdamps(self) -> bool:
         """Whether the damping that suppresses it would keep the plate from following its loads."""
-        return CURE * self.rate > OVERDAMPS * self.lowest
+        return REQUIRED_DAMPING * self.rate > OVERDAMPS * self.lowest
 
     @property
     def counts(self) -> bool:
@@ -60,12 +60,12 @@ class Growth:
         return self.harmless > 0.0
 
 
-def foresee(plan: Plan, plate: Plate, model: PlateModel, normal: float) -> Growth:
+def predict_growth(plan: Plan, plate: Plate, model: PlateModel, normal: float) -> Growth:
     """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding.
 
     normal: the rigid body's reaction at the start [N].
     """
-    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, foresee_flutter, viscous_rate
+    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, predict_flutter, viscous_rate
     from fem.stability.rounding import rounding_noise
 
     harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
@@ -76,11 +76,11 @@ def foresee(plan: Plan, plate: Plate, model: PlateModel, normal: float) -> Growt
     if model.loop.friction is None:
         growth = Growth(0.0, 0.0, 0.0)
     elif 2 * model.loop.mass.size <= MAX_UNKNOWNS:
-        growth = _growth(foresee_flutter(model, start, duration, viscous, harmless), harmless)
+        growth = _growth(predict_flutter(model, start, duration, viscous, harmless), harmless)
     else:
         growth = _by_stand_ins(
             [
-                foresee_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
+                predict_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
                 for coarse in _coarser_models(plan, plate, MAX_UNKNOWNS)
             ],
             harmless,
@@ -120,7 +120,7 @@ def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[Pl
 def suppressing_rate(growth: Growth) -> float:
     """Rate [1/s] of the damping of elastic velocities that suppresses what is foreseen."""
     return max(
-        growth.ripple_rate, CURE * growth.rate
+        growth.ripple_rate, REQUIRED_DAMPING * growth.rate
     )  # in this order a rate that is not known, NaN, asks for none
 
 
@@ -130,7 +130,7 @@ def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Pla
     if given is not None and given.kind is not None:
         return plan, ()
     least = (growth.harmless or HARMLESS_UNSTRESSED) / plan.motion.strike.t if factor > 1.0 else 0.0
-    rate = factor * max(suppressing_rate(growth), CURE * least)
+    rate = factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least)
     if not rate > 0.0:
         return plan, ()
     decisions = (
@@ -142,7 +142,7 @@ def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Pla
 
 def _why(growth: Growth, factor: float) -> str:
     why = "the plate would ring"
-    if growth.ripple_rate > CURE * growth.rate:
+    if growth.ripple_rate > REQUIRED_DAMPING * growth.rate:
         why = f"in so many steps rounding would make the reaction ring by {100.0 * growth.ripple:.2g} %"
     elif growth.rate > 0.0:
         why = f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"

@@ -24,7 +24,7 @@ MESH_SHARE, MESH_FLOOR = 0.1, 2e-5
 """Share of the plate's flexibility that may be the mesh's doing before richer elements are tried, and what is always
 let pass: the difference from the rigid motion is of that size itself."""
 
-MOST_CHOSEN = 2000
+MAX_CHOSEN = 2000
 """Elements up to which the program refines by itself."""
 
 
@@ -39,15 +39,15 @@ class Mesh:
     plate: Plate
     model: PlateModel
     mass: float
-    give: float
-    other_give: float
+    deflection_ratio: float
+    other_deflection_ratio: float
     spring_share: float
 
     @property
     def fine_enough(self) -> bool:
         """Whether what the mesh does to the plate's flexibility is of no account."""
-        allowed = max(MESH_FLOOR, MESH_SHARE * max(self.give, self.other_give))
-        return abs(self.give - self.other_give) <= allowed
+        allowed = max(MESH_FLOOR, MESH_SHARE * max(self.deflection_ratio, self.other_deflection_ratio))
+        return abs(self.deflection_ratio - self.other_deflection_ratio) <= allowed
 
 
 def decide_mesh(plan: Plan, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
@@ -93,12 +93,12 @@ def make_mesh(plan: Plan, plate: Plate) -> Mesh:
         except ModelError as error:
             raise refusal(plan.scene, its_plate, error) from None
     model, mine, its = models[0], statics(models[0], start), statics(models[1], start)
-    give, other_give, gap = (
+    deflection_ratio, other_deflection_ratio, gap = (
         abs(mine.deflection) / travel,
         abs(its.deflection) / travel,
         abs(mine.gap) / travel,
     )
-    return Mesh(plate, model, model.mass, give, other_give, gap)
+    return Mesh(plate, model, model.mass, deflection_ratio, other_deflection_ratio, gap)
 
 
 def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:
@@ -110,7 +110,7 @@ def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:
         for element in elements:
             yield plate.model_copy(update={"elements": counts, "element": element})
         counts = (2 * counts[0], 2 * counts[1])
-        if plate.elements is not None or math.prod(counts) > MOST_CHOSEN:
+        if plate.elements is not None or math.prod(counts) > MAX_CHOSEN:
             return
 
 

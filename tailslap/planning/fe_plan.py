@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Missing
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
-from tailslap.planning.decide_damping import Growth, decide_damping, foresee
+from tailslap.planning.decide_damping import Growth, decide_damping, predict_growth
 from tailslap.planning.decide_mesh import Mesh, decide_mesh
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import demand_steps, fe_input
-from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
+from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
 from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate, Scene
 
@@ -50,7 +50,7 @@ class FePlan:
         Way of the centre of mass towards the wall [m].
     give : float
         Deflection ratio [-]: static deflection under the reaction at the start over `travel`.
-    other_give : float
+    other_deflection_ratio : float
         The same with richer elements or another mesh [-]; what it differs by is the discretisation error.
     """
 
@@ -63,8 +63,8 @@ class FePlan:
     model: PlateModel
     start: RigidStart
     travel: float
-    give: float
-    other_give: float
+    deflection_ratio: float
+    other_deflection_ratio: float
 
     @cached_property
     def first_frequency(self) -> float:
@@ -157,8 +157,8 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         model=model,
         start=start,
         travel=travel,
-        give=share_given(plan, model) if constraint_decisions else mesh.give,
-        other_give=mesh.other_give,
+        deflection_ratio=deflection_ratio(plan, model) if constraint_decisions else mesh.deflection_ratio,
+        other_deflection_ratio=mesh.other_deflection_ratio,
     )
 
 
@@ -169,7 +169,7 @@ def _completed(plan: Plan, mesh: Mesh, normal: float) -> tuple[PlateModel, Growt
     given = fe_input(plan, mesh.plate)
     model = with_constraint(mesh.model, given.plate, given.corner)
     model = finished_model(model, given.plate, given.corner, given.step)
-    return model, foresee(plan, mesh.plate, model, normal)
+    return model, predict_growth(plan, mesh.plate, model, normal)
 
 
 def _wall(plan: Plan) -> meshio.Mesh | None:

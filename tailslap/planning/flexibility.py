@@ -17,12 +17,12 @@ RICHER_UP_TO = 20_000
 """Elements above which the mesh is judged by a coarser one."""
 
 FLAT, STEEP = 0.8, 2.6
-"""Sensitivity of the answer to the give: so much at small angles, and so much more per radian of start angle.
+"""Sensitivity of the answer to the deflection ratio: so much at small angles, and so much more per radian of start angle.
 Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
 
 
 def sensitivity(angle: float) -> float:
-    """Change of the answer over the give, at most, for a start at this angle [rad] by inertia relief."""
+    """Change of the answer over the deflection ratio, at most, for a start at this angle [rad] by inertia relief."""
     return FLAT + STEEP * angle
 
 
@@ -33,8 +33,8 @@ def rigid_start(plan: Plan) -> RigidStart:
     return RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
 
 
-def share_given(plan: Plan, model: PlateModel) -> float:
-    """The give of a model of the plate at the start, as a share of the centre's travel to the wall."""
+def deflection_ratio(plan: Plan, model: PlateModel) -> float:
+    """Static deflection of the plate's centre at the start, over its travel to the wall."""
     from fem.start.statics import static_deflection
 
     return abs(static_deflection(model, rigid_start(plan))) / centre_travel(plan)

@@ -8,7 +8,7 @@ from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.plan import Plan
-from tailslap.report.omitted_parts import left_out
+from tailslap.report.omitted_parts import omitted_parts
 
 if TYPE_CHECKING:
     from tailslap.planning.fe_plan import FePlan
@@ -26,7 +26,7 @@ def rigid_part(plan: Plan, pictures: bool = True) -> list[str]:
         f"{FRICTION_LAWS[plan.scene.corner.reaction].text}",
         f"tail-slap    expected at {strike.t:.6g} s after {strike.slide:.5g} m of sliding",
     ]
-    return lines + [f"left out     {part}: {why}" for part, why in left_out(plan.scene, pictures)]
+    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene, pictures)]
 
 
 def fe_part(fe_plan: FePlan) -> list[str]:
@@ -44,12 +44,13 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the "
         f"stable {model.stable_time_step:.4g} s",
         f"steps        {steps}, about {seconds:.2g} s in the time loop",
-        f"flexibility  the reaction moves the centre by {fe_plan.give:.1e} of its way: expect differences of that size",
+        f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: the reaction moves the centre by that "
+        "share of its way to the wall; expect differences of that size",
     ]
 
 
 def chosen_lines(fe_plan: FePlan) -> list[str]:
-    """What the program chose where the scene leaves it open, and what it foretells of flutter."""
+    """What the program chose where the scene leaves it open, and what it predicts of flutter."""
     from tailslap.verification.verdict import flutter_sentence
 
     chosen = [f"chosen       {decision.shown}" for decision in fe_plan.decisions]

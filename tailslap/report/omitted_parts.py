@@ -5,7 +5,7 @@ from __future__ import annotations
 from tailslap.scene.schema import Scene
 
 
-def left_out(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
+def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
     """Parts that this scene does without, each with the reason."""
     parts = []
     if scene.impact is None:

@@ -21,7 +21,7 @@ from postprocess.report.table import Column, Table, pairs
 from tailslap.planning.rigid import rigid_answer
 from tailslap.report.check_text import chosen_lines
 from tailslap.report.footer import footer
-from tailslap.report.omitted_parts import left_out
+from tailslap.report.omitted_parts import omitted_parts
 from tailslap.report.run_text import is_paper_case, statements
 from tailslap.report.summary import cost, summary
 from tailslap.run import Outcome
@@ -128,7 +128,7 @@ def sections(outcome: Outcome, pictures: bool) -> list[Section]:
     inputs = resolved_inputs(plan.scene, plan.source, outcome.fe_plan.plate, chosen)
     metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
     failed = {number: "failed" for number, check in enumerate(outcome.checks) if not check.passed}
-    parts = [{"part": part, "why": why} for part, why in left_out(plan.scene, pictures)]
+    parts = [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)]
     omitted = [Table((Column("part", "Part"), Column("why", "Why")), parts)]
     drawn = [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]
     return [

@@ -22,7 +22,7 @@ def statements(outcome: Outcome) -> tuple[str, ...]:
         _plate_mass(outcome),
         *_chosen(outcome),
         _start(outcome),
-        _give(outcome),
+        _deflection(outcome),
         _error(outcome),
         _convention(plan),
     ]
@@ -108,11 +108,11 @@ def _start(outcome: Outcome) -> str:
     return f"The plate starts {STARTS[outcome.fe_plan.plate.start]}."
 
 
-def _give(outcome: Outcome) -> str:
+def _deflection(outcome: Outcome) -> str:
     return (
-        f"At the start the reaction moves the plate's centre by {outcome.fe_plan.give:.1e} of its way to the wall. "
-        "Differences of that size from the rigid motion are the plate's flexibility, in inverse proportion to its "
-        "stiffness."
+        f"Static deflection ratio {outcome.fe_plan.deflection_ratio:.1e}: so much of its way to the wall the reaction "
+        "at the start moves the plate's centre. Differences of that size from the rigid motion are the plate's "
+        "flexibility, in inverse proportion to its stiffness."
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import tailslap
 from tailslap.planning.rigid import COMPARED, rigid_answer
-from tailslap.report.omitted_parts import left_out
+from tailslap.report.omitted_parts import omitted_parts
 from tailslap.run import Outcome
 from tailslap.verification.verdict import verdict_sentence
 
@@ -34,7 +34,7 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
         "checks": [asdict(check) for check in outcome.checks],
         "metrics": {name: asdict(metrics) for name, metrics in outcome.metrics.items()},
         "cost": cost(outcome),
-        "left_out": [{"part": part, "why": why} for part, why in left_out(plan.scene, pictures)],
+        "left_out": [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)],
         "stage1": answer["stage1"],
         "start": answer["start"],
         "stage3": answer["stage3"],
@@ -42,7 +42,7 @@ def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
             "mass": outcome.fe_plan.model.mass,
             "youngs_modulus": outcome.fe_plan.plate.youngs_modulus,
             "first_frequency": outcome.fe_plan.first_frequency,
-            "give": outcome.fe_plan.give,
+            "deflection_ratio": outcome.fe_plan.deflection_ratio,
             "highest_frequency": outcome.fe_plan.model.highest_frequency,
             "stable_time_step": outcome.fe_plan.model.stable_time_step,
             "penalty_stiffness": outcome.fe_plan.model.loop.corner.spring or None,

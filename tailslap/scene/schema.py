@@ -16,7 +16,7 @@ from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.registry import Registry
 from tailslap.scene.units import Quantity
 
-MOST_ELEMENTS = 4_000_000
+MAX_ELEMENTS = 4_000_000
 """A mesh above this would not fit the memory of the machines this is made for."""
 
 Length = Annotated[float, Quantity("a length", "m", '"10 m"', above=0.0)]
@@ -56,10 +56,10 @@ def _registered(registry: Registry[Any]) -> BeforeValidator:
 
 
 def _element_counts(given: object) -> object:
-    allowed = f"allowed are two whole numbers from 1, at most {MOST_ELEMENTS} elements in all, like [20, 6]"
+    allowed = f"allowed are two whole numbers from 1, at most {MAX_ELEMENTS} elements in all, like [20, 6]"
     if not isinstance(given, list | tuple) or len(given) != 2:
         raise ValueError(allowed)
-    if any(type(n) is not int or n < 1 for n in given) or given[0] * given[1] > MOST_ELEMENTS:
+    if any(type(n) is not int or n < 1 for n in given) or given[0] * given[1] > MAX_ELEMENTS:
         raise ValueError(allowed)
     return tuple(given)
 

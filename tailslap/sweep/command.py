@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tailslap.sweep.values import MOST_RUNS
+from tailslap.sweep.values import MAX_RUNS
 
 SEED = 307
 
@@ -30,7 +30,7 @@ SEED = 307
 )
 @click.option(
     "--sample",
-    type=click.IntRange(2, MOST_RUNS),
+    type=click.IntRange(2, MAX_RUNS),
     metavar="N",
     help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
 )

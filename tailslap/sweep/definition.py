@@ -19,7 +19,7 @@ from tailslap.scene.inputs import scene_inputs
 from tailslap.scene.schema import Scene
 from tailslap.scene.validate import key_by_key
 from tailslap.scene.vary import Changes, Source, changed_tables, parse_changes, parse_value
-from tailslap.sweep.values import MOST_RUNS, Choices, Span, parse_values, split_key
+from tailslap.sweep.values import MAX_RUNS, Choices, Span, parse_values, split_key
 from tailslap.sweep.variation import Variation, grid_variation, plain, sample_variation
 
 Given = tuple[str, Span | Choices]
@@ -142,6 +142,6 @@ def _fixed(source: Source, changes: tuple[str, ...], keys: list[str]) -> Source:
 
 def _refuse_too_many(given: tuple[Given, ...]) -> None:
     counts = [(values.count or 1) if isinstance(values, Span) else len(values.texts) for _, values in given]
-    if math.prod(counts) > MOST_RUNS:
+    if math.prod(counts) > MAX_RUNS:
         shown = " x ".join(map(str, counts)) + " runs"
-        raise InputError("--vary", shown, f"allowed are at most {MOST_RUNS} runs")
+        raise InputError("--vary", shown, f"allowed are at most {MAX_RUNS} runs")

@@ -63,7 +63,7 @@ def outcome_columns(outcome: Outcome) -> dict[str, Any]:
         "rigid.peak_force": float(outcome.fe_plan.plan.force.peak_force),
         **_named("fe", outcome.fe),
         **_named("difference", outcome.difference),
-        "give": float(outcome.fe_plan.give),
+        "deflection_ratio": float(outcome.fe_plan.deflection_ratio),
         "numerical_error": float(outcome.error.total),
         **{check_column(check.name): float(check.value) for check in outcome.checks},
         **_named("cost", {name: value for name, value in spent.items() if name != "pictures_s"}),

@@ -58,7 +58,7 @@ def _schema(definition: Definition, checks: list[str]) -> pa.Schema:
     columns: dict[str, Any] = {"run": whole, "status": text, "reason": text}
     columns |= {item.key: _kind(item) for item in definition.variations}
     columns |= {f"{group}.{key}": real for group in ("rigid", "fe", "difference") for key in KEYS}
-    columns |= {"rigid.peak_force": real, "give": real} | dict.fromkeys(checks, real)
+    columns |= {"rigid.peak_force": real, "deflection_ratio": real} | dict.fromkeys(checks, real)
     columns |= {"cost.elements": whole, "cost.nodes": whole, "cost.steps": whole, "cost.time_step": real}
     columns |= dict.fromkeys(TIMES, real) | dict.fromkeys(versions(), text)
     return pa.schema(list(columns.items()))

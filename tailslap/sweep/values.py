@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from tailslap.errors import InputError
 
-MOST_RUNS = 1_000_000
+MAX_RUNS = 1_000_000
 """Runs of one sweep; above it a mistyped range is likelier than patience."""
 
 ALLOWED = (

@@ -15,7 +15,7 @@ def run_to_tolerance(plan: Plan, tolerance: float) -> Outcome:
     from tailslap.run import run_scene
     from tailslap.scene.vary import vary
     from tailslap.tolerance.choose import choose
-    from tailslap.tolerance.judge import judged
+    from tailslap.tolerance.verify import verified
 
     choice = choose(plan, tolerance)
-    return judged(run_scene(make_plan(*vary(plan.source, choice.rung.changes))), choice, plan)
+    return verified(run_scene(make_plan(*vary(plan.source, choice.level.changes))), choice, plan)

@@ -12,10 +12,10 @@ from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import Growth
 from tailslap.planning.fe_model import make_model, resolved_plate
 from tailslap.planning.fe_plan import FePlan, needed_plate
-from tailslap.planning.flexibility import centre_travel, rigid_start, share_given
+from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
 from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Scene
-from tailslap.tolerance.ladder import Rung, ladder
+from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
@@ -23,27 +23,27 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A rung with its model, the model's give, and the expected time of its loop [s].
+    """A level with its model, its deflection ratio, and the expected time of its loop [s].
 
     answer: the five quantities by the modal model of this mesh, where that was asked for and can be had.
     """
 
-    rung: Rung
+    level: RefinementLevel
     plan: Plan
     model: PlateModel
-    give: float
+    deflection_ratio: float
     seconds: float
     answer: Mapping[str, float] = field(default_factory=dict)
 
     def distance(self, other: Candidate, sensitivity: float) -> float:
-        """How far apart the answers of the two are expected to be, relatively: by modes, else by the gives."""
+        """How far apart the answers of the two are expected to be, relatively: by modes, else by the deflection ratios."""
         if self.answer and other.answer:
             return max(abs(value / other.answer[name] - 1.0) for name, value in self.answer.items())
-        return BESIDE_THE_GIVE * sensitivity * abs(self.give - other.give)
+        return BESIDE_THE_DEFLECTION * sensitivity * abs(self.deflection_ratio - other.deflection_ratio)
 
 
-BESIDE_THE_GIVE = 3.0
-"""What is left near the limit is not in proportion to the give alone: there is vibration, and what hardly moves."""
+BESIDE_THE_DEFLECTION = 3.0
+"""What is left near the limit is not in proportion to the deflection alone: there is vibration, and what hardly moves."""
 
 
 def constraints(scene: Scene) -> tuple[str, ...]:
@@ -51,27 +51,27 @@ def constraints(scene: Scene) -> tuple[str, ...]:
     return ("penalty", "exact") if scene.corner.constraint_is_open else (scene.corner.constraint,)
 
 
-def candidate(plan: Plan, rung: Rung) -> Candidate | None:
-    """The rung's candidate, or None where the mesh cannot carry the inertia or the patch."""
+def candidate(plan: Plan, level: RefinementLevel) -> Candidate | None:
+    """The level's candidate, or None where the mesh cannot carry the inertia or the patch."""
     try:
-        plan = with_changes(plan, rung.changes)
+        plan = with_changes(plan, level.changes)
         model = make_model(plan, needed_plate(plan.scene))
     except InputError:
         return None
     steps = math.ceil(plan.motion.strike.t / model.loop.time_step)
-    seconds = loop_seconds(rung.element, rung.elements, steps, plan.scene.time.rows)
-    return Candidate(rung, plan, model, share_given(plan, model), seconds)
+    seconds = loop_seconds(level.element, level.elements, steps, plan.scene.time.rows)
+    return Candidate(level, plan, model, deflection_ratio(plan, model), seconds)
 
 
 def coarsest(plan: Plan, constraint: str) -> list[Candidate]:
     """The coarsest mesh that makes a model, with linear elements and with quadratic ones, which do not lock."""
-    rungs = ladder(plan.scene, constraint)
-    for linear, quadratic in zip(rungs, rungs, strict=True):
-        found = [made for rung in (linear, quadratic) if (made := candidate(plan, rung))]
+    levels = refinement_levels(plan.scene, constraint)
+    for linear, quadratic in zip(levels, levels, strict=True):
+        found = [made for level in (linear, quadratic) if (made := candidate(plan, level))]
         if len(found) == 2:
             return found
     raise InputError(
-        "plate.elements", Verbatim("none"), "no mesh of the ladder makes a model of this vehicle"
+        "plate.elements", Verbatim("none"), "no mesh of the refinement_levels makes a model of this vehicle"
     )
 
 
@@ -91,7 +91,7 @@ def answered(made: Candidate) -> Candidate:
         made.model,
         rigid_start(plan),
         centre_travel(plan),
-        made.give,
+        made.deflection_ratio,
         math.nan,
     )
     try:

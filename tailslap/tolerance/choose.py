@@ -1,8 +1,8 @@
 """Picks the cheapest setting that is expected to meet a tolerance.
 
-What a run's answer is held against depends on the plate. Where its flexibility stays below the tolerance, it is the
-exact rigid motion, and the error is foretold by the plate's give, which needs no run. Where it does not, it is the
-flexible plate's own limit of fine meshes and an exact hold, and the error is foretold by the modal model of each mesh.
+What a run is compared with depends on the plate. Where its flexibility stays below the tolerance, it is the exact rigid
+motion, and the error is predicted by the plate's deflection ratio, which needs no run. Where it does not, it is the
+flexible plate's own limit of fine meshes and an exact constraint, and the modal model of each mesh predicts the error.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tailslap.planning.flexibility import sensitivity
 from tailslap.planning.plan import Plan
 from tailslap.scene.vary import shown
 from tailslap.tolerance.candidates import Candidate, answered, candidate, coarsest, constraints
-from tailslap.tolerance.ladder import Rung, ladder
+from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
 
 LEAST = 1e-8
 """Tolerances below this are beyond the rounding of the run and of the answer it is held against."""
@@ -24,7 +24,7 @@ LEAST = 1e-8
 MARGIN = 2.0
 """Times the distance from the limit that the modal models show."""
 
-MOST_TRIED, SETTLED = 4_000, 0.1
+MAX_TRIED, SETTLED = 4_000, 0.1
 """Elements up to which the limit is sought, and the share of the tolerance to which it is known then."""
 
 RIGID, LIMIT = "rigid", "limit"
@@ -36,22 +36,22 @@ class Choice:
     """What was picked. against: RIGID or LIMIT; errors are relative, the largest of the five quantities.
 
     flexibility: by how much, at most, the plate's own flexibility moves the answer. limit: the five quantities by modes
-    of the finest mesh tried, where they were asked for; limit_give: that mesh's give.
+    of the finest mesh tried, where they were asked for; limit_deflection_ratio: of that mesh.
     """
 
     tolerance: float
     against: str
-    rung: Rung
+    level: RefinementLevel
     expected_error: float
     expected_seconds: float
     flexibility: float
     limit: Mapping[str, float] = field(default_factory=dict)
-    limit_give: float = math.nan
+    limit_deflection_ratio: float = math.nan
 
     @property
     def changes(self) -> tuple[str, ...]:
         """The setting as --set would give it."""
-        return shown({key: value for key, value in self.rung.changes.items() if value is not None})
+        return shown({key: value for key, value in self.level.changes.items() if value is not None})
 
 
 def choose(plan: Plan, tolerance: float) -> Choice:
@@ -61,10 +61,10 @@ def choose(plan: Plan, tolerance: float) -> Choice:
     flexibility = math.inf
     for constraint in constraints(plan.scene):
         coarse = coarsest(plan, constraint)
-        error = sensitivity(plan.start.angle) * max(made.give for made in coarse)
+        error = sensitivity(plan.start.angle) * max(made.deflection_ratio for made in coarse)
         flexibility = min(flexibility, error)
         if error <= tolerance:
-            return Choice(tolerance, RIGID, coarse[0].rung, error, coarse[0].seconds, flexibility)
+            return Choice(tolerance, RIGID, coarse[0].level, error, coarse[0].seconds, flexibility)
     return _towards_the_limit(plan, tolerance, flexibility)
 
 
@@ -90,28 +90,28 @@ def _towards_the_limit(plan: Plan, tolerance: float, flexibility: float) -> Choi
         allowed = f"the finest mesh tried is expected to come within {nearest:.1e} of the limit"
         raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
     best = min(good, key=lambda made: made.seconds)
-    choice = Choice(tolerance, LIMIT, best.rung, errors[best], best.seconds, flexibility)
-    return replace(choice, limit=finest.answer, limit_give=finest.give)
+    choice = Choice(tolerance, LIMIT, best.level, errors[best], best.seconds, flexibility)
+    return replace(choice, limit=finest.answer, limit_deflection_ratio=finest.deflection_ratio)
 
 
 def _at_least(other: Candidate, made: Candidate) -> bool:
     """Whether it is the same mesh or a finer one of the same element: near by chance is not near."""
-    return other.rung.element == made.rung.element and other.rung.fineness >= made.rung.fineness
+    return other.level.element == made.level.element and other.level.fineness >= made.level.fineness
 
 
 def _until_settled(plan: Plan, tolerance: float, factor: float) -> list[Candidate]:
     """Candidates from coarse to fine, until three quadratic meshes agree to a share of the tolerance."""
     found: list[Candidate] = []
-    for rung in ladder(plan.scene, constraints(plan.scene)[-1]):
-        if rung.elements[0] * rung.elements[1] > MOST_TRIED:
+    for level in refinement_levels(plan.scene, constraints(plan.scene)[-1]):
+        if level.elements[0] * level.elements[1] > MAX_TRIED:
             break
-        made = candidate(plan, rung)
+        made = candidate(plan, level)
         found += [answered(made)] if made else []
-        last = [made for made in found if made.rung.element == "quad9"][-3:]
+        last = [made for made in found if made.level.element == "quad9"][-3:]
         if len(last) == 3 and max(made.distance(last[-1], factor) for made in last) < SETTLED * tolerance:
             break
     if len(found) < 2:
         raise InputError(
             "corner.patch_length", plan.scene.corner.patch_length, "no mesh tried has a node within it"
         )
-    return sorted(found, key=lambda made: made.rung.fineness)
+    return sorted(found, key=lambda made: made.level.fineness)

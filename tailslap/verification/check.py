@@ -23,10 +23,10 @@ Columns = Mapping[str, np.ndarray]
 
 FINER = "refine plate.elements, or leave plate.elements and plate.element out"
 STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
-CALMER = "leave damping.kind out, or give damping.rate"
+MORE_DAMPING = "leave damping.kind out, or give damping.rate"
 STEP = "a smaller time.safety_factor"
 SOFT = "a stiffer plate: it is softer than the theory of this start allows"
-ROUGH = f"{CALMER}; leave the corner's spring out"
+ROUGH = f"{MORE_DAMPING}; leave the corner's spring out"
 """Advice that several checks share."""
 
 COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
@@ -93,7 +93,7 @@ class Evidence:
         return history_metrics(self.history, self.rigid)
 
 
-class Judgement(NamedTuple):
+class Evaluation(NamedTuple):
     """Value, the limit that it may reach, and what both are."""
 
     value: float
@@ -111,14 +111,14 @@ class CheckKind:
     """
 
     name: str
-    judge: Callable[[Evidence], Judgement | None]
+    evaluate: Callable[[Evidence], Evaluation | None]
     advice: str
     shows_ringing: bool = False
     of_reaction: bool = False
 
     def outcome(self, evidence: Evidence) -> Check | None:
         """The check of this run, or None where it does not apply."""
-        judged = self.judge(evidence)
+        judged = self.evaluate(evidence)
         return judged and Check.at_most(self.name, *judged)
 
 

@@ -13,19 +13,19 @@ from __future__ import annotations
 import numpy as np
 
 from tailslap.planning.flexibility import sensitivity
-from tailslap.verification.check import CALMER, ROUGH, STEP, STIFFER, CheckKind, Evidence, Judgement
+from tailslap.verification.check import MORE_DAMPING, ROUGH, STEP, STIFFER, CheckKind, Evaluation, Evidence
 
 LEAST = 1e-12
 """Share of the energy at the start below which a contact holds none: the exact one has only rounding."""
 
 
-def _contact_work(given: Evidence) -> Judgement:
+def _contact_work(given: Evidence) -> Evaluation:
     """What the spring lost, against the work of its force; an exact constraint stores nothing."""
     history, corner = given.history, given.fe_plan.model.loop.corner
     if corner.is_exact:
         share = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]
         meaning = "energy in the constraint over the energy at the start: the exact constraint stores none"
-        return Judgement(share, LEAST, meaning)
+        return Evaluation(share, LEAST, meaning)
     stepped = slice(-1 if history["t"].size > 2 else None)  # the last row is interpolated, not linear in y
     energy, gap = history["contact_energy"][stepped], history["gap"][stepped]
     # With a dashpot N is not the spring's force alone.
@@ -35,16 +35,16 @@ def _contact_work(given: Evidence) -> Judgement:
     meaning = (
         "work of the normal force less what the energy in the corner's spring lost, over its largest energy"
     )
-    return Judgement(_share(np.abs(surplus).max(), scale), 1e-6, meaning)
+    return Evaluation(_share(np.abs(surplus).max(), scale), 1e-6, meaning)
 
 
-def _stored(given: Evidence) -> Judgement:
+def _stored(given: Evidence) -> Evaluation:
     held = given.history["contact_energy"] + given.history["hourglass_energy"]
     meaning = "largest energy in contact and hourglass control over the energy at the start; customary limit, Radioss"
-    return Judgement(held.max() / given.history["kinetic_energy"][0], 0.15, meaning)
+    return Evaluation(held.max() / given.history["kinetic_energy"][0], 0.15, meaning)
 
 
-def _friction(given: Evidence) -> Judgement | None:
+def _friction(given: Evidence) -> Evaluation | None:
     if not given.friction.impulse:
         return None
     history = given.history
@@ -53,19 +53,19 @@ def _friction(given: Evidence) -> Judgement | None:
     meaning = (
         "work of friction in the ledger less coefficient x impulse x speed of the corner, over its largest"
     )
-    return Judgement(_share(off, np.abs(work).max()), 0.01, meaning)
+    return Evaluation(_share(off, np.abs(work).max()), 0.01, meaning)
 
 
-def _dissipation(given: Evidence) -> Judgement | None:
+def _dissipation(given: Evidence) -> Evaluation | None:
     if given.friction.frictionless or not given.friction.dissipative:
         return None
     work = given.history["friction_work"]
     value = _share(np.diff(work).max(initial=0.0), np.abs(work).max())
     meaning = "largest work that friction gave back between two rows, over all that it took: it may only take"
-    return Judgement(value, 1e-9, meaning)
+    return Evaluation(value, 1e-9, meaning)
 
 
-def _against_rigid(given: Evidence) -> Judgement | None:
+def _against_rigid(given: Evidence) -> Evaluation | None:
     """Without what friction does to a reaction that rings: that has a check of its own. An unstressed plate's reaction
     swings too far to be compared."""
     if not given.relieved:
@@ -81,8 +81,8 @@ def _against_rigid(given: Evidence) -> Judgement | None:
         "work of friction, but for what a ringing reaction adds, less the rigid solution's, over its largest"
     )
     value = _share(off, np.abs(expected[known]).max())
-    flexible = sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.give
-    return Judgement(value, 0.05 + 2.0 * flexible, meaning)
+    flexible = sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.deflection_ratio
+    return Evaluation(value, 0.05 + 2.0 * flexible, meaning)
 
 
 def _work(force: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -99,7 +99,7 @@ CONTACT = (
     CheckKind("contact work", _contact_work, STEP),
     CheckKind("contact energy", _stored, STIFFER),
     CheckKind("friction work", _friction, "more time.rows"),
-    CheckKind("friction takes energy", _dissipation, CALMER),
+    CheckKind("friction takes energy", _dissipation, MORE_DAMPING),
     CheckKind("friction work against rigid", _against_rigid, ROUGH, of_reaction=True),
 )
 """In the order in which they are told."""

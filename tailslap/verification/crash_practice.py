@@ -21,7 +21,7 @@ import numpy as np
 
 from tailslap.planning.fe_model import plate_density
 from tailslap.planning.flexibility import sensitivity
-from tailslap.verification.check import ROUGH, STEP, CheckKind, Evidence, Judgement
+from tailslap.verification.check import ROUGH, STEP, CheckKind, Evaluation, Evidence
 from tailslap.verification.mechanics import STORED_ENERGIES
 
 NCHRP = "customary limit, NCHRP W179"
@@ -32,7 +32,7 @@ NEXT_TO_NOTHING = 1e-6
 ELEMENTS = 'plate.element = "quad4", or more elements'
 
 
-def _energy_ratio(given: Evidence) -> Judgement:
+def _energy_ratio(given: Evidence) -> Evaluation:
     """Work of the dampers counts as energy still there, that of the wall's friction as external."""
     history = given.history
     total = np.sum([history[name] for name in STORED_ENERGIES], axis=0) - history["damping_work"]
@@ -41,10 +41,10 @@ def _energy_ratio(given: Evidence) -> Judgement:
         f"largest distance from 1 of total energy over (initial energy + external work), from {ratio.min():.7f} "
         f"to {ratio.max():.7f}; LS-DYNA's energy ratio, 2 % is customary (Radioss)"
     )
-    return Judgement(np.abs(ratio - 1.0).max(), 0.02, meaning)
+    return Evaluation(np.abs(ratio - 1.0).max(), 0.02, meaning)
 
 
-def _hourglass_share(given: Evidence) -> Judgement:
+def _hourglass_share(given: Evidence) -> Evaluation:
     """Shown for every element: who knows the practice looks for these lines, and they cost nothing. Not held to where a
     second run, of elements without hourglass modes, tells what these change."""
     energy, strain = given.history["hourglass_energy"], given.history["strain_energy"]
@@ -58,34 +58,34 @@ def _hourglass_share(given: Evidence) -> Judgement:
     why = "it stores next to nothing" if little else "the second run tells what it changes"
     meaning = f"largest hourglass energy over the largest strain energy; {how}; {NCHRP}"
     meaning += f"; not held to it here: {why}" if spared else ""
-    return Judgement(energy.max() / stored, 1.0 if spared else 0.1, meaning)
+    return Evaluation(energy.max() / stored, 1.0 if spared else 0.1, meaning)
 
 
-def _hourglass_of_total(given: Evidence) -> Judgement:
+def _hourglass_of_total(given: Evidence) -> Evaluation:
     share = given.history["hourglass_energy"].max() / given.history["kinetic_energy"][0]
-    return Judgement(share, 0.05, f"largest hourglass energy over the energy at the start; {NCHRP}")
+    return Evaluation(share, 0.05, f"largest hourglass energy over the energy at the start; {NCHRP}")
 
 
-def _added_mass(given: Evidence) -> Judgement:
+def _added_mass(given: Evidence) -> Evaluation:
     vehicle, plate = given.fe_plan.plan.scene.vehicle, given.fe_plan.plate
     body = plate_density(given.fe_plan.plan, plate) * plate.thickness * vehicle.length * vehicle.width
     meaning = (
         "mass of the model over density x volume, less 1; no mass is scaled here, and the exact inertia moves mass "
         f"between nodes but adds none, so the limit is rounding; {NCHRP}, would be 0.05"
     )
-    return Judgement(abs(given.fe_plan.model.mass / body - 1.0), 1e-9, meaning)
+    return Evaluation(abs(given.fe_plan.model.mass / body - 1.0), 1e-9, meaning)
 
 
-def _metric(metric: str, customary: float, what: str, given: Evidence) -> Judgement:
+def _metric(metric: str, customary: float, what: str, given: Evidence) -> Evaluation:
     """The worst of the histories; the reaction of an unstressed start rings, and is only shown."""
     names = [name for name in given.metrics if name != "reaction_normal" or given.relieved]
     sizes = np.abs([getattr(given.metrics[name], metric) for name in names])
     worst = int(np.argmax(sizes))  # the first NaN, where there is one
     meaning = f"{what}, largest for {names[worst]}; {NCHRP}"
-    limit = max(customary, 2.0 * sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.give)
+    limit = max(customary, 2.0 * sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.deflection_ratio)
     if limit > customary:
         meaning += f" {customary:g}, here twice what the flexibility of this soft plate changes"
-    return Judgement(sizes[worst], limit, meaning)
+    return Evaluation(sizes[worst], limit, meaning)
 
 
 METRICS = {

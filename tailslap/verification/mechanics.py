@@ -10,15 +10,15 @@ import numpy as np
 from postprocess.comparison.comparison import largest
 from tailslap.planning.flexibility import sensitivity
 from tailslap.verification.check import (
-    CALMER,
     FINER,
+    MORE_DAMPING,
     ROUGH,
     SOFT,
     STEP,
     STIFFER,
     CheckKind,
+    Evaluation,
     Evidence,
-    Judgement,
 )
 from tailslap.verification.numerical_error import EXPLAINED, FLOOR, SHARE
 from tailslap.verification.ringing import RINGING
@@ -38,53 +38,53 @@ def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.asarray(balance - balance[0])
 
 
-def _reached(given: Evidence) -> Judgement:
+def _reached(given: Evidence) -> Evaluation:
     meaning = "angle [rad] between side and wall where the run ended; a run that flutters or diverges never gets there"
     angle = 0.0 if given.run.strike else abs(given.history["theta"][-1]) or math.inf
-    return Judgement(angle, 0.0, meaning)
+    return Evaluation(angle, 0.0, meaning)
 
 
-def _finite(given: Evidence) -> Judgement:
+def _finite(given: Evidence) -> Evaluation:
     bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in given.history.values())
-    return Judgement(bad, 0, "entries of the history that are not finite numbers")
+    return Evaluation(bad, 0, "entries of the history that are not finite numbers")
 
 
-def _time_step(given: Evidence) -> Judgement:
+def _time_step(given: Evidence) -> Evaluation:
     model = given.fe_plan.model
     share = (
         model.loop.time_step / model.stable_time_step * given.run.highest_frequency / model.highest_frequency
     )
     meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
-    return Judgement(share, 1.0, meaning)
+    return Evaluation(share, 1.0, meaning)
 
 
-def _energy(given: Evidence) -> Judgement:
+def _energy(given: Evidence) -> Evaluation:
     worst = np.abs(energy_error(given.history)).max() / given.history["kinetic_energy"][0]
-    return Judgement(worst, 1e-6, "largest gap in the energy ledger over the energy at the start")
+    return Evaluation(worst, 1e-6, "largest gap in the energy ledger over the energy at the start")
 
 
-def _momentum(given: Evidence) -> Judgement:
+def _momentum(given: Evidence) -> Evaluation:
     mass, speed = given.fe_plan.model.mass, given.history["v_gy"]
     gained, scale = mass * (speed - speed[0]), mass * np.abs(speed).max()
     worst = np.abs(gained - given.history["normal_impulse"]).max() / scale
-    return Judgement(worst, 1e-9, "lateral momentum against the impulse of the reaction")
+    return Evaluation(worst, 1e-9, "lateral momentum against the impulse of the reaction")
 
 
-def _penetration(given: Evidence) -> Judgement:
+def _penetration(given: Evidence) -> Evaluation:
     gap = np.abs(given.history["gap"]).max() / given.fe_plan.plan.body.width
-    return Judgement(gap, 0.01, "largest distance of the corner from the wall's line over the plate's width")
+    return Evaluation(gap, 0.01, "largest distance of the corner from the wall's line over the plate's width")
 
 
-def _ringing(given: Evidence) -> Judgement | None:
+def _ringing(given: Evidence) -> Evaluation | None:
     if not given.relieved:
         return None
-    limit = max(RINGING, SHARE * sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.give)
-    return Judgement(
+    limit = max(RINGING, SHARE * sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.deflection_ratio)
+    return Evaluation(
         given.ringing, limit, "friction added by a ringing reaction, as its share of v_GX or omega"
     )
 
 
-def _reaction(given: Evidence) -> Judgement | None:
+def _reaction(given: Evidence) -> Evaluation | None:
     if not given.relieved:
         return None
     expected = given.rigid["reaction_normal"]
@@ -92,22 +92,22 @@ def _reaction(given: Evidence) -> Judgement | None:
     ripple = given.history["reaction_normal"][known] - expected[known]
     value = np.sqrt(np.mean(ripple**2) / np.mean(expected[known] ** 2))
     meaning = "root mean square of the difference over the rigid reaction; the five quantities are judged by themselves"
-    return Judgement(value, 0.1 + EXPLAINED * given.fe_plan.give, meaning)
+    return Evaluation(value, 0.1 + EXPLAINED * given.fe_plan.deflection_ratio, meaning)
 
 
-def _mesh(given: Evidence) -> Judgement | None:
+def _mesh(given: Evidence) -> Evaluation | None:
     """What richer elements would change: a mesh that is too coarse is too stiff, and looks rigid without being so."""
     if given.second or not given.relieved:
         return None
-    give, other = given.fe_plan.give, given.fe_plan.other_give
+    ratio, other = given.fe_plan.deflection_ratio, given.fe_plan.other_deflection_ratio
     meaning = (
-        "change of the plate's give with richer elements (or, on large meshes, half as many): "
-        f"{FLOOR:g} and {100 * SHARE:g} % of the give are allowed; refine plate.elements, or leave them out"
+        "change of the plate's deflection ratio with richer elements (or, on large meshes, half as many): "
+        f"{FLOOR:g} and {100 * SHARE:g} % of it are allowed; refine plate.elements, or leave them out"
     )
-    return Judgement(abs(give - other), FLOOR + SHARE * max(give, other), meaning)
+    return Evaluation(abs(ratio - other), FLOOR + SHARE * max(ratio, other), meaning)
 
 
-def _contact_spring(given: Evidence) -> Judgement | None:
+def _contact_spring(given: Evidence) -> Evaluation | None:
     share = given.fe_plan.spring_share
     if given.second or not given.relieved or not share:
         return None
@@ -115,10 +115,10 @@ def _contact_spring(given: Evidence) -> Judgement | None:
         f"deflection of the corner's spring over the way of the centre: {FLOOR:g} and {100 * SHARE:g} % of the "
         'give are allowed; corner.constraint = "exact" has none'
     )
-    return Judgement(share, FLOOR + SHARE * given.fe_plan.give, meaning)
+    return Evaluation(share, FLOOR + SHARE * given.fe_plan.deflection_ratio, meaning)
 
 
-def _oscillation(given: Evidence) -> Judgement | None:
+def _oscillation(given: Evidence) -> Evaluation | None:
     """An unstressed plate swings about its elastic state with the energy of that state, which goes with N squared."""
     if given.relieved:
         return None
@@ -131,29 +131,29 @@ def _oscillation(given: Evidence) -> Judgement | None:
         "largest kinetic energy of the oscillation over the elastic energy of the plate under its reaction, which an "
         "unstressed start begins without: theory allows 1, and growth by friction too slow to be damped"
     )
-    return Judgement(float(given.history["vibration_energy"].max()) / scale, limit, meaning)
+    return Evaluation(float(given.history["vibration_energy"].max()) / scale, limit, meaning)
 
 
-def _numerical_error(given: Evidence) -> Judgement:
+def _numerical_error(given: Evidence) -> Evaluation:
     meaning = (
         f"what mesh, time step, constraint, damping and ringing may change in the five quantities; {FLOOR:g} and "
         f"{100 * SHARE:g} % of what the plate's flexibility changes are allowed"
     )
-    return Judgement(given.error.total, given.error.allowed, meaning)
+    return Evaluation(given.error.total, given.error.allowed, meaning)
 
 
-def _agreement(given: Evidence) -> Judgement | None:
+def _agreement(given: Evidence) -> Evaluation | None:
     """Only where the scene demands it: a flexible plate that is right need not agree."""
     verify = given.fe_plan.plan.scene.verify
     if verify is None:
         return None
     meaning = "largest difference from the rigid motion; the scene demands it by verify.tolerance"
-    return Judgement(largest(given.differences), verify.tolerance, meaning)
+    return Evaluation(largest(given.differences), verify.tolerance, meaning)
 
 
 MECHANICS = (
-    CheckKind("tail-slap reached", _reached, f"{CALMER}; {SOFT}", shows_ringing=True),
-    CheckKind("finite numbers", _finite, f"{STEP}; {CALMER}", shows_ringing=True),
+    CheckKind("tail-slap reached", _reached, f"{MORE_DAMPING}; {SOFT}", shows_ringing=True),
+    CheckKind("finite numbers", _finite, f"{STEP}; {MORE_DAMPING}", shows_ringing=True),
     CheckKind("time step", _time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("momentum balance", _momentum, STEP),

@@ -29,7 +29,7 @@ SHARP = 0.1
 """Part of the difference from the rigid motion that its numerical error may be and still be told by statics."""
 
 EXPLAINED = 2.0
-"""Multiples of the plate's give that a difference from the rigid motion may have: it is 0.3 to 2.0 of it."""
+"""Multiples of the deflection ratio that a difference from the rigid motion may have: it is 0.3 to 2.0 of it."""
 
 HELD = 0.9
 """Change of the answer over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
@@ -74,7 +74,7 @@ class NumericalError:
 
 def needs_second_run(fe_plan: FePlan, differences: Mapping[str, float], error: NumericalError) -> bool:
     """Whether statics does not tell, or not sharply, how far the run may be off."""
-    explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.give
+    explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.deflection_ratio
     sharp = error.total <= max(FLOOR, SHARP * largest(differences))
     by_statics = fe_plan.plate.start != "unstressed" and fe_plan.plate.lumping == "exact"
     return not (by_statics and explained and sharp)
@@ -85,10 +85,10 @@ def numerical_error(
 ) -> NumericalError:
     """The estimate; differences: from the rigid motion, empty if there is no answer; ringing: friction by ringing."""
     factor, relieved = sensitivity(fe_plan.plan.start.angle), fe_plan.plate.start != "unstressed"
-    by_statics = factor * max(fe_plan.give, fe_plan.other_give)
+    by_statics = factor * max(fe_plan.deflection_ratio, fe_plan.other_deflection_ratio)
     return NumericalError(
         time_step=(1.0 / fe_plan.expected_steps) ** 2,
-        mesh=factor * abs(fe_plan.give - fe_plan.other_give),
+        mesh=factor * abs(fe_plan.deflection_ratio - fe_plan.other_deflection_ratio),
         contact_spring=factor * fe_plan.spring_share,
         damping=factor * _held_back(fe_plan) if relieved else _oscillation_lost(fe_plan),
         ringing=ringing
@@ -102,7 +102,7 @@ def numerical_error(
 def _held_back(fe_plan: FePlan) -> float:
     """What the damping may hold the plate back by, over the way: no more than all that the plate gives."""
     lag = fe_plan.damping_lag
-    return HELD * lag / (1.0 + 2.0 * lag / fe_plan.give) if lag else 0.0
+    return HELD * lag / (1.0 + 2.0 * lag / fe_plan.deflection_ratio) if lag else 0.0
 
 
 def _oscillation_lost(fe_plan: FePlan) -> float:

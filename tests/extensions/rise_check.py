@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from tailslap.verification.check import CheckKind, Evidence, Judgement
+from tailslap.verification.check import CheckKind, Evaluation, Evidence
 from tailslap.verification.checks import CHECKS
 
 
-def rise(given: Evidence) -> Judgement | None:
+def rise(given: Evidence) -> Evaluation | None:
     if "height" not in given.history:
         return None
     risen = float(np.diff(given.history["height"]).max()) / given.fe_plan.plan.body.width
-    return Judgement(risen, 0.0, "largest rise of the plate between two rows over its width")
+    return Evaluation(risen, 0.0, "largest rise of the plate between two rows over its width")
 
 
 CHECK = CheckKind("rise", rise, "less of everything")

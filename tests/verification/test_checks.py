@@ -216,7 +216,7 @@ def test_hourglass_energy_above_the_customary_limits(outcome: Callable[..., Any]
 
 def test_mesh_and_spring_that_statics_does_not_allow(outcome: Callable[..., Any]) -> None:
     result = outcome("paper-table-3")
-    coarse = replace(result, fe_plan=replace(result.fe_plan, other_give=2e-3))
+    coarse = replace(result, fe_plan=replace(result.fe_plan, other_deflection_ratio=2e-3))
     assert failed(coarse) == {"mesh", "numerical error"}
     loop = result.fe_plan.model.loop
     spring = loop.corner.constraint._replace(stiffness=1e-4 * loop.corner.stiffness)
@@ -277,7 +277,7 @@ def test_a_soft_plate_may_differ_by_its_give(outcome: Callable[..., Any]) -> Non
     (residual,) = [check for check in result.checks if check.name == "mean residual"]
     assert result.passed
     assert residual.value > 0.05
-    assert residual.limit == 2.0 * sensitivity(0.26) * result.fe_plan.give
+    assert residual.limit == 2.0 * sensitivity(0.26) * result.fe_plan.deflection_ratio
     assert "soft plate" in residual.meaning
     unstressed = outcome("paper-table-3", "plate.start=unstressed", "damping.ratio=0.1")
     assert unstressed.passed

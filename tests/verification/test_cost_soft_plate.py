@@ -14,12 +14,12 @@ from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 from tailslap.scene.vary import vary
+from tailslap.studies.cost.campaign import ROUNDING, summed_up
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import error_from, measure
 from tailslap.studies.cost.report import cost_report
 from tailslap.studies.cost.settings import MODAL, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
-from tailslap.studies.cost.survey import ROUNDING, summed_up
 
 pytestmark = pytest.mark.verification
 

@@ -13,12 +13,12 @@ from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
 from tailslap.scene.files import read_scene, read_source
 from tailslap.scene.vary import Source, vary
-from tailslap.studies.cost import survey as survey_module
+from tailslap.studies.cost import campaign as survey_module
+from tailslap.studies.cost.campaign import campaign
 from tailslap.studies.cost.measure import error_from, measure
 from tailslap.studies.cost.points import Point, cheapest, front
 from tailslap.studies.cost.settings import EXACT, FE, ODE, Setting, settings
 from tailslap.studies.cost.soft import soft_settings
-from tailslap.studies.cost.survey import survey
 
 pytestmark = pytest.mark.verification
 
@@ -147,8 +147,8 @@ def test_interrupted_study_measures_only_what_is_missing(
 
     monkeypatch.setattr(survey_module, "measure", noted)
     with pytest.raises(KeyboardInterrupt):
-        survey(plan, tmp_path / "out")
-    found = survey(plan, tmp_path / "out")
+        campaign(plan, tmp_path / "out")
+    found = campaign(plan, tmp_path / "out")
     assert len(done) - 1 == len(set(done)) - 1 == len(found.points)
     assert list(tmp_path.iterdir()) == []
 

@@ -58,7 +58,7 @@ def test_mesh_that_locks_gets_quadratic_elements() -> None:
     strip = ("vehicle.width=0.1", "plate.elements=[20, 6]")
     assert decided(*strip)["plate.element"] == "quad9"
     linear, quadratic = fe_plan(*strip, "plate.element=quad4"), fe_plan(*strip)
-    assert quadratic.give > 5.0 * linear.give
+    assert quadratic.deflection_ratio > 5.0 * linear.deflection_ratio
     assert linear.plate.element == "quad4"
     assert not any(decision.key == "plate.element" for decision in linear.decisions)
 

@@ -172,27 +172,27 @@ def test_the_patch_s_weighted_mean_is_the_corner_itself(length: float) -> None:
     assert d.positions[0, nodes].min() <= -length * (1.0 - 1e-9)
 
 
-def test_a_point_gives_without_bound_and_a_patch_converges(outcome: Callable[..., Any]) -> None:
-    """A point load's give grows by the same amount with each halving of the mesh, a patch's stops growing."""
-    gives: dict[str, list[float]] = {"point": [], "patch": []}
+def test_a_point_deflects_without_bound_and_a_patch_converges(outcome: Callable[..., Any]) -> None:
+    """A point load's deflection grows by the same amount with each halving of the mesh, a patch's stops growing."""
+    ratios: dict[str, list[float]] = {"point": [], "patch": []}
     for n in (10, 20, 40, 80):
         for name, change in (("point", ()), ("patch", ("corner.patch_length=2",))):
             elements = f"plate.elements=[{n}, {3 * n // 10}]"
             changes = ("corner.reaction=none", "corner.constraint=exact", "plate.start=unstressed", elements)
-            gives[name].append(make_give(*changes, *change))
-    point, patch = np.diff(gives["point"]), np.diff(gives["patch"])
+            ratios[name].append(ratio_of(*changes, *change))
+    point, patch = np.diff(ratios["point"]), np.diff(ratios["patch"])
     assert point[2] == pytest.approx(point[1], rel=0.1)
     assert (np.abs(patch[1:] / patch[:-1]) < 0.45).all()
     assert abs(patch[2]) < 0.05 * point[2]
 
 
-def make_give(*changes: str) -> float:
+def ratio_of(*changes: str) -> float:
     """Give of a model that is only built."""
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
     from tailslap.scene.files import read_scene
 
-    return make_fe_plan(make_plan(*read_scene("paper-table-3", changes))).give
+    return make_fe_plan(make_plan(*read_scene("paper-table-3", changes))).deflection_ratio
 
 
 @pytest.mark.parametrize("threads", [2, 3])

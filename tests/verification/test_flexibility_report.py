@@ -18,10 +18,16 @@ from tailslap.command_line import CHECK_FAILED, _status
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.scene.files import read_scene
-from tailslap.studies.flexibility import survey as survey_module
+from tailslap.studies.flexibility import campaign as survey_module
+from tailslap.studies.flexibility.campaign import (
+    FlexibilityResults,
+    campaign,
+    samples,
+    start_samples,
+    summed_up,
+)
 from tailslap.studies.flexibility.points import Point, make_point
 from tailslap.studies.flexibility.report import flexibility_report, headline
-from tailslap.studies.flexibility.survey import Survey, samples, start_samples, summed_up, survey
 from tailslap.studies.flexibility.sweep import STARTS, define
 
 pytestmark = pytest.mark.verification
@@ -42,7 +48,7 @@ def mesh_record(difference: float, rigid: Mapping[str, float], **changes: Any) -
         "largest": abs(difference),
         "reaction": 10.0 * difference,
         "stored": 0.1 * difference,
-        "give": difference,
+        "deflection_ratio": difference,
         "error": 1e-3 * abs(difference),
         "unseen": 0.0,
         "steps": 1000,
@@ -74,11 +80,11 @@ def plan() -> Plan:
 
 
 @pytest.fixture(scope="module")
-def synthetic(plan: Plan) -> Callable[..., Survey]:
-    """The survey of a synthetic power law; changes: records by the place of the point."""
+def synthetic(plan: Plan) -> Callable[..., FlexibilityResults]:
+    """The campaign of a synthetic power law; changes: records by the place of the point."""
     sweep = replace(define(plan, SWEEP)[0], own_frequency=100.0)
 
-    def build(changes: Mapping[int, dict[str, Any]] = {}) -> Survey:
+    def build(changes: Mapping[int, dict[str, Any]] = {}) -> FlexibilityResults:
         rigid = stage_two_numbers(plan)
         records = [point_record(f, rigid) for f in SWEEP]
         points = tuple(
@@ -90,7 +96,7 @@ def synthetic(plan: Plan) -> Callable[..., Survey]:
     return build
 
 
-def test_points_carry_difference_and_error(synthetic: Callable[..., Survey]) -> None:
+def test_points_carry_difference_and_error(synthetic: Callable[..., FlexibilityResults]) -> None:
     for point in synthetic().points:
         whole = 0.04 / point.frequency**2
         assert point.difference["v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
@@ -111,7 +117,7 @@ def test_what_meshes_do_not_show_is_added_to_the_error(plan: Plan) -> None:
     assert damped.starts[first].error - plain.starts[first].error == pytest.approx(1e-4, rel=1e-6)
 
 
-def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., Survey]) -> None:
+def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., FlexibilityResults]) -> None:
     rigid = stage_two_numbers(synthetic().sweep.plan)
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
@@ -121,7 +127,7 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., 
     assert sizes == sorted(sizes)
 
 
-def said(found: Survey, tmp_path: Path) -> tuple[str, str]:
+def said(found: FlexibilityResults, tmp_path: Path) -> tuple[str, str]:
     """Terminal and page, with plain spaces."""
     report = flexibility_report(found)
     write_report(report, tmp_path)
@@ -129,7 +135,9 @@ def said(found: Survey, tmp_path: Path) -> tuple[str, str]:
     return " ".join(report_text(report, tmp_path).split()), page
 
 
-def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Survey], tmp_path: Path) -> None:
+def test_what_half_the_patch_changes_is_said(
+    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
+) -> None:
     rigid = stage_two_numbers(synthetic().sweep.plan)
     record = point_record(SWEEP[4], rigid)
     longer = main_meshes(record)[-1]["values"]
@@ -142,7 +150,7 @@ def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Survey], t
     assert ">1.00e-01</td>" not in said(failed, tmp_path)[1]
 
 
-def test_headline(synthetic: Callable[..., Survey]) -> None:
+def test_headline(synthetic: Callable[..., FlexibilityResults]) -> None:
     assert headline(synthetic()).replace("\N{NO-BREAK SPACE}", " ") == (
         "Rigid-body v_GY is good to 1 %, at the strike and before, down to a first frequency of 2 Hz (inertia relief), "
         "1.2 Hz (Stage 1's momenta), 4 Hz (unstressed); from any of the three starts, 4 Hz. The scene's own plate has "
@@ -151,7 +159,7 @@ def test_headline(synthetic: Callable[..., Survey]) -> None:
 
 
 def test_levels_of_any_start_and_the_power_law_are_said(
-    synthetic: Callable[..., Survey], tmp_path: Path
+    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:
     terminal, page = said(synthetic(), tmp_path)
     assert "any of the three 40 Hz 4 Hz 0.894 Hz 0.632 Hz" in terminal
@@ -160,7 +168,9 @@ def test_levels_of_any_start_and_the_power_law_are_said(
     assert page.count(law) >= 2
 
 
-def test_what_the_starts_depart_from_is_said(synthetic: Callable[..., Survey], tmp_path: Path) -> None:
+def test_what_the_starts_depart_from_is_said(
+    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
+) -> None:
     """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
     rigid = stage_two_numbers(synthetic().sweep.plan)
     found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
@@ -179,14 +189,14 @@ def cells(rows: list[str], first: str) -> list[str]:
     return re.findall(r"<td[^>]*>([^<]*)</td>", row)
 
 
-def test_headline_of_what_is_not_known(synthetic: Callable[..., Survey]) -> None:
+def test_headline_of_what_is_not_known(synthetic: Callable[..., FlexibilityResults]) -> None:
     refused = {"refused": "plate: no"}
     runs = {name: (3 if name != "unstressed" else 1) * [refused] for name in STARTS}
     nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
     assert "no run passed its checks" in headline(nothing)
     rigid = stage_two_numbers(nothing.sweep.plan)
 
-    def words(found: Survey) -> str:
+    def words(found: FlexibilityResults) -> str:
         return headline(found).replace("\N{NO-BREAK SPACE}", " ")
 
     soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
@@ -204,7 +214,9 @@ def test_headline_of_what_is_not_known(synthetic: Callable[..., Survey]) -> None
     assert found.band[2].text.endswith("Hz")
 
 
-def test_points_that_fail_are_shown_as_such(synthetic: Callable[..., Survey], tmp_path: Path) -> None:
+def test_points_that_fail_are_shown_as_such(
+    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
+) -> None:
     rigid = stage_two_numbers(synthetic().sweep.plan)
     fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
     lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
@@ -249,8 +261,8 @@ def test_interrupted_study_goes_on(plan: Plan, tmp_path: Path, monkeypatch: pyte
 
     monkeypatch.setattr(survey_module, "run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
-        survey(plan, SWEEP, tmp_path / "out", 1)
-    found = survey(plan, SWEEP, tmp_path / "out", 1)
+        campaign(plan, SWEEP, tmp_path / "out", 1)
+    found = campaign(plan, SWEEP, tmp_path / "out", 1)
     assert len(done) - 1 == len(set(done)) - 1 == len(found.points) == 9
     assert list(tmp_path.iterdir()) == []
 

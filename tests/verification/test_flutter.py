@@ -12,9 +12,9 @@ from fem.contact.constraints import Exact
 from fem.contact.friction import friction_slope
 from fem.discretisation.stiffness import stiffness_matrix
 from fem.explicit.simulate import Stepper
-from fem.stability.flutter import FACTOR, INSTANTS, corner_modes, foresee_flutter, growing_modes, highest_mode
+from fem.stability.flutter import FACTOR, INSTANTS, corner_modes, growing_modes, highest_mode, predict_flutter
 from fem.start.rigid_state import RigidStart, to_global
-from tailslap.planning.decide_damping import CURE
+from tailslap.planning.decide_damping import REQUIRED_DAMPING
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
@@ -90,7 +90,7 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(
 
 def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model: Callable[..., Any]) -> None:
     model = plate_model(reaction="drag", corner={"constraint": "exact"})
-    found = foresee_flutter(model, START, DURATION)
+    found = predict_flutter(model, START, DURATION)
     angles = np.linspace(START.angle, 0.0, INSTANTS)
     fastest = max(growth_rates(model, angle).max() for angle in angles)
     assert fastest < found.rate <= 1.01 * FACTOR * fastest
@@ -102,8 +102,8 @@ def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model: Callable[..
     model = plate_model(reaction="drag", **stiff)
     fastest = growth_rates(model, 0.255).max()
     assert measured_rate(model, 1e-9, slice(24, 40)) == pytest.approx(fastest, rel=0.1)
-    damped = plate_model(reaction="drag", elastic_rate=CURE * fastest, **stiff)
-    slowest = (0.5 * CURE - 1.0) * fastest
+    damped = plate_model(reaction="drag", elastic_rate=REQUIRED_DAMPING * fastest, **stiff)
+    slowest = (0.5 * REQUIRED_DAMPING - 1.0) * fastest
     assert -4.0 * slowest < measured_rate(damped, 1e-6, slice(2, 10)) < -0.9 * slowest
 
 
@@ -142,7 +142,7 @@ def test_flutter_is_foreseen_and_suppressed(
 
 
 def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None:
-    assert foresee_flutter(plate_model(reaction="none"), START, DURATION).growth == 0.0
+    assert predict_flutter(plate_model(reaction="none"), START, DURATION).growth == 0.0
 
 
 def test_coarser_meshes_stand_in_for_a_large_one() -> None:

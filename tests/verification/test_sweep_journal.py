@@ -34,7 +34,7 @@ def sweep(friction: str = "0:0.5:6") -> Definition:
 
 def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
     with open_rows(tmp_path, sweep()) as rows:
-        rows.records.add(row(4, give=0.1) | row(1))
+        rows.records.add(row(4, deflection_ratio=0.1) | row(1))
         rows.records.add(row(0))
     with open_rows(tmp_path, sweep()) as rows:
         assert [found["run"] for found in rows.in_order()] == [0, 1, 4]
@@ -44,9 +44,9 @@ def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
 
 def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
     with open_rows(tmp_path, sweep()) as rows:
-        rows.records.add(row(1, give=0.1))
-        rows.records.add(row(1, give=0.3))
-        assert [found["give"] for found in rows.in_order()] == [0.1]
+        rows.records.add(row(1, deflection_ratio=0.1))
+        rows.records.add(row(1, deflection_ratio=0.3))
+        assert [found["deflection_ratio"] for found in rows.in_order()] == [0.1]
         assert rows.statuses["passed"] == 1
     assert (tmp_path / NAME).read_bytes().count(b"\n") == 2  # the first is the head
 
@@ -54,7 +54,9 @@ def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
 def whole_journal(folder: Path) -> list[bytes]:
     """Lines of a journal with three rows."""
     with open_rows(folder, sweep()) as rows:
-        rows.records.add(row(0, give=0.0) | row(1, give=1 / 3) | row(2, give=2 / 3))
+        rows.records.add(
+            row(0, deflection_ratio=0.0) | row(1, deflection_ratio=1 / 3) | row(2, deflection_ratio=2 / 3)
+        )
     return (folder / NAME).read_bytes().splitlines(keepends=True)
 
 
@@ -68,7 +70,7 @@ def test_a_journal_cut_anywhere_keeps_its_whole_lines(tmp_path: Path) -> None:
         with open_rows(tmp_path, sweep()) as rows:
             assert sorted(rows.records) == complete
             for run in rows.missing(3):
-                rows.records.add(row(run, give=run / 3))
+                rows.records.add(row(run, deflection_ratio=run / 3))
         assert (tmp_path / NAME).read_bytes() == head + whole
 
 

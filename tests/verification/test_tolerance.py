@@ -19,8 +19,8 @@ from tailslap.run import run_scene
 from tailslap.scene.files import read_scene
 from tailslap.tolerance import run_to_tolerance
 from tailslap.tolerance.choose import LIMIT, RIGID, Choice, choose
-from tailslap.tolerance.judge import judged
-from tailslap.tolerance.ladder import Rung, ladder
+from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
+from tailslap.tolerance.verify import verified
 
 pytestmark = pytest.mark.verification
 
@@ -41,17 +41,17 @@ def check_of(result: Any) -> Any:
 
 
 def test_ladder_has_square_elements_and_grows() -> None:
-    rungs = list(ladder(read_scene("paper-abaqus")[0], "penalty"))
-    shapes = [(10.0 / r.elements[0]) / (2.438 / r.elements[1]) for r in rungs]
+    levels = list(refinement_levels(read_scene("paper-abaqus")[0], "penalty"))
+    shapes = [(10.0 / r.elements[0]) / (2.438 / r.elements[1]) for r in levels]
     assert all(0.9 < shape < 1.5 for shape in shapes)
-    counts = [r.elements[0] * r.elements[1] for r in rungs]
+    counts = [r.elements[0] * r.elements[1] for r in levels]
     assert counts == sorted(counts)
-    assert {r.element for r in rungs} == {"quad4", "quad9"}
+    assert {r.element for r in levels} == {"quad4", "quad9"}
 
 
 def test_half_a_mesh_of_two_is_none() -> None:
-    assert Rung("quad4", (7, 2), "exact").scaled(0.5) is None
-    assert Rung("quad4", (7, 4), "exact").scaled(0.5) == Rung("quad4", (3, 2), "exact")
+    assert RefinementLevel("quad4", (7, 2), "exact").scaled(0.5) is None
+    assert RefinementLevel("quad4", (7, 4), "exact").scaled(0.5) == RefinementLevel("quad4", (3, 2), "exact")
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-5])
@@ -102,8 +102,8 @@ def test_setting_that_would_flutter_is_damped_by_the_run() -> None:
 
 def test_scene_that_says_how_its_corner_is_held_keeps_it() -> None:
     choice = choice_of("paper-table-3", 0.1, *SOFT, "corner.penalty_scale=2")
-    assert choice.rung.constraint == "penalty"
-    assert choice_of("paper-table-3", 0.1, "corner.constraint=exact").rung.constraint == "exact"
+    assert choice.level.constraint == "penalty"
+    assert choice_of("paper-table-3", 0.1, "corner.constraint=exact").level.constraint == "exact"
 
 
 def test_expectation_that_fails_is_reported() -> None:
@@ -111,10 +111,10 @@ def test_expectation_that_fails_is_reported() -> None:
     plan = make_plan(*read_scene("paper-table-3"))
     choice = choose(plan, 1e-4)
     result = run_scene(make_plan(*read_scene("paper-table-3", choice.changes)))
-    late = judged(result, replace(choice, tolerance=1e-6), plan)
+    late = verified(result, replace(choice, tolerance=1e-6), plan)
     assert not late.passed
     assert not check_of(late).passed
-    gone = judged(replace(result, difference={}, fe={}), choice, plan)
+    gone = verified(replace(result, difference={}, fe={}), choice, plan)
     assert math.isnan(check_of(gone).value)
     assert not check_of(gone).passed
 

@@ -5,6 +5,6 @@ from tailslap.studies.study import Study
 STUDY = Study(
     name="cost",
     summary="Error against run time, the cheapest setting for each error; goes on where it was stopped.",
-    compute="tailslap.studies.cost.survey:study_cost",
+    compute="tailslap.studies.cost.campaign:study_cost",
     report="tailslap.studies.cost.report:cost_report",
 )

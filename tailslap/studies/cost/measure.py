@@ -16,7 +16,7 @@ from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost.settings import EXACT, MODAL, ODE, Setting
 
-MOST_REPEATS, LEAST_REPEATS, PATIENCE = 7, 2, 1.0
+MAX_REPEATS, MIN_REPEATS, PATIENCE = 7, 2, 1.0
 """Repeats of a setting, and the seconds after which only the least number is done."""
 
 RIGID_PATIENCE = 0.3
@@ -74,7 +74,7 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
     solve()
     strike: Any = None
     loops: list[float] = []
-    while len(loops) < 3 * MOST_REPEATS or sum(loops) < RIGID_PATIENCE:
+    while len(loops) < 3 * MAX_REPEATS or sum(loops) < RIGID_PATIENCE:
         began = time.perf_counter()
         strike = solve()
         loops.append(time.perf_counter() - began)
@@ -89,7 +89,7 @@ def _modal(plan: Plan, setting: Setting) -> Record:
 
     setups: list[float] = []
     loops: list[float] = []
-    for _ in range(MOST_REPEATS):
+    for _ in range(MAX_REPEATS):
         began = time.perf_counter()
         fe_plan = make_fe_plan(plan)
         planned = time.perf_counter() - began
@@ -114,7 +114,7 @@ def _finite_elements(plan: Plan, setting: Setting) -> Record:
     compiled = time.perf_counter() - began
     setups: list[float] = []
     loops: list[float] = []
-    while len(loops) < MOST_REPEATS and (len(loops) < LEAST_REPEATS or sum(loops) + sum(setups) < PATIENCE):
+    while len(loops) < MAX_REPEATS and (len(loops) < MIN_REPEATS or sum(loops) + sum(setups) < PATIENCE):
         began = time.perf_counter()
         fe_plan = make_fe_plan(plan)
         setups.append(time.perf_counter() - began)
@@ -124,7 +124,7 @@ def _finite_elements(plan: Plan, setting: Setting) -> Record:
     failed = [check.name for check in outcome.checks if not check.passed]
     values = outcome.fe or dict.fromkeys(COMPARED, math.nan)
     record = {"values": values, "setup": setups, "loop": loops, "steps": outcome.run.steps, "failed": failed}
-    return record | {"compile": compiled, "give": fe_plan.give}
+    return record | {"compile": compiled, "deflection_ratio": fe_plan.deflection_ratio}
 
 
 def _simulated(fe_plan: Any, setting: Setting, rows: int, share: float = 1.0) -> Any:

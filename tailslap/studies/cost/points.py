@@ -68,7 +68,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class CostSurvey:
+class CostResults:
     """The study: the points, and grid convergence of each quantity by group.
 
     soft: what makes the plate soft; limit: of the soft plate; mesh_limit: of the mesh that choices are made on;

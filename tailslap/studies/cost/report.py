@@ -11,11 +11,11 @@ from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.report.footer import footer, study_summary
+from tailslap.studies.cost.campaign import ROUNDING
 from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram, soft_lines
-from tailslap.studies.cost.points import CostSurvey, Point, by_level, front, quickest
+from tailslap.studies.cost.points import CostResults, Point, by_level, front, quickest
 from tailslap.studies.cost.settings import FE, MODAL, ODE
 from tailslap.studies.cost.soft import frequency, patch
-from tailslap.studies.cost.survey import ROUNDING
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
@@ -52,7 +52,7 @@ READING = (
 )
 
 
-def cost_report(found: CostSurvey) -> Report:
+def cost_report(found: CostResults) -> Report:
     """Page, summary, points, and what the terminal says."""
     known_to = (found.limit.known, found.mesh_limit.known)
     rigid, soft = rigid_diagram(found.points, ROUNDING), flexible_diagram(found.points, *known_to)
@@ -76,7 +76,7 @@ def cost_report(found: CostSurvey) -> Report:
     return Report(page, summary(found), (*best, page.headline, cost), points)
 
 
-def summary(found: CostSurvey) -> dict[str, Any]:
+def summary(found: CostResults) -> dict[str, Any]:
     """The numbers of the study, SI."""
     both = {"rigid": found.rigid, "flexible": found.flexible}.items()
     return {
@@ -91,7 +91,7 @@ def summary(found: CostSurvey) -> dict[str, Any]:
     }
 
 
-def headline(found: CostSurvey) -> str:
+def headline(found: CostResults) -> str:
     """What an error costs."""
     rigid, soft = (_spent(quickest(points)) for points in (found.rigid, found.flexible))
     return (
@@ -105,7 +105,7 @@ def _spent(best: Point | None) -> str:
     return f"{best.error:.1e} in {duration(best.seconds)} ({best.setting.name})" if best else "nothing known"
 
 
-def _limits(found: CostSurvey) -> tuple[str, ...]:
+def _limits(found: CostResults) -> tuple[str, ...]:
     """What the soft plate is, and where its limits come from."""
     scene, meshes = found.plan.scene, [p.setting.label for p in found.flexible if p.setting.group == "quad9"]
     return (
@@ -133,7 +133,7 @@ def _best_columns(kind: str, group: str) -> tuple[Column, ...]:
     )
 
 
-def _convergence(found: CostSurvey) -> list[Table]:
+def _convergence(found: CostResults) -> list[Table]:
     """Observed order, extrapolated value and grid convergence index of each quantity."""
     tables = []
     for group, grids in found.convergence.items():
@@ -142,7 +142,7 @@ def _convergence(found: CostSurvey) -> list[Table]:
     return tables
 
 
-def _every(found: CostSurvey) -> Table:
+def _every(found: CostResults) -> Table:
     """Every setting; those on the Pareto front of their question are set off."""
     best = [*front(found.rigid), *front(found.flexible)]
     marks = {i: "marked" for i, point in enumerate(found.points) if point in best}

@@ -16,7 +16,7 @@ RTOLS = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 SAFETY_FACTORS = (0.45, 0.225)
 """Halves of the default, each of the last."""
 
-MESH, STEP, HOLD, ROWSUM, UNSTRESSED = (
+MESH, STEP, CONSTRAINT, ROWSUM, UNSTRESSED = (
     "mesh",
     "time step",
     "exact constraint",
@@ -71,7 +71,7 @@ def _meshes(scene: Scene) -> list[Setting]:
     exact, row_sum = {"corner.constraint": "exact"}, {"plate.lumping": "row-sum"}
     return [
         *(_mesh(scene, MESH, factor) for factor in (0.25, 0.5, 1.0, 2.0, 4.0)),
-        *(_mesh(scene, HOLD, factor, exact) for factor in (0.5, 1.0, 2.0, 4.0)),
+        *(_mesh(scene, CONSTRAINT, factor, exact) for factor in (0.5, 1.0, 2.0, 4.0)),
         *(_mesh(scene, ROWSUM, factor, row_sum) for factor in (0.5, 1.0, 2.0, 4.0)),
     ]
 

@@ -22,7 +22,7 @@ WORKERS = click.Option(["--workers"], type=click.IntRange(1, 256), help="Process
 STUDY = Study(
     name="flexibility",
     summary="Rigid to soft plates: how far the five quantities, reaction and stored energy are from the rigid values.",
-    compute="tailslap.studies.flexibility.survey:study_flexibility",
+    compute="tailslap.studies.flexibility.campaign:study_flexibility",
     report="tailslap.studies.flexibility.report:flexibility_report",
     options=(POINTS, LOWEST, HIGHEST, WORKERS),
 )

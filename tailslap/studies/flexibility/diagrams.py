@@ -8,7 +8,7 @@ from postprocess.comparison.comparison import QUANTITIES
 from postprocess.figures.flexibility_plots import DOTS, RINGS, SweepAxis, SweepLine, draw_sweep
 from postprocess.figures.style import Curve
 from tailslap.planning.rigid import COMPARED
-from tailslap.studies.flexibility.survey import LEVELS, Survey
+from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.sweep import STARTS
 
 START_NAMES = dict(zip(STARTS, ("inertia relief", "Stage 1's momenta", "unstressed"), strict=True))
@@ -26,14 +26,14 @@ MARKED = {"starts": LEVELS, "difference": LEVELS, "modal": LEVELS[:2]}
 """Levels that are marked."""
 
 
-def figures(found: Survey) -> tuple[Curve, ...]:
+def figures(found: FlexibilityResults) -> tuple[Curve, ...]:
     """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
     shown = {"difference": COMPARED, "reaction": ("reaction",), "stored": ("stored",)}
     sizes = (_draw(found, name, [_size(found, each) for each in shown[name]]) for name in shown)
     return (_starts(found), *sizes, _draw(found, "modal", _modal(found)))
 
 
-def _starts(found: Survey) -> Curve:
+def _starts(found: FlexibilityResults) -> Curve:
     """The largest difference of v_GY from each start; a plate failed where none of its starts passed."""
     lines = []
     for name, label in START_NAMES.items():
@@ -43,13 +43,13 @@ def _starts(found: Survey) -> Curve:
     return _draw(found, "starts", lines, [any(point.good.values()) for point in found.points])
 
 
-def _size(found: Survey, name: str, label: str = "") -> SweepLine:
+def _size(found: FlexibilityResults, name: str, label: str = "") -> SweepLine:
     """The size of a quantity, with inertia relief."""
     sizes, errors = [p.size(name) for p in found.points], [p.errors[name] for p in found.points]
     return SweepLine(label or SYMBOLS[name], sizes, errors)
 
 
-def _modal(found: Survey) -> list[SweepLine]:
+def _modal(found: FlexibilityResults) -> list[SweepLine]:
     return [
         _size(found, "v_gy", "v_GY, FE"),
         SweepLine("v_GY, modal", [abs(p.modal["v_gy"]) for p in found.points], form=RINGS),
@@ -58,7 +58,7 @@ def _modal(found: Survey) -> list[SweepLine]:
     ]
 
 
-def _draw(found: Survey, name: str, lines: list[SweepLine], passed: Sequence[bool] = ()) -> Curve:
+def _draw(found: FlexibilityResults, name: str, lines: list[SweepLine], passed: Sequence[bool] = ()) -> Curve:
     """passed: of the points, where not those of the first start."""
     frequencies = [point.frequency for point in found.points]
     passed = passed or [point.passed for point in found.points]

@@ -84,7 +84,7 @@ def _record(outcome: Outcome) -> Record:
         "largest": largest_difference(outcome),
         "reaction": reaction_deviation(outcome),
         "stored": stored_share(outcome),
-        "give": fe_plan.give,
+        "deflection_ratio": fe_plan.deflection_ratio,
         "error": error.total,
         "unseen": error.damping + error.ringing,
         "steps": outcome.run.steps,

@@ -81,7 +81,7 @@ class Point:
     passed: bool
     why: str
     damping: float
-    give: float
+    deflection_ratio: float
     modal: dict[str, float]
     modal_estimate: float
     modal_apart: float
@@ -135,7 +135,7 @@ class Point:
             "modal_apart": self.modal_apart,
             "modal_why": self.modal_why,
             "damping_rate": self.damping,
-            "give": self.give,
+            "deflection_ratio": self.deflection_ratio,
             "steps": self.steps,
             "half_patch_v_gy": self.half_patch,
             "thickness": thickness and thickness.thickness,
@@ -158,7 +158,7 @@ def make_point(frequency: float, record: Record, rigid: dict[str, float]) -> Poi
         passed=_passed(fine),
         why=_why(fine),
         damping=fine.get("damping", 0.0),
-        give=fine.get("give", math.nan),
+        deflection_ratio=fine.get("deflection_ratio", math.nan),
         modal=_differences(modal, rigid),
         modal_estimate=modal.get("estimate", math.nan),
         modal_apart=farthest(modal_values, fine.get("values", {})),

@@ -11,11 +11,11 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.planning.rigid import stage_two_numbers
 from tailslap.report.footer import footer, study_summary
+from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.diagrams import START_NAMES, SYMBOLS, figures
 from tailslap.studies.flexibility.levels import hertz
 from tailslap.studies.flexibility.measure import KEPT
 from tailslap.studies.flexibility.points import MEASURED
-from tailslap.studies.flexibility.survey import LEVELS, Survey
 from tailslap.studies.flexibility.sweep import STARTS
 
 MAIN = LEVELS.index(1e-2)
@@ -42,7 +42,7 @@ KEPT_BY = [
     for start in STARTS[:2]
     for name in KEPT
 ]
-PLATES = {"youngs_modulus": "E, Pa", "damping": "damping, 1/s", "give": "static deflection ratio"}
+PLATES = {"youngs_modulus": "E, Pa", "damping": "damping, 1/s", "deflection_ratio": "static deflection ratio"}
 PLATES |= {"half_change": "half the patch changes v_GY by", "thickness.apart": "thickness for E, apart"}
 MODAL = {"modal.v_gy": "v_GY", "modal_apart": "largest of five from FE", "modal_estimate": "own estimate"}
 READING = (
@@ -54,7 +54,7 @@ READING = (
 )
 
 
-def flexibility_report(found: Survey) -> Report:
+def flexibility_report(found: FlexibilityResults) -> Report:
     """Page, summary, points, and what the terminal says."""
     three, five, reaction, stored, modes = figures(found)
     starts = found.starts | {"any of the three": found.band}
@@ -95,7 +95,7 @@ def flexibility_report(found: Survey) -> Report:
     return Report(page, summary(found), (page.headline, v_gy, said, cost), points)
 
 
-def summary(found: Survey) -> dict[str, Any]:
+def summary(found: FlexibilityResults) -> dict[str, Any]:
     """The numbers of the study, SI; what is not known is None."""
     sweep = found.sweep
     return {
@@ -115,7 +115,7 @@ def summary(found: Survey) -> dict[str, Any]:
     }
 
 
-def headline(found: Survey) -> str:
+def headline(found: FlexibilityResults) -> str:
     """Down to which first frequency the rigid body's v_GY is good, and where this scene's own plate lies."""
     own = f"The scene's own plate has {hertz(found.sweep.own_frequency)}."
     if not any(math.isfinite(its[MAIN].frequency) for its in found.starts.values()):
@@ -127,7 +127,7 @@ def headline(found: Survey) -> str:
     )
 
 
-def plates(found: Survey) -> str:
+def plates(found: FlexibilityResults) -> str:
     """How the plates are modelled, and which failed."""
     held, (along, across) = found.sweep.held, found.sweep.meshes[-1]
     failed = "; ".join(f"{hertz(p.frequency)}: {p.why}" for p in found.points if not p.passed)

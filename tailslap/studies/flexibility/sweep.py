@@ -27,7 +27,7 @@ HERTZ = Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, m
 PATCH = 0.1
 """Length of the corner's patch over the vehicle's, where the scene gives none."""
 
-LEAST_HALVED = (4, 2)
+MIN_HALVED = (4, 2)
 """Elements along and across that the coarsest mesh keeps at least; otherwise the scene's own is the coarsest."""
 
 TOO_LONG = 120.0
@@ -36,7 +36,7 @@ TOO_LONG = 120.0
 THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
 """Places in the sweep where it is repeated by the thickness, from the stiffest (0) to the softest (1)."""
 
-ROWS_A_PERIOD, MOST_ROWS = 12, 20_000
+ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
 """Rows of the history of a start that oscillates, a period of the first frequency: enough to see its largest swing."""
 
 
@@ -109,8 +109,8 @@ def three_meshes(scene: Scene) -> tuple[tuple[int, int], ...]:
     assert counts is not None
     along, across = counts
     patch, length = scene.corner.patch_length, scene.vehicle.length
-    halves = along % 2 == 0 and across % 2 == 0 and along // 2 >= LEAST_HALVED[0]
-    halves = halves and across // 2 >= LEAST_HALVED[1] and (patch is None or patch * (along // 2) >= length)
+    halves = along % 2 == 0 and across % 2 == 0 and along // 2 >= MIN_HALVED[0]
+    halves = halves and across // 2 >= MIN_HALVED[1] and (patch is None or patch * (along // 2) >= length)
     coarse = (along // 2, across // 2) if halves else (along, across)
     return tuple((n * coarse[0], n * coarse[1]) for n in (1, 2, 4))
 
@@ -145,7 +145,7 @@ def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start
 def _rows(sweep: Sweep, frequency: float) -> int:
     """Rows of the history that show every swing of a plate of this first frequency [Hz]."""
     periods = frequency * sweep.plan.motion.strike.t
-    return max(sweep.plan.scene.time.rows, min(MOST_ROWS, math.ceil(ROWS_A_PERIOD * periods)))
+    return max(sweep.plan.scene.time.rows, min(MAX_ROWS, math.ceil(ROWS_A_PERIOD * periods)))
 
 
 def expected_seconds(sweep: Sweep, fe_plan: FePlan, frequency: float, elements: tuple[int, int]) -> float:

@@ -155,12 +155,12 @@ def _stiffness(scene: Scene, dice: _Dice, length: float, width: float) -> Change
 
 def _corner(dice: _Dice, length: float, elements: tuple[int, int]) -> Changes:
     changes: dict[str, Any] = {}
-    hold = dice.one_of(("open", "penalty", "exact", "dashpot"), (0.4, 0.2, 0.2, 0.2))
-    if hold == "exact":
+    constraint = dice.one_of(("open", "penalty", "exact", "dashpot"), (0.4, 0.2, 0.2, 0.2))
+    if constraint == "exact":
         changes["corner.constraint"] = "exact"
-    elif hold != "open":
+    elif constraint != "open":
         changes |= {"corner.constraint": "penalty", "corner.penalty_scale": dice.ratio(0.1, 10.0**1.5)}
-    if hold == "dashpot":
+    if constraint == "dashpot":
         changes["corner.damping_ratio"] = dice.ratio(0.01, 1.0)
     if dice.happens(0.5):
         changes["corner.patch_length"] = max(dice.even(0.1, 0.3) * length, 1.2 * length / elements[0])

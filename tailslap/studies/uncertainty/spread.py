@@ -22,7 +22,7 @@ from tailslap.studies.uncertainty.sampling import SEED, Samples, draw, tables
 
 PERCENTILES = (5, 50, 95)
 BINS = 60
-LEAST_ROWS, LEAST_SPREAD = 16, 1e-12
+MIN_ROWS, MIN_SPREAD = 16, 1e-12
 """Rows and relative standard deviation below which there are no indices."""
 
 
@@ -129,12 +129,12 @@ def find_spread(plan: Plan, ranges: tuple[Range, ...], at_least: int) -> Spread:
     samples = draw(plan.scene, ranges, at_least)
     refusal = _first_refusal(plan, samples)
     complete = samples.complete
-    if np.count_nonzero(complete) < LEAST_ROWS:
+    if np.count_nonzero(complete) < MIN_ROWS:
         raise InputError(
             "--range", Verbatim("these ranges"), f"the theory refuses nearly all of them, like {refusal}"
         )
     distribution = describe(samples.known)
-    if not distribution.standard_deviation > LEAST_SPREAD * distribution.mean:
+    if not distribution.standard_deviation > MIN_SPREAD * distribution.mean:
         raise InputError("--range", Verbatim("these ranges"), "the peak force is the same all over them")
     with announced("Resampling for the confidence intervals ..."):
         forces = (samples.force_a[complete], samples.force_b[complete], samples.force_ab[:, complete])

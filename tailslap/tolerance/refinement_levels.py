@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from tailslap.scene.schema import MOST_ELEMENTS, Scene
+from tailslap.scene.schema import MAX_ELEMENTS, Scene
 
 ACROSS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
 """Elements across the width; along the length as many as make them about square."""
@@ -18,7 +18,7 @@ ELEMENTS = ("quad4", "quad9")
 
 
 @dataclass(frozen=True)
-class Rung:
+class RefinementLevel:
     """A setting: the element, how many along and across, and how the corner is held."""
 
     element: str
@@ -37,23 +37,27 @@ class Rung:
 
     @property
     def fineness(self) -> tuple[int, int]:
-        """Sorts rungs by their nodes, the most last."""
+        """Sorts levels by their nodes, the most last."""
         along, across = self.elements
         order = 2 if self.element == "quad9" else 1
         return order * along * order * across, order
 
-    def scaled(self, factor: float) -> Rung | None:
+    def scaled(self, factor: float) -> RefinementLevel | None:
         """The same with so many times the elements each way, or None where that is no mesh."""
         along, across = (int(factor * count) for count in self.elements)
-        return Rung(self.element, (along, across), self.constraint) if min(along, across) >= 2 else None
+        return (
+            RefinementLevel(self.element, (along, across), self.constraint)
+            if min(along, across) >= 2
+            else None
+        )
 
 
-def ladder(scene: Scene, constraint: str) -> Iterator[Rung]:
-    """Every rung for this vehicle, coarse ones first."""
+def refinement_levels(scene: Scene, constraint: str) -> Iterator[RefinementLevel]:
+    """Every level for this vehicle, coarse ones first."""
     ratio = scene.vehicle.length / (scene.vehicle.width * STRETCH)
     for across in ACROSS:
         along = max(2, round(across * ratio))
-        if along * across > MOST_ELEMENTS // 64:
+        if along * across > MAX_ELEMENTS // 64:
             return
         for element in ELEMENTS:
-            yield Rung(element, (along, across), constraint)
+            yield RefinementLevel(element, (along, across), constraint)

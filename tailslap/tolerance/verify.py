@@ -13,7 +13,7 @@ from tailslap.run import Outcome, run_scene
 from tailslap.scene.vary import vary
 from tailslap.tolerance.candidates import answered, candidate
 from tailslap.tolerance.choose import RIGID, Choice
-from tailslap.tolerance.ladder import Rung
+from tailslap.tolerance.refinement_levels import RefinementLevel
 from tailslap.verification.check import Check
 
 TINY = 1e-15
@@ -23,7 +23,7 @@ COARSER_SHARE, FINER_SHARE = 1.0 / 3.0, 1.0
 """Least error over the change between two meshes, where the other mesh is half, and twice, as fine: order two."""
 
 
-def judged(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
+def verified(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
     """The outcome with the check "tolerance"; plan: of the scene as the user gave it."""
     if choice.against == RIGID:
         value, how = largest(outcome.difference), "difference from the exact rigid motion"
@@ -38,8 +38,8 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
     """Estimated distance from the limit of fine meshes, by a second run on another mesh."""
     if not outcome.fe:
         return math.nan, "there is no answer to judge"
-    for rung, share in ((choice.rung.scaled(0.5), COARSER_SHARE), (choice.rung.scaled(2.0), FINER_SHARE)):
-        other = _run(plan, rung) if rung else None
+    for level, share in ((choice.level.scaled(0.5), COARSER_SHARE), (choice.level.scaled(2.0), FINER_SHARE)):
+        other = _run(plan, level) if level else None
         if other is None or not other.fe:
             continue
         moved = max(abs(other.fe[key] / value - 1.0) for key, value in outcome.fe.items())
@@ -50,27 +50,27 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
 
 
 def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Plan) -> float:
-    """Distance from the limit over the distance between the two meshes: of the modal answers, else of the gives."""
+    """Distance from the limit over the distance between the two meshes: of the modal answers, else of the deflection ratios."""
     mine, its = (
         made and answered(made)
-        for made in (candidate(plan, rung) for rung in (choice.rung, _rung(other, choice)))
+        for made in (candidate(plan, level) for level in (choice.level, _level(other, choice)))
     )
     if mine and its and choice.limit and mine.answer and its.answer:
         return _apart(mine.answer, choice.limit) / max(_apart(mine.answer, its.answer), TINY)
-    gives = outcome.fe_plan.give, other.fe_plan.give
-    return abs(gives[0] - choice.limit_give) / max(abs(gives[0] - gives[1]), TINY)
+    ratios = outcome.fe_plan.deflection_ratio, other.fe_plan.deflection_ratio
+    return abs(ratios[0] - choice.limit_deflection_ratio) / max(abs(ratios[0] - ratios[1]), TINY)
 
 
-def _rung(other: Outcome, choice: Choice) -> Rung:
-    return replace(choice.rung, elements=other.fe_plan.plate.counts)
+def _level(other: Outcome, choice: Choice) -> RefinementLevel:
+    return replace(choice.level, elements=other.fe_plan.plate.counts)
 
 
 def _apart(values: Mapping[str, float], others: Mapping[str, float]) -> float:
     return max(abs(values[name] / others[name] - 1.0) for name in values)
 
 
-def _run(plan: Plan, rung: Rung) -> Outcome | None:
-    changed = make_plan(*vary(plan.source, rung.changes))
+def _run(plan: Plan, level: RefinementLevel) -> Outcome | None:
+    changed = make_plan(*vary(plan.source, level.changes))
     try:
         return run_scene(changed)
     except InputError:

@@ -43,7 +43,7 @@ OTHERS = (*(name for name in COMPARED if name != "v_gy"), "reaction")
 
 
 @dataclass(frozen=True)
-class Survey:
+class FlexibilityResults:
     """The study: its definition and points from stiff to soft.
 
     starts: the levels of v_GY's largest difference for each start; band: the same for all of them. others: the levels
@@ -64,13 +64,17 @@ class Survey:
         return any(point.passed for point in self.points)
 
 
-def study_flexibility(call: Call, points: int, lowest: str, highest: str, workers: int | None) -> Survey:
+def study_flexibility(
+    call: Call, points: int, lowest: str, highest: str, workers: int | None
+) -> FlexibilityResults:
     """The study as the command line asks for it."""
-    return survey(call.plan, frequencies(lowest, highest, points), call.place, workers)
+    return campaign(call.plan, frequencies(lowest, highest, points), call.place, workers)
 
 
-def survey(plan: Plan, frequencies: tuple[float, ...], place: Path, workers: int | None) -> Survey:
-    """Run every point; an interrupted survey of the same scene goes on from its journal beside `place`."""
+def campaign(
+    plan: Plan, frequencies: tuple[float, ...], place: Path, workers: int | None
+) -> FlexibilityResults:
+    """Run every point; an interrupted campaign of the same scene goes on from its journal beside `place`."""
     began = time.perf_counter()
     sweep, fe_plan = define(plan, frequencies)
     scene = plan.scene.model_dump()
@@ -129,13 +133,13 @@ def start_samples(points: tuple[Point, ...], name: str) -> list[Sample]:
     return found
 
 
-def summed_up(sweep: Sweep, points: tuple[Point, ...], seconds: float) -> Survey:
+def summed_up(sweep: Sweep, points: tuple[Point, ...], seconds: float) -> FlexibilityResults:
     """Levels and power laws of these points."""
     starts = {name: _levels(start_samples(points, name)) for name in STARTS}
     band = tuple(jointly(each) for each in zip(*starts.values(), strict=True))
     others = {name: _levels(samples(points, name)) for name in OTHERS}
     laws = {name: power_law(samples(points, name)) for name in MEASURED}
-    return Survey(sweep, points, starts, band, others, laws, seconds)
+    return FlexibilityResults(sweep, points, starts, band, others, laws, seconds)
 
 
 def _levels(found: list[Sample]) -> tuple[Level, ...]:

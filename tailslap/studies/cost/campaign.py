@@ -17,7 +17,7 @@ from tailslap.scene.vary import shown, vary
 from tailslap.studies import with_elements
 from tailslap.studies.cost.limits import Limit, limit_of
 from tailslap.studies.cost.measure import Record, error_from, measure, rigid_truth
-from tailslap.studies.cost.points import CostSurvey, Point
+from tailslap.studies.cost.points import CostResults, Point
 from tailslap.studies.cost.settings import MESH, STEP, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.study import Call
@@ -32,13 +32,13 @@ SOFT_QUAD4, LIMIT, SOFT_STEP = "soft plate, quad4", "soft plate, quad9", "soft p
 """Names of grid convergences on the soft plate; its limit is that of quad9."""
 
 
-def study_cost(call: Call) -> CostSurvey:
+def study_cost(call: Call) -> CostResults:
     """The study as the command line asks for it."""
-    return survey(with_elements(call.plan), call.place)
+    return campaign(with_elements(call.plan), call.place)
 
 
-def survey(plan: Plan, place: Path) -> CostSurvey:
-    """Measure every setting; an interrupted survey of the same scene goes on from its journal beside `place`."""
+def campaign(plan: Plan, place: Path) -> CostResults:
+    """Measure every setting; an interrupted campaign of the same scene goes on from its journal beside `place`."""
     began, todo = time.perf_counter(), [*settings(plan.scene), *soft_settings(plan.scene)]
     definition = {"study": "cost", "scene": plan.scene.model_dump(), "settings": [s.key for s in todo]}
     with Journal(place, definition) as journal:
@@ -61,13 +61,13 @@ def summed_up(
     soft: tuple[str, ...],
     soft_truth: dict[str, float],
     seconds: float,
-) -> CostSurvey:
+) -> CostResults:
     """What the records say; soft_truth: the rigid motion of the soft plate's scene."""
     limit = limit_of([records[s.key] for s in todo if in_group(s, LIMIT)])
     steps = [records[s.key] for s in todo if in_group(s, SOFT_STEP)]
     mesh_limit = limit_of(steps if _halved(steps) else [])
     truths = (Limit(rigid_truth(plan), ROUNDING), limit, mesh_limit)
-    return CostSurvey(
+    return CostResults(
         plan=plan,
         points=tuple(_point(setting, records[setting.key], truths) for setting in todo),
         convergence=_convergence(todo, records),
