@@ -1,4 +1,4 @@
-"""How far the plate gives: what its flexibility, its mesh and its contact spring can do to the answer, by statics."""
+"""What the plate's flexibility, its mesh and its contact spring can do to the answer, by statics."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RICHER_UP_TO = 20_000
 """Elements above which the mesh is judged by a coarser one."""
 
 FLAT, STEEP = 0.8, 2.6
-"""Sensitivity of the answer to the deflection ratio: so much at small angles, and so much more per radian of start angle.
+"""Change of the result over the deflection ratio: so much at small angles, and so much more per radian of start angle.
 Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
 
 

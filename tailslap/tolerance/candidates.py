@@ -36,14 +36,14 @@ class Candidate:
     answer: Mapping[str, float] = field(default_factory=dict)
 
     def distance(self, other: Candidate, sensitivity: float) -> float:
-        """How far apart the answers of the two are expected to be, relatively: by modes, else by the deflection ratios."""
+        """How far apart the two results are expected to be, relatively: by modes, else by deflection ratios."""
         if self.answer and other.answer:
             return max(abs(value / other.answer[name] - 1.0) for name, value in self.answer.items())
         return BESIDE_THE_DEFLECTION * sensitivity * abs(self.deflection_ratio - other.deflection_ratio)
 
 
 BESIDE_THE_DEFLECTION = 3.0
-"""What is left near the limit is not in proportion to the deflection alone: there is vibration, and what hardly moves."""
+"""What is left near the limit is not in proportion to the deflection: there is vibration, and what hardly moves."""
 
 
 def constraints(scene: Scene) -> tuple[str, ...]:

@@ -50,7 +50,7 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
 
 
 def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Plan) -> float:
-    """Distance from the limit over the distance between the two meshes: of the modal answers, else of the deflection ratios."""
+    """Distance from the limit over that between the two meshes: of modal results, else of deflection ratios."""
     mine, its = (
         made and answered(made)
         for made in (candidate(plan, level) for level in (choice.level, _level(other, choice)))
