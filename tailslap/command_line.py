@@ -55,36 +55,32 @@ def commands() -> None:
 @scene_arguments
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME]")
 @click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
-@click.option("--tolerance", type=float, help="Pick the cheapest mesh and hold for this relative error.")
+@click.option(
+    "--tolerance", type=float, help="Pick the cheapest mesh and constraint for this relative error."
+)
 def run(
     name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool, tolerance: float | None
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from tailslap.planning.fe_plan import needed_plate
-    from tailslap.results.result_folder import result_folder
+    from tailslap.report.deliver import deliver
 
     plan = _plan(name, changes)
     needed_plate(plan.scene)
-    place = out or Path("results") / plan.scene.name
-    with result_folder(place) as folder:
-        from postprocess.report.report import report_text, write_report
+
+    def report(folder: Path) -> Report:
         from tailslap.report.run_report import run_report
         from tailslap.run import run_scene
+        from tailslap.tolerance import run_to_tolerance
 
-        if tolerance is None:
-            outcome = run_scene(plan)
-        else:
-            from tailslap.tolerance import run_to_tolerance
-
-            outcome = run_to_tolerance(plan, tolerance)
+        outcome = run_scene(plan) if tolerance is None else run_to_tolerance(plan, tolerance)
         if not no_pictures:
             from tailslap.report.pictures import draw_pictures
 
             outcome = draw_pictures(outcome, folder)
-        report = run_report(outcome, not no_pictures)
-        write_report(report, folder)
-    click.echo(report_text(report, place))
-    return DONE if outcome.passed else CHECK_FAILED
+        return run_report(outcome, not no_pictures)
+
+    return deliver(out or Path("results") / plan.scene.name, report)
 
 
 @commands.command()
@@ -133,7 +129,7 @@ def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> 
     from tailslap.planning.fe_plan import make_fe_plan, needed_plate
     from tailslap.report.deliver import deliver
 
-    def report() -> Report:
+    def report(folder: Path) -> Report:
         from tailslap.modes.plate_modes import find_modes
         from tailslap.modes.report import modes_report
 
@@ -191,7 +187,7 @@ def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
     from tailslap.report.deliver import deliver
 
-    def report() -> Report:
+    def report(folder: Path) -> Report:
         from tailslap.paper.report.report import paper_report
         from tailslap.paper.review import review_paper
 

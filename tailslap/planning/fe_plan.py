@@ -146,7 +146,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     plan, damping_decisions = decide_damping(plan, growth, more_damping)
     if damping_decisions:
         model = with_elastic_damping(model, fe_input(plan, plate).step)
-    demand_steps(plan, plate, model)
+        demand_steps(plan, plate, model)
     return FePlan(
         asked=asked,
         plan=plan,
@@ -169,6 +169,7 @@ def _completed(plan: Plan, mesh: Mesh, normal: float) -> tuple[PlateModel, Growt
     given = fe_input(plan, mesh.plate)
     model = with_constraint(mesh.model, given.plate, given.corner)
     model = finished_model(model, given.plate, given.corner, given.step)
+    demand_steps(plan, mesh.plate, model)
     return model, predict_growth(plan, mesh.plate, model, normal)
 
 

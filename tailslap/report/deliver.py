@@ -12,15 +12,17 @@ if TYPE_CHECKING:
     from postprocess.report.report import Report
 
 
-def deliver(place: Path, make: Callable[[], Report], page: str = "report.html", as_json: bool = False) -> int:
-    """Make the report, fill the folder `place` with it, say what was found; 1 if something failed.
+def deliver(
+    place: Path, make: Callable[[Path], Report], page: str = "report.html", as_json: bool = False
+) -> int:
+    """Fill the folder `place` with the report that `make` makes, and say what was found; 1 if something failed.
 
-    page: name of the page in the folder; as_json: say the summary instead.
+    make: takes the folder, and may draw into it. page: name of the page in the folder; as_json: say the summary instead.
     """
     from tailslap.results.result_folder import result_folder
 
     with result_folder(place) as folder:
-        report = make()
+        report = make(folder)
         from postprocess.files.summary import summary_text
         from postprocess.report.report import report_text, write_report
 

@@ -93,7 +93,7 @@ def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, op
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
     found = _named(study.compute)(Call(name, changes, plan, place), **options)
-    return deliver(place, lambda: _named(study.report)(found))
+    return deliver(place, lambda folder: _named(study.report)(found))
 
 
 def _named(function: Callable[..., Any] | str) -> Callable[..., Any]:
