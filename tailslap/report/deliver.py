@@ -17,7 +17,7 @@ def deliver(
 ) -> int:
     """Fill the folder `place` with the report that `make` makes, and say what was found; 1 if something failed.
 
-    make: takes the folder, and may draw into it. page: name of the page in the folder; as_json: say the summary instead.
+    make: takes the folder, and may draw into it. page: name of the page; as_json: say the summary instead.
     """
     from tailslap.results.result_folder import result_folder
 
