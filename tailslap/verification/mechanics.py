@@ -113,7 +113,7 @@ def _contact_spring(given: Evidence) -> Evaluation | None:
         return None
     meaning = (
         f"deflection of the corner's spring over the way of the centre: {FLOOR:g} and {100 * SHARE:g} % of the "
-        'give are allowed; corner.constraint = "exact" has none'
+        'deflection ratio are allowed; corner.constraint = "exact" has none'
     )
     return Evaluation(share, FLOOR + SHARE * given.fe_plan.deflection_ratio, meaning)
 

@@ -267,7 +267,7 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path: Path) ->
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     process = long_run(tmp_path, follower)
     try:
-        said, end = b"", time.monotonic() + 60.0
+        said, end = b"", time.monotonic() + 240.0
         while b"%" not in said and time.monotonic() < end:
             if select.select([leader], [], [], 0.2)[0]:
                 said += os.read(leader, 1024)
