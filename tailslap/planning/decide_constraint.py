@@ -22,7 +22,7 @@ def decide_constraint(plan: Plan, plate: Plate, spring_share: float) -> tuple[Pl
     if plate.start == "unstressed":
         why = "the plate starts unstressed, and a spring would ring with it"
     elif spring_share > UNSEEN:
-        why = f"a spring would give by {spring_share:.1e} of the way, which is seen beside the plate's flexibility"
+        why = f"a spring would deflect by {spring_share:.1e} of the way, which is seen beside the plate's flexibility"
     else:
         return plan, ()
     return _decided(plan, Decision("corner.constraint", "exact", why))
