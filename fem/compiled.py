@@ -111,17 +111,18 @@ def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]]
     return register
 
 
-def implements(generic: Callable[..., Any], *kinds: type) -> Callable[..., Any]:
+def implements(generic: Callable[..., Any], *kinds: type, merged: bool = False) -> Callable[..., Any]:
     """Decorator: what `generic` is, in compiled code, for a first argument that is one of these NamedTuples, or None.
 
-    For parts of the loop itself; laws, which a scene names, are found by `by_law`.
+    For parts of the loop itself; laws, which a scene names, are found by `by_law`. merged: put into the caller.
     """
 
     def register(implementation: Callable[..., Any]) -> Callable[..., Any]:
         def choose(first: Any, *rest: Any) -> Any:
             return implementation if _kind(first) in kinds else None
 
-        numba.extending.overload(generic, strict=False)(choose)
+        inline = "always" if merged else "never"
+        numba.extending.overload(generic, strict=False, inline=inline)(choose)
         return implementation
 
     return register

@@ -22,7 +22,12 @@ def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.nd
     if length == 0.0:
         return np.array([discretisation.corner]), np.array([1.0])
     side = discretisation.side[np.argsort(-discretisation.positions[0, discretisation.side])]
-    s = -discretisation.positions[0, side]
+    return patch_weights(side, -discretisation.positions[0, side], length)
+
+
+def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of a patch of this length [m]; side: nodes of a side from its corner on, s: their distances
+    from it [m]. Raises ModelError if the length is not between two nodes and the side."""
     if not s[1] * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
         raise ModelError(
             "patch_length",

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.discretisation.properties import ModelError
+from fem.discretisation.properties import Inertia, ModelError
 
 MOMENTS = (
     lambda x, y: np.ones_like(x),
@@ -57,6 +57,35 @@ def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.nd
     if not np.allclose(moments @ masses, exact, rtol=1e-12, atol=1e-12 * exact[0]):
         raise ModelError("elements", "the mesh has too few nodes to carry the exact inertia")
     return masses
+
+
+def given_inertia_masses(positions: np.ndarray, masses: np.ndarray, inertia: Inertia) -> np.ndarray:
+    """Masses [kg] with their own sum, and this centre and yaw inertia, shape (nodes,); corner P is the origin.
+
+    Of all such masses those of the greatest entropy beside the given ones, m exp(z . moments): they are positive, and
+    there are some wherever any positive masses have that inertia. Raises ModelError where there are none.
+    """
+    total, size = masses.sum(), np.ptp(positions, axis=1)
+    x = (positions[0] + inertia.centre) / size[0]
+    y = (positions[1] - 0.5 * size[1]) / size[0]
+    moments = np.array([np.ones_like(x), x, y, x * x + y * y])
+    wanted = np.array([1.0, 0.0, 0.0, inertia.yaw_inertia / (total * size[0] ** 2)])
+    multipliers = np.zeros(4)
+    for _ in range(NEWTON_STEPS):
+        tilted = masses / total * np.exp(multipliers @ moments)
+        excess = moments @ tilted - wanted
+        if np.abs(excess).max() < 1e-15 * len(masses):
+            break
+        step = np.linalg.lstsq((moments * tilted) @ moments.T, excess, rcond=None)[0]
+        multipliers -= step / max(1.0, np.abs(step).max() / 2.0)
+    tilted = total * tilted
+    if not np.allclose(moments @ tilted, total * wanted, rtol=0.0, atol=1e-11 * total) or tilted.min() <= 0.0:
+        raise ModelError("inertia", "no positive nodal masses have this centre of mass and yaw inertia")
+    return tilted
+
+
+NEWTON_STEPS = 200
+"""For the masses of a given inertia; ten are enough but near the limit of what any masses can have."""
 
 
 def _frame(scalar: Any) -> tuple[np.ndarray, np.ndarray]:

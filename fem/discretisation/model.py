@@ -14,9 +14,9 @@ from fem.contact.corner import Corner
 from fem.contact.support_patch import corner_weights
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.elements import Discretisation, Hourglass, discretise, hourglass_control
-from fem.discretisation.mass import exact_inertia_masses, row_sum_masses
+from fem.discretisation.mass import exact_inertia_masses, given_inertia_masses, row_sum_masses
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
-from fem.discretisation.stiffness import Spectrum, hourglass_matrix, stiffness_matrix
+from fem.discretisation.stiffness import corner_spectrum, hourglass_matrix, stiffness_matrix
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.time_loop import LoopParameters
@@ -43,7 +43,7 @@ class PlateModel:
         The corner's constraint included [rad/s].
     undamped_time_step, stable_time_step : float
         Largest stable step without damping of elastic velocities, and with it [s].
-    loop : LoopParameters
+    loop : LoopParameters or ImpactLoop
         What the time loop takes.
     tangent_moduli : StVenantKirchhoff
         At small strain [Pa].
@@ -56,7 +56,7 @@ class PlateModel:
     highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
-    loop: LoopParameters
+    loop: Any  # LoopParameters, or the ImpactLoop of a whole impact
     tangent_moduli: StVenantKirchhoff  # [Pa], at small strain
     thickness: float  # [m]
 
@@ -100,9 +100,9 @@ def finished_model(
 ) -> PlateModel:
     """The static model of the same properties with its highest frequency, damping and time step."""
     d, loop = model.discretisation, model.loop
-    spectrum = Spectrum(model.stiffness, loop.mass, loop.corner, corner.angles)
+    spectrum = corner_spectrum(model.stiffness, loop.mass, loop.corner, corner.angles)
     frequency = spectrum.highest_frequency()
-    viscosity = _viscosity(d, plate, step, frequency)
+    viscosity = plate_viscosity(d, plate, step, frequency)
     damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
         model,
@@ -131,7 +131,7 @@ def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
 
 def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
     """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
-    discretisation, moduli, masses, stiffness, hourglass = _assemble(mesh, plate)
+    discretisation, moduli, masses, stiffness, hourglass = assemble(mesh, plate)
     loop = LoopParameters(
         table=discretisation.table,
         material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
@@ -142,7 +142,7 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
         hourglass=hourglass,
         elastic_damping=None,
         time_step=math.nan,
-        span=2.0 ** math.floor(math.log2(np.ptp(discretisation.positions[0]) / 8.0)),
+        span=carried_span(discretisation),
     )
     return PlateModel(discretisation, stiffness, math.nan, math.nan, math.nan, loop, moduli, plate.thickness)
 
@@ -153,18 +153,20 @@ def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: floa
     The stiffness is in proportion to the modulus: the frequency with the modulus of `plate` tells the other.
     Raises ModelError where the mesh cannot carry the exact inertia.
     """
-    discretisation, _, masses, stiffness, _ = _assemble(mesh, plate)
+    discretisation, _, masses, stiffness, _ = assemble(mesh, plate)
     frequency = lowest_frequency(stiffness, masses, discretisation.positions)
     return plate.youngs_modulus * (first_frequency / frequency) ** 2
 
 
-def _assemble(
+def assemble(
     mesh: meshio.Mesh, plate: PlateProperties
 ) -> tuple[Discretisation, StVenantKirchhoff, np.ndarray, Any, Hourglass | None]:
     """Discretisation, moduli, masses [kg], stiffness [N/m] and hourglass control of the plate alone."""
     discretisation = discretise(mesh, plate.thickness, plate.element)
     moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     masses = MASSES[plate.lumping](discretisation.scalar, plate.density, plate.thickness)
+    if plate.inertia is not None:
+        masses = given_inertia_masses(discretisation.positions, masses, plate.inertia)
     stiffness: Any = stiffness_matrix(discretisation.scalar, plate.thickness, moduli)
     hourglass = _hourglass(discretisation, plate, moduli)
     if hourglass is not None:
@@ -189,7 +191,12 @@ def _corner(
     return Corner(nodes, weights, mobility, CONSTRAINTS[corner.constraint].make(given))
 
 
-def _viscosity(
+def carried_span(discretisation: Discretisation) -> float:
+    """By how much [m] the origin follows the plate: a power of two near an eighth of its length."""
+    return 2.0 ** math.floor(math.log2(np.ptp(discretisation.positions[0]) / 8.0))
+
+
+def plate_viscosity(
     d: Discretisation, plate: PlateProperties, step: StepProperties, frequency: float
 ) -> Viscosity | None:
     if not (step.damping_ratio or step.bulk_viscosity):

@@ -13,7 +13,7 @@ class ModelError(ValueError):
     Parameters
     ----------
     wrong : str
-        The property at fault, "elements" or "patch_length"; also an attribute.
+        The property at fault, "elements", "patch_length" or "inertia"; also an attribute.
     why : str
         The message.
     """
@@ -21,6 +21,22 @@ class ModelError(ValueError):
     def __init__(self, wrong: str, why: str) -> None:
         self.wrong = wrong
         super().__init__(why)
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Inertia of a vehicle that is no uniform rectangle.
+
+    Attributes
+    ----------
+    centre : float
+        Of mass, behind the front on the middle line [m].
+    yaw_inertia : float
+        About that centre [kg m^2].
+    """
+
+    centre: float
+    yaw_inertia: float
 
 
 @dataclass(frozen=True)
@@ -45,6 +61,8 @@ class PlateProperties:
         A name of `MATERIALS`.
     hourglass : float
         Share of the stiffness that controls one-point elements [-]; others have none.
+    inertia : Inertia or None
+        That the nodal masses carry; None for the plate's own.
     """
 
     thickness: float
@@ -55,6 +73,7 @@ class PlateProperties:
     element: str = "quad4"
     material: str = "st-venant-kirchhoff"
     hourglass: float = 0.1
+    inertia: Inertia | None = None
 
 
 @dataclass(frozen=True)
@@ -83,6 +102,38 @@ class CornerProperties:
     patch_length: float = 0.0
     damping_ratio: float = 0.0
     angles: tuple[float, ...] = (0.26, 0.13, 0.0)
+
+
+@dataclass(frozen=True)
+class ContactProperties:
+    """How the boundary touches a wall that only pushes.
+
+    Attributes
+    ----------
+    friction : NamedTuple or None
+        Constants of a law of `FRICTION_LAWS`.
+    law : str
+        "crush" for a vehicle that crushes; "penalty" or "exact" for one that does not.
+    stiffness, initial_force : float
+        Of the crush at each corner, k [N/m] and F0 [N].
+    restitution : float
+        Its square is the share of the energy that unloading gives back [-].
+    side_stiffness : float
+        Of a crush layer along the sides [N/m per m]; 0 for none, then the corners alone touch.
+    penalty_scale : float
+        Of a penalty, multiple of Young's modulus times thickness [-].
+    patch_length : float
+        Of the long side, over which a corner that crushes is spread [m]; 0 for its node alone.
+    """
+
+    friction: Any = None
+    law: str = "crush"
+    stiffness: float = 0.0
+    initial_force: float = 0.0
+    restitution: float = 1.0
+    side_stiffness: float = 0.0
+    penalty_scale: float = 1.0
+    patch_length: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -33,22 +34,22 @@ def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> sp.csr_matri
 
 
 class Spectrum:
-    """The plate's stiffness with the corner's constraint, for its highest frequency and stable time steps.
+    """The plate's stiffness with what holds it, for its highest frequency and stable time steps.
 
-    angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.
+    springs [N/m], dashpots [N s/m]: matrices that are added, one pair for each position of the plate that is looked
+    at; no dashpots where there are none.
     """
 
     def __init__(
-        self, stiffness: sp.csr_matrix, masses: np.ndarray, corner: Corner, angles: tuple[float, ...] = (0.0,)
+        self,
+        stiffness: sp.csr_matrix,
+        masses: np.ndarray,
+        springs: Sequence[sp.csr_matrix],
+        dashpots: Sequence[sp.csr_matrix] = (),
     ) -> None:
         self._root = sp.diags(1.0 / np.sqrt(np.tile(masses, 2)))
-        spring = corner.spring
-        # Without a spring all angles are alike.
-        self._shapes = [
-            _across_the_wall(corner, masses.size, angle) for angle in (angles if spring else angles[:1])
-        ]
-        self._held = [self._scaled(stiffness + spring * shape) for shape in self._shapes]
-        self._dashpot = corner.dashpot
+        self._held = [self._scaled(stiffness + spring) for spring in springs]
+        self._dashpots = [self._scaled(dashpot) for dashpot in dashpots]
         self._vector = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
 
     def highest_frequency(self) -> float:
@@ -58,17 +59,17 @@ class Spectrum:
     def stable_time_step(self, frequency: float, damping: sp.csr_matrix | None) -> float:
         """Largest stable step [s] of central differences, the damping forces being half a step late.
 
-        damping: the plate's damping matrix [N s/m]; the constraint's dashpot is added. An oscillation that changes
+        damping: the plate's damping matrix [N s/m]; the dashpots are added. An oscillation that changes
         sign every step stays bounded as long as dt^2 K + 2 dt C has no eigenvalue above 4 against the masses.
         For one mass this is w dt = 2 (sqrt(1 + z^2) - z).
         """
         undamped = 2.0 / frequency
-        if damping is None and not self._dashpot:
+        if damping is None and not self._dashpots:
             return undamped
         from scipy.optimize import brentq
 
         plate = 0.0 * self._held[0] if damping is None else self._scaled(damping)
-        damped = [sp.csr_matrix(plate + self._dashpot * self._scaled(shape)) for shape in self._shapes]
+        damped = [sp.csr_matrix(plate + dashpot) for dashpot in self._dashpots] or [plate] * len(self._held)
         pairs = list(zip(self._held, damped, strict=True))
 
         def excess(step: float) -> float:
@@ -87,6 +88,20 @@ class Spectrum:
         values, vectors = eigsh(matrix, k=1, which="LM", v0=self._vector, tol=1e-8)
         self._vector = vectors[:, 0] + 1e-3 * self._vector
         return float(values[0])
+
+
+def corner_spectrum(
+    stiffness: sp.csr_matrix, masses: np.ndarray, corner: Corner, angles: tuple[float, ...] = (0.0,)
+) -> Spectrum:
+    """The spectrum of a plate whose corner is constrained.
+
+    angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.
+    """
+    # Without a spring all angles are alike.
+    seen = angles if corner.spring else angles[:1]
+    shapes = [_across_the_wall(corner, masses.size, angle) for angle in seen]
+    dashpots = [corner.dashpot * shape for shape in shapes] if corner.dashpot else []
+    return Spectrum(stiffness, masses, [corner.spring * shape for shape in shapes], dashpots)
 
 
 def _across_the_wall(corner: Corner, nodes: int, angle: float) -> sp.csr_matrix:

@@ -38,10 +38,10 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
     normal, tangential, slip, later_slip, _ = add_corner_reaction(
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
     )
-    theta, omega, v_x, v_y, kinetic, vibration = _motion(positions, velocities, force, loop, reference)
+    theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(positions, velocities, force, loop, reference)
     gap, hourglass_energy = weighted(positions[1], loop.corner), 0.0
     if hourglass is not None:
-        hourglass_energy = _hourglass_energy(positions, loop.table, hourglass)
+        hourglass_energy = energy_of_hourglass(positions, loop.table, hourglass)
     return Measures(
         theta=theta,
         omega=omega,
@@ -52,7 +52,7 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
         reaction_normal=normal,
         reaction_tangential=tangential,
         kinetic_energy=kinetic,
-        strain_energy=_strain_energy(positions, loop.table, loop.material),
+        strain_energy=energy_of_strain(positions, loop.table, loop.material),
         contact_energy=constraint_energy(loop.corner.constraint, gap),
         friction_work=sums[0] + half * tangential * slip,
         damping_work=sums[1] + half * damping_power,
@@ -65,8 +65,8 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
 
 
 @compiled
-def _motion(positions, velocities, force, loop, reference):
-    """Angle, spin, centre's velocity, kinetic energy of the ledger, kinetic energy beside the rigid motion."""
+def motion(positions, velocities, force, loop, reference):
+    """Angle, spin, centre's velocity, kinetic energy of the ledger, kinetic energy beside the rigid motion, centre."""
     mass, half = loop.mass, 0.5 * loop.time_step
     total = c_x = c_y = b_x = b_y = v_x = v_y = kinetic = 0.0
     for i in range(mass.size):
@@ -99,11 +99,11 @@ def _motion(positions, velocities, force, loop, reference):
         u_x = velocities[0, i] + half * force[0, i] / mass[i] - v_x + omega * (positions[1, i] - c_y)
         u_y = velocities[1, i] + half * force[1, i] / mass[i] - v_y - omega * (positions[0, i] - c_x)
         vibration += 0.5 * mass[i] * (u_x * u_x + u_y * u_y)
-    return -math.atan2(sine, cosine), omega, v_x, v_y, kinetic, vibration
+    return -math.atan2(sine, cosine), omega, v_x, v_y, kinetic, vibration, c_x, c_y
 
 
 @compiled
-def _strain_energy(positions, table, material):
+def energy_of_strain(positions, table, material):
     nodes, congruent = len(table.per_element), table.weights.shape[1] == 1
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
@@ -126,7 +126,7 @@ def _strain_energy(positions, table, material):
 
 
 @compiled
-def _hourglass_energy(positions, table, hourglass):
+def energy_of_hourglass(positions, table, hourglass):
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
         column = 0 if hourglass.stiffness.size == 1 else element

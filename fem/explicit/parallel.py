@@ -56,7 +56,7 @@ def advance_thread(
     t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, turns
 ):
     """What thread t does; see `fem.explicit.time_loop.advance` for the step."""
-    positions, velocities, _, _ = state
+    positions, velocities = state.positions, state.velocities
     threads, nodes = forces.shape[0], loop.mass.size
     slots = slot_count(loop.table.connectivity, shared.lattice)
     blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
@@ -94,8 +94,8 @@ def advance_thread(
         )
         _meet(turns, t, threads, 4 * step + 2)
         if t == 0:
-            react(state, loop, powers[0].sum(), forces[0])
-            shift[0] = follow(state, loop)
+            react(loop, state, powers[0].sum(), forces[0])
+            shift[0] = follow(loop, state)
         _meet(turns, t, threads, 4 * step + 3)
         powers[1, t] = gained(loop.elastic_damping, motion, state, loop.time_step, begin, end, forces[0])
         drift(positions, velocities, forces[0], loop.mass, loop.time_step, shift[0], begin, end)

@@ -6,11 +6,11 @@ forces at n, then velocities to n + 1/2, then positions to n + 1.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from fem.compiled import compiled, inlined
+from fem.compiled import compiled, implements
 from fem.contact.corner import Corner, add_corner_reaction
 from fem.discretisation.elements import ElementTable
 from fem.explicit.elastic_damping import SUMS, damp, gained
@@ -54,9 +54,22 @@ class State(NamedTuple):
         return self.positions + np.array([[self.origin[0]], [0.0]])
 
 
-def copy_state(state: State) -> State:
+S = TypeVar("S", bound=tuple[np.ndarray, ...])
+
+
+def copy_state(state: S) -> S:
     """A state of its own, for the loop advances in place."""
-    return State(*(array.copy() for array in state))
+    return type(state)(*(array.copy() for array in state))
+
+
+def react(loop: Any, state: Any, lost: float, force: Any) -> None:
+    """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums; compiled code only."""
+    raise NotImplementedError(type(loop))
+
+
+def follow(loop: Any, state: Any) -> float:
+    """Move the origin along with the plate; by how much [m] the positions are to be set back; compiled code only."""
+    raise NotImplementedError(type(loop))
 
 
 @compiled
@@ -66,7 +79,7 @@ def advance(state, steps, loop, viscosity, hourglass, force, scratch):
     viscosity, hourglass: the fields of `loop`. They come as arguments too because Numba drops a branch on `is None` for
     an argument, by its type, but not for the field of a record: only so is their code left out where they are None.
     """
-    positions, velocities, _, _ = state
+    positions, velocities = state.positions, state.velocities
     slots, nodes = slot_count(loop.table.connectivity, scratch.lattice), loop.mass.size
     motion = np.zeros(SUMS)
     for _ in range(steps):
@@ -75,16 +88,15 @@ def advance(state, steps, loop, viscosity, hourglass, force, scratch):
             0, slots, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
         )
         power -= damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
-        react(state, loop, power, force)
+        react(loop, state, power, force)
         state.sums[1] += loop.time_step * gained(
             loop.elastic_damping, motion, state, loop.time_step, 0, nodes, force
         )
-        drift(positions, velocities, force, loop.mass, loop.time_step, follow(state, loop), 0, nodes)
+        drift(positions, velocities, force, loop.mass, loop.time_step, follow(loop, state), 0, nodes)
 
 
-@inlined
-def react(state, loop, lost, force):
-    """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums."""
+@implements(react, LoopParameters, merged=True)
+def _react_at_corner(loop, state, lost, force):
     positions, velocities, sums, _ = state
     time_step = loop.time_step
     normal, tangential, slip, later_slip, dashpot_power = add_corner_reaction(
@@ -96,9 +108,8 @@ def react(state, loop, lost, force):
     sums[3] += time_step * abs(normal)
 
 
-@inlined
-def follow(state, loop):
-    """Move the origin along with the corner; returns by how much [m] the positions are to be set back."""
+@implements(follow, LoopParameters, merged=True)
+def _follow_corner(loop, state):
     x = state.positions[0, loop.corner.nodes[0]]
     shift = loop.span if x >= loop.span else -loop.span if x <= -loop.span else 0.0
     state.origin[0] += shift

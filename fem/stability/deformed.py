@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from fem.discretisation.model import PlateModel
+from fem.explicit.impact_loop import ImpactLoop
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 
 STEP = 1e-5
@@ -16,7 +19,7 @@ STEP = 1e-5
 def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     """Highest circular frequency of the tangent stiffness about a deformed state.
 
-    Lanczos on differences of the internal forces themselves, with the corner's spring across the wall.
+    Lanczos on differences of the internal forces themselves, with the springs by which the wall acts on it.
 
     Parameters
     ----------
@@ -34,7 +37,7 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
 
     loop = model.loop
     root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
-    spring = loop.corner.spring
+    hold = _springs(loop)
     size = STEP * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
     scratch, still = scratch_for(loop.table), np.zeros(shape)
 
@@ -47,8 +50,7 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
         move = root * vector.reshape(shape)
         scale = size / max(np.abs(move).max(), np.finfo(float).tiny)
         difference = (forces(positions - scale * move) - forces(positions + scale * move)) / (2.0 * scale)
-        corner = loop.corner
-        difference[1, corner.nodes] += spring * (move[1, corner.nodes] @ corner.weights) * corner.weights
+        hold(move, difference)
         return np.asarray((root * difference).ravel())
 
     start = np.cos(1.7 * np.arange(positions.size)) + 0.1
@@ -60,3 +62,16 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     except ArpackError:  # forces that leave the finite on the way
         return math.inf
     return math.sqrt(max(float(largest), 0.0))
+
+
+def _springs(loop: Any) -> Callable[[np.ndarray, np.ndarray], None]:
+    """Adds to forces [N], shape (2, nodes), those of the corner's spring that belong to a displacement [m]; unilateral
+    contact does not bound the time step."""
+    if isinstance(loop, ImpactLoop):
+        return lambda move, forces: None
+    corner = loop.corner
+
+    def hold(move: np.ndarray, forces: np.ndarray) -> None:
+        forces[1, corner.nodes] += corner.spring * (move[1, corner.nodes] @ corner.weights) * corner.weights
+
+    return hold

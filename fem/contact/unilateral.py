@@ -1,0 +1,198 @@
+"""Unilateral contact of boundary nodes with the wall: it pushes, and never pulls. Each law is one object; adding one is
+adding it here, or in any file that registers it.
+
+A law gives the normal force N >= 0 [N] of point i from its depth behind the wall [m] a step ago and, without this
+force, a step ahead (`before`, `free`), the greatest mean of two such depths so far (`deepest`), and m/dt^2 of the
+point [N/m] (`inertia`): the step ends at the depth free - N/inertia. All laws are solved for
+that end, point by point, so that
+none bounds the time step: with (M + dt^2 K_c/2) in place of M the plate alone does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.registry import Law, LawRegistry
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactLaw(Law):
+    """A law of unilateral contact.
+
+    Attributes
+    ----------
+    name : str
+        Of the law.
+    constants : type
+        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
+    inlined : tuple of str
+        Fields whose kernels must be merged into the loop that calls them.
+    helpers : tuple of callable
+        Plain functions that the kernels call.
+    variants : tuple
+        The same law with other constants, which no scene names.
+    force : callable
+        Kernel (constants, i, before, free, deepest, inertia) -> normal force [N].
+    stored : callable
+        Kernel (constants, i, before, depth, deepest, force) -> energy that unloading gives back [J].
+    lost : callable
+        Kernel (constants, i, deepest) -> energy that it does not give back [J].
+    text : str
+        What it is, for reports.
+    """
+
+    force: Callable[[Any, int, float, float, float, float], float]
+    stored: Callable[[Any, int, float, float, float, float], float]
+    lost: Callable[[Any, int, float], float]
+    text: str
+
+
+CONTACT_LAWS: LawRegistry[ContactLaw] = LawRegistry("contact law")
+"""Laws of unilateral contact by name."""
+
+
+class Crush(NamedTuple):
+    """Crush with permanent set: F0 + k d on loading; unloading and reloading on a line that gives back a share of the
+    energy taken up. Taken at the mean of the depths before and ahead, which keeps the energy on either line.
+
+    stiffness: k [N/m] of each point; initial_force: F0 [N] of each; returned: e^2 of the restitution e.
+    """
+
+    stiffness: np.ndarray
+    initial_force: np.ndarray
+    returned: float
+
+
+def taken_up(law: Any, i: int, deepest: float) -> float:
+    """Energy [J] that loading to this depth takes."""
+    return deepest * (law.initial_force[i] + 0.5 * law.stiffness[i] * deepest)
+
+
+def unloading_way(law: Any, i: int, deepest: float) -> float:
+    """Depth [m] over which the force falls to nothing: the line gives back e^2 of the energy."""
+    peak = law.initial_force[i] + law.stiffness[i] * deepest
+    return 2.0 * law.returned * taken_up(law, i, deepest) / peak if peak > 0.0 else 0.0
+
+
+def _crush_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+    initial, stiffness, give = law.initial_force[i], law.stiffness[i], 0.5 / inertia
+    mean = 0.5 * (before + free)  # without this force, which takes give N of it
+    loading = (mean - give * initial) / (1.0 + give * stiffness)
+    if loading > deepest:
+        return initial + stiffness * loading
+    peak, way = initial + stiffness * deepest, unloading_way(law, i, deepest)
+    # (deepest - d) / way = 1 - N / peak on the line, and d = mean - give N; a line without way is a drop of the force.
+    return peak * max(way - deepest + mean, 0.0) / (way + give * peak) if peak > 0.0 else 0.0
+
+
+def _crush_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+    way, drop = unloading_way(law, i, deepest), deepest - depth
+    if way <= drop:
+        return 0.0
+    return law.returned * taken_up(law, i, deepest) * (1.0 - drop / way) ** 2
+
+
+def _crush_lost(law: Any, i: int, deepest: float) -> float:
+    return (1.0 - law.returned) * taken_up(law, i, deepest)
+
+
+CONTACT_LAWS.register(
+    ContactLaw(
+        name="crush",
+        constants=Crush,
+        force=_crush_force,
+        stored=_crush_stored,
+        lost=_crush_lost,
+        helpers=(taken_up, unloading_way),
+        text="crush with permanent set: F0 + k d on loading, unloading on a line that gives back e^2 of the energy",
+    )
+)
+
+
+class PenaltyContact(NamedTuple):
+    """A spring of energy W = k d^2/2 behind the wall; stiffness: k [N/m] of each point.
+
+    N = (W_ahead - W_before) / (d_ahead - d_before), solved for each point: it keeps the energy whatever the time step
+    (Armero and Petocz, Comput. Methods Appl. Mech. Eng. 158, 1998), where N = k d gains some at every touch.
+    """
+
+    stiffness: np.ndarray
+
+
+def _penalty_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+    half, share = 0.5 * law.stiffness[i], 0.5 * law.stiffness[i] / inertia
+    if before > 0.0:
+        ahead = (free - share * before) / (1.0 + share)
+        if ahead >= 0.0:
+            return half * (ahead + before)
+        back = before - free
+        return 2.0 * half * before**2 / (back + math.sqrt(back**2 + 4.0 * share * before**2))
+    if free <= 0.0:
+        return 0.0
+    way = free - before * (1.0 + 2.0 * share)
+    moved = 0.5 * (way + math.sqrt(way**2 - 4.0 * (1.0 + share) * share * before**2)) / (1.0 + share)
+    return half * max(before + moved, 0.0) ** 2 / moved
+
+
+def _penalty_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+    """With this the ledger, whose works follow the trapezoidal rule, closes at every instant."""
+    held = 0.25 * law.stiffness[i] * (max(depth, 0.0) ** 2 + max(before, 0.0) ** 2)
+    return held + 0.5 * force * (depth - before)
+
+
+def _nothing_lost(law: Any, i: int, deepest: float) -> float:
+    return 0.0
+
+
+CONTACT_LAWS.register(
+    ContactLaw(
+        name="penalty",
+        constants=PenaltyContact,
+        force=_penalty_force,
+        stored=_penalty_stored,
+        lost=_nothing_lost,
+        text="a penalty spring at each node of the boundary",
+    )
+)
+
+
+class ExactContact(NamedTuple):
+    """Signorini's condition by forward-increment multipliers (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Eng.
+    32, 1991): where the step would end behind the wall, N is what ends it on the wall's line.
+
+    With y >= 0 at every instant its work is -N y_before / 2: it never gains energy, and what a node loses on touching
+    falls with its mass. points: how many there are; a tuple needs a member.
+    """
+
+    points: int
+
+
+def _exact_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+    return inertia * max(free, 0.0)
+
+
+def _nothing_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+    return 0.0
+
+
+CONTACT_LAWS.register(
+    ContactLaw(
+        name="exact",
+        constants=ExactContact,
+        force=_exact_force,
+        stored=_nothing_stored,
+        lost=_nothing_lost,
+        text="Signorini's condition at each node of the boundary, by forward-increment multipliers",
+    )
+)
+
+
+def penalty_stiffness(youngs_modulus: float, thickness: float, scale: float = 1.0) -> float:
+    """The program's stiffness [N/m] of a point that does not crush: three times that of a square element, which is
+    Young's modulus [Pa] times thickness [m], times the scale. A stiffer one costs no time, but its force is noisier."""
+    return 3.0 * scale * youngs_modulus * thickness

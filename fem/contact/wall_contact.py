@@ -1,0 +1,121 @@
+"""Points of the boundary in unilateral contact with the wall's line Y = 0; compiled.
+
+depth       d = -y of a point; the deepest it ever was is kept
+normal      N by the contact law
+stopping    the force that would end this step with the point at rest along the wall
+tangential  R by the friction law: the stopping force, cut to mu N; so a point sticks or slides, and nothing between
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.compiled import by_law, compiled
+from fem.contact.corner import friction_force
+from fem.contact.unilateral import CONTACT_LAWS
+
+
+class WallContact(NamedTuple):
+    """Points of the boundary that may touch the wall; constants of the contact law, and of the friction law or None.
+
+    A point is a node, or the weighted mean of some. first, shape (points + 1,): where each point's nodes and weights
+    begin in `nodes` and `weights`; mobility, shape (points,): sum of weight^2 / mass [1/kg].
+    """
+
+    first: np.ndarray
+    nodes: np.ndarray
+    weights: np.ndarray
+    mobility: np.ndarray
+    law: Any
+    friction: Any
+
+
+class ContactState(NamedTuple):
+    """What contact keeps of each point, each of shape (points,).
+
+    deepest: greatest depth, as the law takes it [m]; normal, tangential: impulse of the wall on it [N s]; pushing,
+    sliding: normal and tangential force [N], and mean: depth as the law takes it [m], of the last step: workspace.
+    """
+
+    deepest: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+    pushing: np.ndarray
+    sliding: np.ndarray
+    mean: np.ndarray
+
+
+@by_law(CONTACT_LAWS, "force")
+def contact_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+    """Normal force [N] of point i; compiled code only."""
+    raise NotImplementedError(type(law))
+
+
+@by_law(CONTACT_LAWS, "stored")
+def stored_energy(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+    """Energy [J] of point i that unloading gives back; compiled code only."""
+    raise NotImplementedError(type(law))
+
+
+@by_law(CONTACT_LAWS, "lost")
+def lost_energy(law: Any, i: int, deepest: float) -> float:
+    """Energy [J] of point i that its crush has taken for good; compiled code only."""
+    raise NotImplementedError(type(law))
+
+
+@compiled
+def point_mean(values, contact, i):
+    """Weighted mean over the nodes of point i of values of shape (nodes,)."""
+    total = 0.0
+    for k in range(contact.first[i], contact.first[i + 1]):
+        total += contact.weights[k] * values[contact.nodes[k]]
+    return total
+
+
+@compiled
+def pull_of(force, mass, contact, i):
+    """Acceleration of point i [m/s^2] by nodal forces of shape (nodes,)."""
+    total = 0.0
+    for k in range(contact.first[i], contact.first[i + 1]):
+        total += contact.weights[k] * force[contact.nodes[k]] / mass[contact.nodes[k]]
+    return total
+
+
+@compiled
+def push_back(positions, velocities, mass, time_step, contact, kept, force):
+    """Add the wall's forces on all points to `force`, which must hold the others, and note them in `kept`."""
+    for i in range(contact.mobility.size):
+        depth, inertia = -point_mean(positions[1], contact, i), 1.0 / (contact.mobility[i] * time_step**2)
+        rate, slip = point_mean(velocities[1], contact, i), point_mean(velocities[0], contact, i)
+        before = depth + time_step * rate
+        free = depth - time_step * (rate + time_step * pull_of(force[1], mass, contact, i))
+        normal = contact_force(contact.law, i, before, free, kept.deepest[i], inertia)
+        stopping = -(slip / time_step + pull_of(force[0], mass, contact, i)) / contact.mobility[i]
+        tangential = friction_force(contact.friction, normal, stopping)
+        kept.pushing[i], kept.sliding[i] = normal, tangential
+        kept.mean[i] = 0.5 * (before + free - normal / inertia)
+        for k in range(contact.first[i], contact.first[i + 1]):
+            force[0, contact.nodes[k]] += contact.weights[k] * tangential
+            force[1, contact.nodes[k]] += contact.weights[k] * normal
+
+
+@compiled
+def add_contact(positions, velocities, mass, time_step, contact, kept, sums, origin, force):
+    """Add the wall's forces to `force`, and what they do to the points' state and to the sums.
+
+    sums: friction work [J] and moment of the impulse about the wall's frame [N m s], in the places of `ImpactState`.
+    """
+    push_back(positions, velocities, mass, time_step, contact, kept, force)
+    for i in range(contact.mobility.size):
+        kept.deepest[i] = max(kept.deepest[i], kept.mean[i])
+        normal, tangential = kept.pushing[i], kept.sliding[i]
+        if normal == 0.0:
+            continue
+        kept.normal[i] += time_step * normal
+        kept.tangential[i] += time_step * tangential
+        slip = point_mean(velocities[0], contact, i) + 0.5 * time_step * pull_of(force[0], mass, contact, i)
+        sums[0] += time_step * tangential * slip
+        x, y = point_mean(positions[0], contact, i) + origin, point_mean(positions[1], contact, i)
+        sums[2] += time_step * (x * normal - y * tangential)

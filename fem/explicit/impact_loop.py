@@ -1,0 +1,209 @@
+"""The time loop of a whole impact: the step of `time_loop`, with a wall that only pushes in place of the corner."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.compiled import compiled, implements
+from fem.contact.wall_contact import (
+    ContactState,
+    WallContact,
+    add_contact,
+    lost_energy,
+    point_mean,
+    push_back,
+    stored_energy,
+)
+from fem.discretisation.elements import ElementTable
+from fem.explicit.elastic_damping import SUMS, damp
+from fem.explicit.internal_force import subtract_internal_forces
+from fem.explicit.measures import energy_of_hourglass, energy_of_strain, motion
+from fem.explicit.time_loop import advance, follow, react
+
+
+class ImpactLoop(NamedTuple):
+    """Everything that stays as it is during a run; as `LoopParameters`, with contact in place of the corner."""
+
+    table: ElementTable
+    material: Any
+    mass: np.ndarray
+    contact: WallContact
+    viscosity: Any
+    hourglass: Any
+    elastic_damping: Any
+    time_step: float
+    span: float  # [m], by which the origin follows the plate along the wall
+
+
+class ImpactState(NamedTuple):
+    """Where the plate is, and what has been summed up on the way.
+
+    positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work done on the plate
+    [J]; moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point.
+    """
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    sums: np.ndarray
+    origin: np.ndarray
+    contact: ContactState
+
+
+class ImpactMeasures(NamedTuple):
+    """The compiled record of an instant.
+
+    Attributes
+    ----------
+    x_g, y_g : float
+        Centre of mass in the wall's frame [m].
+    theta, omega : float
+        Angle between side and wall [rad], and spin [rad/s], positive where it closes the angle.
+    v_gx, v_gy : float
+        Velocity of the centre of mass [m/s].
+    kinetic_energy, strain_energy, hourglass_energy : float
+        What the plate holds [J].
+    contact_energy, crush_energy : float
+        What contact will give back, and what crush has taken for good [J].
+    friction_work, damping_work : float
+        Done on the plate since the start [J].
+    vibration_energy : float
+        Kinetic energy that is not rigid motion's [J].
+    normal_impulse, tangential_impulse, moment_impulse : float
+        Of the wall on the plate since the start [N s], and about the wall's frame [N m s].
+    angular_momentum : float
+        Of the plate about the wall's frame [kg m^2/s].
+    """
+
+    x_g: float
+    y_g: float
+    theta: float
+    omega: float
+    v_gx: float
+    v_gy: float
+    kinetic_energy: float
+    strain_energy: float
+    hourglass_energy: float
+    contact_energy: float
+    crush_energy: float
+    friction_work: float
+    damping_work: float
+    vibration_energy: float
+    normal_impulse: float
+    tangential_impulse: float
+    moment_impulse: float
+    angular_momentum: float
+
+
+class Rows(NamedTuple):
+    """Where records go, a row an instant: values, shape (rows, fields of `ImpactMeasures`); normal and tangential
+    impulse [N s], depth and the place along the wall [m] of each contact point, each of shape (rows, points)."""
+
+    values: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+    depth: np.ndarray
+    place: np.ndarray
+
+
+@implements(react, ImpactLoop, merged=True)
+def _react_by_contact(loop, state, lost, force):
+    add_contact(
+        state.positions,
+        state.velocities,
+        loop.mass,
+        loop.time_step,
+        loop.contact,
+        state.contact,
+        state.sums,
+        state.origin[0],
+        force,
+    )
+    state.sums[1] -= loop.time_step * lost
+
+
+@implements(follow, ImpactLoop, merged=True)
+def _follow_plate(loop, state):
+    x = state.positions[0, loop.contact.nodes[0]]
+    shift = loop.span if x >= loop.span else -loop.span if x <= -loop.span else 0.0
+    state.origin[0] += shift
+    return shift
+
+
+@compiled
+def advance_and_record(state, stride, loop, viscosity, hourglass, reference, force, scratch, rows):
+    """Advance the state in place, and record every `stride` steps until the rows are full."""
+    for row in range(rows.values.shape[0]):
+        advance(state, stride, loop, viscosity, hourglass, force, scratch)
+        measures = record(state, loop, viscosity, hourglass, reference, force, scratch, rows, row)
+        for k in range(len(measures)):
+            rows.values[row, k] = measures[k]
+
+
+@compiled
+def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, row):
+    """The `ImpactMeasures` of the state at its instant, and the row of its contact points; the state stays as it is."""
+    positions, velocities, half = state.positions, state.velocities, 0.5 * loop.time_step
+    force[:] = 0.0
+    subtract_internal_forces(
+        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+    )
+    damping_power = damp(
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, np.empty(SUMS), force
+    )
+    contact, kept = loop.contact, state.contact
+    origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
+    normals = tangentials = stored = lost = 0.0
+    push_back(positions, velocities, loop.mass, loop.time_step, contact, kept, force)
+    for i in range(contact.mobility.size):
+        normal, tangential = kept.pushing[i], kept.sliding[i]
+        x, depth = origin + point_mean(positions[0], contact, i), -point_mean(positions[1], contact, i)
+        deepest = max(kept.deepest[i], depth)
+        before = depth + loop.time_step * point_mean(velocities[1], contact, i)
+        stored += stored_energy(contact.law, i, before, depth, deepest, normal)
+        lost += lost_energy(contact.law, i, deepest)
+        friction += half * tangential * point_mean(velocities[0], contact, i)
+        moment += half * (x * normal + depth * tangential)
+        rows.normal[row, i] = kept.normal[i] + half * normal
+        rows.tangential[row, i] = kept.tangential[i] + half * tangential
+        rows.depth[row, i] = depth
+        rows.place[row, i] = x
+        normals += rows.normal[row, i]
+        tangentials += rows.tangential[row, i]
+    theta, omega, v_x, v_y, kinetic, vibration, c_x, c_y = motion(
+        positions, velocities, force, loop, reference
+    )
+    hourglass_energy = 0.0
+    if hourglass is not None:
+        hourglass_energy = energy_of_hourglass(positions, loop.table, hourglass)
+    return ImpactMeasures(
+        x_g=origin + c_x,
+        y_g=c_y,
+        theta=theta,
+        omega=omega,
+        v_gx=v_x,
+        v_gy=v_y,
+        kinetic_energy=kinetic,
+        strain_energy=energy_of_strain(positions, loop.table, loop.material),
+        hourglass_energy=hourglass_energy,
+        contact_energy=stored,
+        crush_energy=lost,
+        friction_work=friction,
+        damping_work=state.sums[1] + half * damping_power,
+        vibration_energy=vibration,
+        normal_impulse=normals,
+        tangential_impulse=tangentials,
+        moment_impulse=moment,
+        angular_momentum=_angular_momentum(positions, velocities, force, loop, origin),
+    )
+
+
+@compiled
+def _angular_momentum(positions, velocities, force, loop, origin):
+    mass, half, total = loop.mass, 0.5 * loop.time_step, 0.0
+    for i in range(mass.size):
+        u_x = velocities[0, i] + half * force[0, i] / mass[i]
+        u_y = velocities[1, i] + half * force[1, i] / mass[i]
+        total += mass[i] * ((positions[0, i] + origin) * u_y - positions[1, i] * u_x)
+    return total

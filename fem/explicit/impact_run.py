@@ -1,0 +1,191 @@
+"""The run of a whole impact: from a model and its first touch to histories of motion, energies and contact."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.compiled import has_code, one_process_compiles
+from fem.contact.wall_contact import ContactState
+from fem.discretisation.model import PlateModel
+from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
+from fem.explicit.simulate import LOOKS, Stepper
+from fem.stability.deformed import deformed_frequency
+from fem.start.rigid_state import to_global
+
+CHUNK = 200
+"""Rows between two looks at whether the run is over."""
+
+
+@dataclass(frozen=True)
+class FirstTouch:
+    """Rigid motion of the plate at t = 0, its corner P at the origin.
+
+    Attributes
+    ----------
+    angle : float
+        Between side and wall [rad].
+    v_x, v_y, omega : float
+        Of the corner [m/s], and the spin that closes the angle [rad/s].
+    """
+
+    angle: float
+    v_x: float
+    v_y: float
+    omega: float = 0.0
+
+
+@dataclass(frozen=True)
+class ImpactRun:
+    """What a run gives.
+
+    Attributes
+    ----------
+    history : dict of ndarray, shape (rows,)
+        By name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall on the
+        plate, each the mean since the row before.
+    points : ndarray, shape (2, contact points)
+        Places in the body frame [m]; a corner that crushes and has a layer is there twice.
+    normal, tangential : ndarray, shape (rows, contact points)
+        Force on each, likewise [N].
+    depth, place : ndarray, shape (rows, contact points)
+        Behind the wall's line, and along the wall [m].
+    steps : int
+        Time steps taken.
+    time_loop_s : float
+        Time that they took, records included [s].
+    highest_frequency : float
+        The largest at a few instants of the run [rad/s].
+    """
+
+    history: dict[str, np.ndarray]
+    points: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+    depth: np.ndarray
+    place: np.ndarray
+    steps: int
+    time_loop_s: float
+    highest_frequency: float
+
+
+class ImpactStepper(Stepper):
+    """The compiled loop of a whole impact with its parameters and its workspace; the state is the caller's."""
+
+    @property
+    def has_code(self) -> bool:
+        """Whether this process has the machine code of the step."""
+        state, rows = self.at_touch(FirstTouch(0.0, 0.0, 0.0)), self.rows(0)
+        parts = (self.loop, *self._parts, self._reference, self._force, self._scratch, rows)
+        return has_code(advance_and_record, state, 1, *parts)
+
+    def at_touch(self, touch: FirstTouch) -> ImpactState:
+        """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
+        d, points = self.model.discretisation, self.loop.contact.mobility.size
+        body = self._reference - self._reference[:, [d.corner]]
+        arm = to_global(touch.angle) @ body
+        velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
+        contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
+        return ImpactState(
+            np.ascontiguousarray(arm), np.ascontiguousarray(velocities), np.zeros(3), np.zeros(1), contact
+        )
+
+    @property
+    def points(self) -> np.ndarray:
+        """Places [m] of the contact points in the body frame, shape (2, points)."""
+        contact = self.loop.contact
+        return np.add.reduceat(
+            contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
+        )
+
+    def rows(self, count: int) -> Rows:
+        """Room for records."""
+        points = self.loop.contact.mobility.size
+        return Rows(
+            np.empty((count, len(ImpactMeasures._fields))), *(np.empty((count, points)) for _ in range(4))
+        )
+
+    def record(self, state: ImpactState, stride: int, count: int) -> Rows:
+        """Advance the state in place, with a record every so many steps."""
+        rows = self.rows(count)
+        advance_and_record(
+            state, stride, self.loop, *self._parts, self._reference, self._force, self._scratch, rows
+        )
+        return rows
+
+
+def compile_impact_loop(model: PlateModel) -> None:
+    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
+    stepper = ImpactStepper(model)
+    with nullcontext() if stepper.has_code else one_process_compiles():
+        stepper.record(stepper.at_touch(FirstTouch(0.3, 0.0, 0.0)), 1, 0)
+
+
+def simulate_impact(
+    model: PlateModel,
+    touch: FirstTouch,
+    sample: float,
+    latest: float,
+    finished: Callable[[ImpactRun], bool] = lambda run: False,
+    progress: Callable[[float], None] = lambda share: None,
+) -> ImpactRun:
+    """Run from the first touch until the latest instant, or until it is finished.
+
+    Parameters
+    ----------
+    model : PlateModel
+        Of `build_impact_model`.
+    touch : FirstTouch
+        Motion at t = 0.
+    sample : float
+        Time between rows [s]; a multiple of the time step near it is taken.
+    latest : float
+        End of the run [s], to a row.
+    finished : callable
+        Asked now and then whether what there is so far is enough.
+    progress : callable
+        Told the time that is done [s].
+
+    Returns
+    -------
+    ImpactRun
+        It ends early where numbers leave the finite.
+    """
+    stepper, time_step = ImpactStepper(model), model.loop.time_step
+    stride = max(1, round(sample / time_step))
+    total = max(1, -int(-latest // (stride * time_step)))
+    began, state = time.perf_counter(), stepper.at_touch(touch)
+    chunks, seen = [stepper.record(state, 0, 1)], [state.positions.copy()]
+    while sum(len(chunk.values) for chunk in chunks) <= total and np.isfinite(chunks[-1].values).all():
+        done = sum(len(chunk.values) for chunk in chunks) - 1
+        chunks.append(stepper.record(state, stride, min(CHUNK, total - done)))
+        seen.append(state.positions.copy())
+        run = _run(stepper, chunks, stride, time.perf_counter() - began)
+        progress(float(run.history["t"][-1]))
+        if finished(run) or len(run.history["t"]) > total:
+            break
+    looked = [seen[k] for k in np.unique(np.linspace(0, len(seen) - 1, LOOKS).astype(int))]
+    finite = [positions for positions in looked if np.isfinite(positions).all()]
+    frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
+    return _run(stepper, chunks, stride, run.time_loop_s, frequency)
+
+
+def _run(
+    stepper: ImpactStepper, chunks: list[Rows], stride: int, seconds: float, frequency: float = np.nan
+) -> ImpactRun:
+    """The rows so far, impulses as mean forces since the row before; the first row, before any, has none."""
+    values, normal, tangential, depth, place = (np.concatenate(parts) for parts in zip(*chunks, strict=True))
+    interval = stride * stepper.loop.time_step
+    history = {"t": interval * np.arange(len(values))}
+    history |= dict(zip(ImpactMeasures._fields, values.T, strict=True))
+    history["theta"] = np.unwrap(history["theta"])
+    push, drag = (
+        np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)
+    )
+    history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
+    steps = stride * (len(values) - 1)
+    return ImpactRun(history, stepper.points, push, drag, depth, place, steps, seconds, frequency)
