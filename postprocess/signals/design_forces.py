@@ -63,7 +63,7 @@ MASH = (
     ),
     DesignForce(
         "TL-4",
-        "MASH, from acceleration",
+        "MASH, 4.5 g",
         22.05 * 4.5,
         "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g",
     ),

@@ -1,8 +1,10 @@
 """Peaks of a force history by the filters in use, and how long its second strike lasts.
 
 The duration follows Chuong and Malla (2025), section 3: on a curve of force over time the second sharp peak is the
-tail-slap; it begins and ends where the force is lowest just before its rise and just after its decline. They measure it
-on 50 ms means and on SAE-filtered curves. A mean over w widens a strike that stands free by w.
+tail-slap; it begins and ends where the force is lowest just before its rise and just after its decline. They read it by
+eye, off 50 ms means and SAE-filtered curves; here, a valley is the first bottom on the way down that lies no more than
+5 % of the peak above the lowest force between this strike and the next. A mean over w widens a strike that stands
+free by w.
 """
 
 from collections.abc import Mapping
@@ -18,8 +20,8 @@ Floats = NDArray[np.float64]
 PROMINENCE = 0.25
 """How far a peak must stand above the valleys beside it, over the largest value of the curve, to count as a strike."""
 
-LOWEST = 1e-6
-"""What counts as lowest lies above the smallest value by no more than this, over the peak: rounding is no valley."""
+LOWEST = 0.05
+"""How far above the lowest force a valley may lie, over the peak: undershoot of filters elsewhere is no valley."""
 
 
 @dataclass(frozen=True)
@@ -76,9 +78,9 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
     peaks = find_peaks(ends, prominence=PROMINENCE * largest)[0] - 1 if largest > 0.0 else np.empty(0, int)
     if peaks.size < 2:
         raise ValueError(f"a curve with {peaks.size} peaks has no second strike: must have at least 2")
-    first, second, last = (*peaks, curve.size - 1)[:3]
-    start = second - _lowest(curve[first : second + 1][::-1], curve[second])
-    end = second + _lowest(curve[second : last + 1], curve[second])
+    first, second, last = (int(place) for place in (*peaks, curve.size - 1)[:3])
+    start = second - _valley(curve[first : second + 1][::-1])
+    end = second + _valley(curve[second : last + 1])
     return StrikeDuration(
         start=(start + 0.5) * interval,
         end=(end + 0.5) * interval,
@@ -87,6 +89,8 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
     )
 
 
-def _lowest(falling: Floats, peak: float) -> int:
-    """How many samples after the peak the force is first at its lowest."""
-    return int(np.argmax(falling <= falling.min() + LOWEST * peak))
+def _valley(falling: Floats) -> int:
+    """How many samples after its first, the peak, the force has its first low bottom."""
+    low = int(np.argmax(falling <= falling.min() + LOWEST * falling[0]))
+    rising = np.diff(falling[low:]) >= 0.0
+    return low + (int(np.argmax(rising)) if rising.any() else rising.size)

@@ -62,6 +62,17 @@ def test_severity_of_a_half_sine() -> None:
     assert found.value == pytest.approx(5.0 / 9.0 * math.sqrt(0.5), rel=0.02)
 
 
+def test_growing_deceleration_of_few_instants() -> None:
+    """a = j t: x = j t^3 / 6, v = j t^2 / 2, exact between instants 50 ms apart; so for a head in front."""
+    t = np.linspace(0.0, 0.6, 13)
+    motion = VehicleMotion(t, -200.0 * t, 0.0 * t, 0.0 * t, 0.0 * t)
+    time = (6.0 * 0.6 / 200.0) ** (1.0 / 3.0)
+    for contact in (occupant_contact(motion), head_contact(motion), head_contact(motion, ahead=2.0)):
+        assert contact is not None
+        assert contact.time == pytest.approx(time, rel=1e-12)
+        assert contact.forward == pytest.approx(100.0 * time**2, rel=1e-12)
+
+
 def test_half_sine_of_deceleration() -> None:
     """x = (a L / pi) (t - (L / pi) sin(pi t / L)), v = (a L / pi) (1 - cos(pi t / L)) while it lasts."""
     length, size = 0.2, 120.0

@@ -87,7 +87,7 @@ def test_ripple_is_no_strike() -> None:
 def test_rounding_is_no_valley() -> None:
     force = half_sine(0.02, 0.1, 400e3) + half_sine(0.3, 0.1, 450e3)
     noisy = force + 1e-9 * np.random.default_rng(5).normal(size=force.size)
-    assert second_strike(noisy, INTERVAL).duration == pytest.approx(0.1, abs=4.0 * INTERVAL)
+    assert second_strike(noisy, INTERVAL).duration == pytest.approx(0.1, abs=10.0 * INTERVAL)
 
 
 def test_a_strike_that_the_history_cuts_off_ends_with_it() -> None:
@@ -100,6 +100,15 @@ def test_a_50_ms_mean_widens_a_strike_by_50_ms() -> None:
     curves = force_curves(half_sine(0.0, 0.0812, 550e3) + half_sine(0.2944, 0.0664, 630e3), INTERVAL)
     assert second_strike(curves["raw"], INTERVAL).duration == pytest.approx(0.0664, abs=4 * INTERVAL)
     assert second_strike(curves["mean_50ms"], INTERVAL).duration == pytest.approx(0.1164, abs=6 * INTERVAL)
+
+
+@pytest.mark.parametrize(("name", "more"), [("cfc180", 0.004), ("cfc60", 0.01), ("cutoff_60hz", 0.015)])
+def test_undershoot_of_a_filter_elsewhere_is_no_valley(name: str, more: float) -> None:
+    """A filter adds its own rise; the dip after strike 1, though lower, is not where strike 2 begins."""
+    force = half_sine(0.02, 0.03, 600e3) + half_sine(0.2, 0.08, 500e3) + half_sine(0.4, 0.03, 600e3)
+    found = second_strike(force_curves(force, INTERVAL)[name], INTERVAL)
+    assert 0.08 - 2.0 * INTERVAL < found.duration < 0.08 + more
+    assert 0.5 * (found.start + found.end) == pytest.approx(0.24, abs=2.0 * INTERVAL)
 
 
 @pytest.mark.parametrize(("force", "peaks"), [(np.zeros(6000), 0), (half_sine(0.1, 0.1, 1e5), 1)])
