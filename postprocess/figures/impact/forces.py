@@ -67,9 +67,7 @@ def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Curve:
         figure = Figure(figsize=LOOP_SIZE)
         axes = figure.add_axes(LOOP_PLACE)
         for label, (crush, force) in contacts.items():
-            axes.plot(
-                *_corners(crush * 1e3, force / 1e3), color=corner_colour(label), linewidth=1.3, label=label
-            )
+            axes.plot(crush * 1e3, force / 1e3, color=corner_colour(label), linewidth=1.3, label=label)
         axes.set(xlabel="crush [mm]", ylabel="force [kN]")
         axes.margins(0.04)
         axes.set(xlim=(0.0, None), ylim=(0.0, None))
@@ -90,18 +88,3 @@ def _draw_levels(axes: "Axes", levels: Mapping[str, float]) -> None:
         place: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
         text = f"{label}\n{height:.0f} kN"
         axes.annotate(text, (1.0, lowest), (4, 0), va="center", fontsize=7.5, color=LEVEL, **place)
-
-
-def _corners(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """The points without those that lie on a straight line between their neighbours, to a thousandth of the size."""
-    if not x.size or not np.ptp(x) or not np.ptp(y):
-        return x, y
-    points = np.stack([x / np.ptp(x), y / np.ptp(y)], axis=-1)
-    kept = [0]
-    for place in range(1, x.size - 1):
-        before, after = points[place] - points[kept[-1]], points[place + 1] - points[place]
-        turn = abs(before[0] * after[1] - before[1] * after[0])
-        back = before @ after < 0.0
-        if back or turn > 1e-3 * np.hypot(*after) or np.hypot(*before) > 0.2:
-            kept.append(place)
-    return x[[*kept, x.size - 1]], y[[*kept, x.size - 1]]
