@@ -27,7 +27,7 @@ RIDEDOWN = 0.01
 """Width of the means after contact [s]."""
 
 PLANAR = "planar: without vertical acceleration, roll and pitch a lower bound"
-AXES = "planar; the vehicle's turning left out; made for cars and pickups, for trucks information only"
+AXES = "planar; the vehicle's turning left out"
 HEAD = "planar; head above the centre of mass, not in a seat"
 LIMITS = "limits not given"
 
