@@ -1,0 +1,103 @@
+"""Filters of crash practice: frequency classes (CFC), a low-pass by its cut-off frequency, the centred mean.
+
+Low-passes are Butterworth filters of second order, once forward and once backward, so nothing is delayed. With
+w_a the tangent at the corner of one pass, their gain is 1 / (1 + (tan(pi f T) / w_a)^4). Both ends are padded by
+the end values, for 10 ms and at least three periods of the cut-off frequency: long enough for the filter to settle, so
+that the result is that of a signal which holds its end values for ever, and a constant stays as it is.
+
+Values are uniform samples, each the mean over its interval T; sample i stands for the instant (i + 1/2) T.
+
+Sources: SAE J211-1, Instrumentation for impact test; its class CFC is 3 dB down at CFC / 0.6. Sample rate of at least
+ten times the class, six times the cut-off frequency: as FlexPro's documentation of its CFC filter has it.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+CLASSES = (60, 180, 600, 1000)
+PAD = 0.01
+"""Least padding of each end [s]."""
+
+PERIODS = 3.0
+SAMPLES_A_PERIOD = 6.0
+
+
+def cfc_filter(values: Floats, interval: float, frequency_class: int) -> Floats:
+    """Values through the filter of a channel frequency class: 60, 180, 600 or 1000; 3 dB down at class / 0.6.
+
+    values: shape (n,), any unit; interval: T [s]. ValueError for another class, too long an interval or too short a
+    history.
+    """
+    if frequency_class not in CLASSES:
+        raise ValueError(f"frequency class {frequency_class}: must be one of {', '.join(map(str, CLASSES))}")
+    cutoff = frequency_class / 0.6
+    check_samples(values, interval, 1.0 / cutoff, cutoff)
+    return _both_ways(values, interval, cutoff, math.tan(math.pi * frequency_class * 2.0775 * interval))
+
+
+def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
+    """Values through a filter whose gain, forward and backward together, is 1 / sqrt 2 at `cutoff` [Hz].
+
+    values: shape (n,), any unit; interval: T [s]. ValueError as for `cfc_filter`.
+    """
+    check_samples(values, interval, 1.0 / cutoff, cutoff)
+    corner = math.tan(math.pi * cutoff * interval) / (math.sqrt(2.0) - 1.0) ** 0.25
+    return _both_ways(values, interval, cutoff, corner)
+
+
+def cutoff_60hz(values: Floats, interval: float) -> Floats:
+    """Values through `low_pass` at 60 Hz: what "SAE filter, 60 Hz cut-off" says, and CFC 60 (100 Hz) is not."""
+    return low_pass(values, interval, 60.0)
+
+
+def moving_mean(values: Floats, interval: float, width: float) -> Floats:
+    """Centred mean over `width` [s], at the instant of each sample; beyond the ends the end values hold.
+
+    values: shape (n,), any unit; interval: T [s]. From the cumulated integral, interpolated: any width will do.
+    ValueError if the history is shorter than the width.
+    """
+    check_samples(values, interval, width)
+    added = math.ceil(0.5 * width / interval) + 1
+    held = np.pad(values, added, mode="edge")
+    edges = interval * (np.arange(held.size + 1) - added)
+    integral = np.concatenate(([0.0], np.cumsum(held))) * interval
+    centres = interval * (np.arange(values.size) + 0.5)
+    after, before = (np.interp(centres + side, edges, integral) for side in (0.5 * width, -0.5 * width))
+    return np.asarray((after - before) / width)
+
+
+def check_samples(values: Floats, interval: float, shortest: float, cutoff: float = 0.0) -> None:
+    """ValueError unless these are finite samples over `shortest` [s], often enough for the cut-off frequency [Hz]."""
+    if values.ndim != 1 or not np.isfinite(values).all():
+        raise ValueError(f"values of shape {values.shape}: must be finite numbers in one dimension")
+    if not (0.0 < interval < math.inf and interval * SAMPLES_A_PERIOD * cutoff <= 1.0 + 1e-9):
+        most = (
+            f", at most {1.0 / (SAMPLES_A_PERIOD * cutoff):.4g} s for a cut-off at {cutoff:.4g} Hz"
+            if cutoff
+            else ""
+        )
+        raise ValueError(f"sample interval {interval:g} s: must be positive{most}")
+    if values.size * interval < shortest * (1.0 - 1e-9):
+        raise ValueError(f"history of {values.size * interval:.4g} s: must last at least {shortest:.4g} s")
+
+
+def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
+    """Forward and backward through the second-order filter with this w_a, from the steady state at both ends."""
+    from scipy.signal import filtfilt
+
+    added = math.ceil(max(PAD, PERIODS / cutoff) / interval)
+    held = np.pad(values, added, mode="edge")
+    found = filtfilt(*_coefficients(corner), held, padlen=0)
+    return np.asarray(found[added:-added])
+
+
+def _coefficients(corner: float) -> tuple[Floats, Floats]:
+    """Of input and output in the difference equation, SAE's a0 to a2 and 1, -b1, -b2."""
+    scale = 1.0 + math.sqrt(2.0) * corner + corner**2
+    entering = corner**2 / scale * np.array([1.0, 2.0, 1.0])
+    leaving = np.array([scale, 2.0 * (corner**2 - 1.0), 1.0 - math.sqrt(2.0) * corner + corner**2]) / scale
+    return entering, leaving
