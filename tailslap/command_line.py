@@ -62,23 +62,14 @@ def run(
     name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool, tolerance: float | None
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
-    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.analyses import needs_plate
     from tailslap.report.deliver import deliver
 
-    plan = _plan(name, changes)
-    needed_plate(plan.scene)
+    analysis, plan = _planned(name, changes)
+    needs_plate(plan.scene)
 
     def report(folder: Path) -> Report:
-        from tailslap.report.run_report import run_report
-        from tailslap.run import run_scene
-        from tailslap.tolerance import run_to_tolerance
-
-        outcome = run_scene(plan) if tolerance is None else run_to_tolerance(plan, tolerance)
-        if not no_pictures:
-            from tailslap.report.pictures import draw_pictures
-
-            outcome = draw_pictures(outcome, folder)
-        return run_report(outcome, not no_pictures)
+        return analysis.run_report(plan, folder, tolerance, not no_pictures)
 
     return deliver(out or Path("results") / plan.scene.name, report)
 
@@ -88,13 +79,12 @@ def run(
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
 @click.option("--units", type=click.Choice(["si", "us"]), default="si", help="Units of the printed numbers.")
 def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int:
-    """The rigid-body method alone."""
-    from tailslap.planning.rigid import rigid_answer, rigid_lines
-
+    """The rigid-body method, or the rigid vehicle's whole impact, alone."""
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
-    plan = _plan(name, changes)
-    click.echo(json.dumps(rigid_answer(plan), indent=2) if as_json else "\n".join(rigid_lines(plan, units)))
+    analysis, plan = _planned(name, changes)
+    lines = analysis.rigid_lines(plan, units) if not as_json else []
+    click.echo(json.dumps(analysis.rigid_numbers(plan), indent=2) if as_json else "\n".join(lines))
     return DONE
 
 
@@ -106,17 +96,8 @@ commands.add_command(sweep)
 @scene_arguments
 def check(name: str, changes: tuple[str, ...]) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    from tailslap.report.check_text import chosen_lines, fe_part, rigid_part
-
-    plan = _plan(name, changes)
-    if plan.scene.plate:
-        from tailslap.planning.fe_plan import make_fe_plan
-
-        fe_plan = make_fe_plan(plan)
-        lines = rigid_part(fe_plan.plan) + fe_part(fe_plan) + chosen_lines(fe_plan)
-    else:
-        lines = rigid_part(plan)
-    click.echo("\n".join(lines))
+    analysis, plan = _planned(name, changes)
+    click.echo("\n".join(analysis.check_lines(plan)))
     return DONE
 
 
@@ -194,6 +175,16 @@ def paper(out: Path | None, as_json: bool) -> int:
         return paper_report(review_paper())
 
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
+
+
+def _planned(name: str, changes: tuple[str, ...]) -> tuple[Any, Any]:
+    """The calculation that the scene asks for, and its plan."""
+    from tailslap.analyses import analysis_of
+    from tailslap.scene.files import read_scene
+
+    scene, source = read_scene(name, changes)
+    analysis = analysis_of(scene)
+    return analysis, analysis.make_plan(scene, source)
 
 
 def _plan(name: str, changes: tuple[str, ...]) -> Any:

@@ -108,6 +108,11 @@ def make_plan(scene: Scene, source: Source | None = None) -> Plan:
     InputError
         Where the rigid-body method has no answer; it names the scene's key.
     """
+    if scene.contact is not None:
+        allowed = "this command or study is of the paper's constrained corner; of a whole impact there are run, rigid, "
+        raise InputError(
+            "contact", "a table", allowed + "check, sweep, and study strike, flexibility, cost, stability"
+        )
     vehicle = scene.vehicle
     with _refusals(scene, "vehicle"):
         body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
@@ -124,7 +129,7 @@ def stage_one(
 ) -> ImpulseResult[float] | None:
     """Stage 1 of the scene, with its own convention of restitution or another; None without [impact]."""
     impact = scene.impact
-    if impact is None:
+    if impact is None or impact.friction is None or impact.restitution is None:
         return None
     with _refusals(scene, "impact"):
         return corner_impulse(

@@ -26,7 +26,9 @@ class SceneInput:
 
 def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
     """A row for every key that has a value; keys that the scene left to their defaults say so."""
-    return tuple(_rows(scene, source.given, source.changed, ""))
+    rows = _rows(scene, source.given, source.changed, "")
+    unused = ("corner.", "strike.") if scene.contact else ()
+    return tuple(row for row in rows if not row.key.startswith(unused))
 
 
 def resolved_inputs(

@@ -39,6 +39,12 @@ DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", above=0.0
 Viscosity = Annotated[
     float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", above=0.0, most=10.0)
 ]
+Stiffness = Annotated[float, Quantity("a stiffness", "N/m", '"2 MN/m"', above=0.0)]
+LayerStiffness = Annotated[
+    float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', above=0.0)
+]
+Force = Annotated[float, Quantity("a force", "N", '"100 kN"', least=0.0)]
+Inertia = Annotated[float, Quantity("a moment of inertia", "kg m^2", '"88101 kg m^2"', above=0.0)]
 Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', above=0.0)]
 Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", above=0.0, below=1.0)]
 Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
@@ -97,21 +103,24 @@ class Table(BaseModel):
 
 
 class Vehicle(Table):
-    """The rigid body."""
+    """The rigid body; the last two are of whole impacts, left out: the uniform rectangle's."""
 
     length: Length
     width: Length
     mass: Mass
+    centre_of_mass: Length | None = None
+    yaw_inertia: Inertia | None = None
 
 
 class Impact(Table):
-    """Stage 1."""
+    """Stage 1; of a whole impact the first touch, and then friction and restitution feed the paper's method alone."""
 
     speed: Speed
     angle: Angle
-    friction: Friction
-    restitution: Restitution
+    friction: Friction | None = None
+    restitution: Restitution | None = None
     convention: Literal["paper", "newton"] = "paper"
+    test_level: Literal["TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6"] | None = None
 
 
 class Start(Table):
@@ -146,6 +155,29 @@ class Corner(Table):
     def constraint_is_open(self) -> bool:
         """Whether the scene leaves the choice of the constraint to the program."""
         return not self.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
+
+
+class Contact(Table):
+    """A whole impact: where the vehicle touches a wall that only pushes.
+
+    stiffness, initial_force, restitution: of the crush law at each corner, F0 + k d, whose unloading gives back e^2 of
+    the energy; side_stiffness: of a layer along the sides. Without stiffness the vehicle does not crush: then
+    enforcement and penalty_scale.
+    """
+
+    stiffness: Stiffness | None = None
+    initial_force: Force = 0.0
+    restitution: Restitution | None = None
+    friction: Friction
+    side_stiffness: LayerStiffness | None = None
+    patch_length: Length | None = None
+    enforcement: Literal["penalty", "exact"] = "penalty"
+    penalty_scale: Scale = 1.0
+
+    @property
+    def crushes(self) -> bool:
+        """Whether the vehicle crushes."""
+        return self.stiffness is not None
 
 
 class Strike(Table):
@@ -205,11 +237,13 @@ class Verify(Table):
 
 
 class Time(Table):
-    """Share of the stable time step that is taken; rows of the history; threads of the time loop."""
+    """Share of the stable time step that is taken; rows of the history; threads of the time loop; end of a whole
+    impact, which is left out 0.1 s after the second strike."""
 
     safety_factor: Share = 0.9
     rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
     threads: Annotated[int, Field(ge=1, le=256, strict=True)] = 1
+    end: Duration | None = None
 
 
 class Wall(Table):
@@ -228,6 +262,7 @@ class Scene(Table):
     impact: Impact | None = None
     start: Start | None = None
     corner: Corner = Corner()
+    contact: Contact | None = None
     strike: Strike = Strike()
     plate: Plate | None = None
     material: Material | None = None
@@ -242,4 +277,5 @@ class Scene(Table):
         if self.corner.frictionless:
             return 0.0
         given = self.corner.friction
-        return given if given is not None else self.impact.friction if self.impact else math.nan
+        given = self.impact.friction if given is None and self.impact else given
+        return math.nan if given is None else given

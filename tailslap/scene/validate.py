@@ -10,6 +10,7 @@ from fem.contact.constraints import CONSTRAINTS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Damping, Scene
+from tailslap.scene.validate_impact import check_impact
 
 
 def validate(data: dict[str, Any]) -> Scene:
@@ -53,6 +54,23 @@ def _known(location: tuple[int | str, ...]) -> str:
 
 def _check_together(scene: Scene) -> None:
     """Keys that need or exclude each other."""
+    if scene.contact is not None:
+        check_impact(scene, scene.contact)
+        _check_plate(scene)
+        return
+    _check_corner(scene)
+    _check_plate(scene)
+
+
+def _check_corner(scene: Scene) -> None:
+    """Keys of the paper's three stages, with a constrained corner."""
+    for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "impact.test_level"):
+        value = value_of(scene, key)
+        if value is not None:
+            raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")
+    for key in ("friction", "restitution"):
+        if scene.impact is not None and getattr(scene.impact, key) is None:
+            raise InputError(f"impact.{key}", Missing, "this key is required")
     start = scene.start
     complete = start is not None and None not in (start.angle, start.omega, start.corner_speed)
     if scene.impact is None and not complete:
@@ -65,7 +83,12 @@ def _check_together(scene: Scene) -> None:
         raise InputError("corner.friction", friction, allowed)
     if not scene.corner.frictionless and friction is None and scene.impact is None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
-    _check_plate(scene)
+
+
+def value_of(scene: Scene, key: str) -> Any:
+    """The value of a key of two parts; None without its table."""
+    table, name = key.split(".")
+    return getattr(getattr(scene, table), name, None)
 
 
 def _check_plate(scene: Scene) -> None:

@@ -1,0 +1,43 @@
+"""What a calculation that a scene may ask for offers to the commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Source
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """A calculation.
+
+    Attributes
+    ----------
+    name : str
+        What it is, for messages.
+    make_plan : callable
+        (scene, source) -> plan; the rigid vehicle is solved in it, or when it is asked for.
+    rigid_numbers, rigid_lines : callable
+        plan -> what `tailslap rigid` says, as numbers, and (plan, units) -> as lines.
+    check_lines : callable
+        plan -> what `tailslap check` says.
+    run_report : callable
+        (plan, folder, tolerance, pictures) -> the report of a run.
+    columns : callable
+        plan -> columns of a run for the table of a sweep.
+    """
+
+    name: str
+    make_plan: Callable[[Scene, Source], Any]
+    rigid_numbers: Callable[[Any], dict[str, Any]]
+    rigid_lines: Callable[[Any, str], list[str]]
+    check_lines: Callable[[Any], list[str]]
+    run_report: Callable[[Any, Path, float | None, bool], Report]
+    columns: Callable[[Any], dict[str, Any]]

@@ -1,0 +1,82 @@
+"""What `tailslap check` says of a whole impact: what a run would use, leave out and cost."""
+
+from __future__ import annotations
+
+import math
+
+from tailslap.impact.fe_plan import ImpactFePlan
+from tailslap.impact.plan import ImpactPlan
+from tailslap.planning.cost import loop_seconds
+from tailslap.scene.schema import Contact, Scene
+
+
+def contact_words(contact: Contact) -> str:
+    """How the vehicle touches the wall."""
+    friction = f"friction {contact.friction:g}" if contact.friction else "no friction"
+    if contact.stiffness is None:
+        how = "a penalty spring" if contact.enforcement == "penalty" else "an exact constraint"
+        return f"does not crush: {how} at each node of the boundary, which only pushes; {friction}"
+    initial = f"{contact.initial_force / 1e3:g} kN + " if contact.initial_force else ""
+    side = (
+        f", a layer of {contact.side_stiffness / 1e6:g} MN/m^2 along the sides"
+        if contact.side_stiffness
+        else ""
+    )
+    patch = f", spread over {contact.patch_length:g} m" if contact.patch_length else ""
+    return (
+        f"crushes at its corners by {initial}{contact.stiffness / 1e6:g} MN/m times the depth{patch}{side}, "
+        f"restitution {contact.restitution:g}; {friction}; the wall only pushes"
+    )
+
+
+def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
+    """Parts that this scene does without, each with the reason."""
+    contact, parts = scene.contact, []
+    assert contact is not None
+    if contact.friction == 0.0:
+        parts.append(("friction", "contact.friction is 0: no friction code in the time loop"))
+    if contact.crushes and not contact.side_stiffness:
+        parts.append(("sides", "no contact.side_stiffness: the four corners alone touch"))
+    if scene.damping is None:
+        parts.append(("damping", "none is asked for: no damping code in the time loop"))
+    if not pictures:
+        parts.append(("pictures", "--no-pictures: no animation"))
+    return parts
+
+
+def rigid_part(plan: ImpactPlan, pictures: bool = True) -> list[str]:
+    """Lines that need no mesh."""
+    motion, touch = plan.motion, plan.touch
+    strikes = ", ".join(f"{s.corner} at {s.start:.4g} s for {s.duration:.3g} s" for s in motion.strikes)
+    assert plan.scene.contact is not None
+    lines = [
+        f"{plan.scene.name}: the scene is valid",
+        f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
+        f"{math.hypot(touch.v_gx, touch.v_gy):.5g} m/s",
+        f"vehicle      {plan.vehicle.mass:g} kg, centre of mass {plan.vehicle.front_distance:g} m behind the front, "
+        f"yaw inertia {plan.vehicle.inertia:.6g} kg m^2",
+        f"contact      {contact_words(plan.scene.contact)}",
+        f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
+        f"end          {motion.t_end:.4g} s",
+    ]
+    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene, pictures)]
+
+
+def fe_part(fe_plan: ImpactFePlan) -> list[str]:
+    """Lines on the finite-element run."""
+    model, plate, steps = fe_plan.model, fe_plan.plate, fe_plan.expected_steps
+    elements, rows = model.loop.table.connectivity.shape[1], round(fe_plan.plan.motion.t_end / fe_plan.sample)
+    seconds = loop_seconds(plate.element, plate.counts, steps, rows)
+    chosen = [f"chosen       {decision.shown}" for decision in fe_plan.decisions]
+    return [
+        f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
+        f"{plate.lumping} masses",
+        f"stiffness    Young's modulus {plate.youngs_modulus:.6g} Pa, first frequency of the free plate in its plane "
+        f"{fe_plan.first_frequency:.4g} Hz",
+        f"points       {model.loop.contact.mobility.size} may touch the wall; their force does not bound the time step",
+        f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the stable "
+        f"{model.stable_time_step:.4g} s",
+        f"steps        {steps}, about {seconds:.2g} s in the time loop, {rows} rows; as many again on richer elements, "
+        "to tell the mesh's error",
+        *chosen,
+    ]

@@ -1,0 +1,139 @@
+"""The checks that a run of a whole impact must pass before its numbers are believed. What is not finite fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from tailslap.impact.outcome import ImpactOutcome
+from tailslap.verification.check import Check
+
+STORED = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy", "crush_energy")
+"""Columns of the energy that the model holds, or has taken for good."""
+
+FLOOR, SHARE = 2e-3, 0.1
+"""Mesh error that every run may have, and its share of the difference from the rigid vehicle."""
+
+LOSS = 2e-2
+"""Energy, over the initial, that exact contact may take: what its nodes bring on touching."""
+
+
+def energy_error(outcome: ImpactOutcome) -> np.ndarray:
+    """Energy [J] that the ledger has too much at each instant, shape (rows,)."""
+    h = outcome.run.history
+    balance = np.sum([h[name] for name in STORED], axis=0) - h["friction_work"] - h["damping_work"]
+    return np.asarray(balance - balance[0])
+
+
+def _initial_energy(outcome: ImpactOutcome) -> float:
+    plan = outcome.fe_plan.plan
+    return 0.5 * plan.vehicle.mass * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
+
+
+def _finite(outcome: ImpactOutcome) -> Check:
+    arrays = (*outcome.run.history.values(), outcome.run.normal)
+    bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
+    return Check.at_most("finite numbers", bad, 0, "entries of the histories that are not finite numbers")
+
+
+def _time_step(outcome: ImpactOutcome) -> Check:
+    model = outcome.fe_plan.model
+    share = model.loop.time_step / model.stable_time_step
+    share *= outcome.run.highest_frequency / model.highest_frequency
+    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
+    return Check.at_most("time step", share, 1.0, meaning)
+
+
+def _energy(outcome: ImpactOutcome) -> Check:
+    worst = np.abs(energy_error(outcome)).max() / _initial_energy(outcome)
+    exact = _is_exact(outcome)
+    meaning = "largest gap in the energy ledger over the initial energy"
+    return Check.at_most(
+        "energy balance",
+        worst,
+        LOSS if exact else 1e-3,
+        meaning + ("; exact contact takes what nodes bring" if exact else ""),
+    )
+
+
+def _gain(outcome: ImpactOutcome) -> Check:
+    gain = energy_error(outcome).max() / _initial_energy(outcome)
+    return Check.at_most("energy gained", gain, 1e-3, "energy that came from nowhere, over the initial")
+
+
+def _is_exact(outcome: ImpactOutcome) -> bool:
+    contact = outcome.fe_plan.plan.scene.contact
+    return contact is not None and not contact.crushes and contact.enforcement == "exact"
+
+
+def _momentum(outcome: ImpactOutcome) -> Check:
+    h, plan, mass = outcome.run.history, outcome.fe_plan.plan, outcome.fe_plan.model.mass
+    scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
+    across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
+    along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
+    meaning = "momentum in both directions against the integral of the wall's force"
+    return Check.at_most("momentum balance", max(across, along) / scale, 1e-9, meaning)
+
+
+def _angular(outcome: ImpactOutcome) -> Check:
+    h = outcome.run.history
+    turned = h["angular_momentum"] - h["moment_impulse"]
+    worst = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
+    return Check.at_most(
+        "angular momentum", worst, 1e-9, "against the moment of the wall's force, about the first touch"
+    )
+
+
+def _pull(outcome: ImpactOutcome) -> Check:
+    least = -float(outcome.run.normal.min())
+    return Check.at_most(
+        "no pull", least, 1e-6 * np.abs(outcome.run.normal).max(), "largest force [N] that pulls"
+    )
+
+
+def _strikes(outcome: ImpactOutcome) -> Check:
+    wanted = min(2, len(outcome.rigid.strikes))
+    names = [strike.corner for strike in outcome.fe.strikes[:2]]
+    missing = wanted - len(names)
+    return Check.at_most(
+        "strikes found", missing, 0, "of the rigid vehicle's first two, those that the plate lacks"
+    )
+
+
+def _mesh(outcome: ImpactOutcome) -> Check:
+    worst = max(map(abs, outcome.mesh_error.values()), default=math.nan)
+    allowed = FLOOR + SHARE * max(map(abs, outcome.difference.values()), default=1.0)
+    meaning = (
+        "what richer elements change in impulse, peak and duration of the first two strikes: "
+        f"{FLOOR:g} and {100 * SHARE:g} % of what flexibility changes are allowed; refine plate.elements"
+    )
+    return Check.at_most("mesh", worst, allowed, meaning)
+
+
+def _sampling(outcome: ImpactOutcome) -> Check:
+    shortest = min((strike.duration for strike in outcome.fe.strikes[:2]), default=math.nan)
+    meaning = "time between rows over the shorter of the first two strikes"
+    return Check.at_most("sampling", outcome.fe.interval / shortest, 0.02, meaning)
+
+
+CHECKS: tuple[Callable[[ImpactOutcome], Check], ...] = (
+    _finite,
+    _time_step,
+    _energy,
+    _gain,
+    _momentum,
+    _angular,
+    _pull,
+    _strikes,
+    _sampling,
+    _mesh,
+)
+"""In the order in which they are told."""
+
+
+@np.errstate(all="ignore")  # a run that diverged is judged, not warned about
+def impact_checks(outcome: ImpactOutcome) -> tuple[Check, ...]:
+    """All checks of a run."""
+    return tuple(check(outcome) for check in CHECKS)

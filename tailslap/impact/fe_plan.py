@@ -1,0 +1,203 @@
+"""The finite-element side of a whole impact: the plate's model, its first touch, the rows of its history."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from tailslap.errors import InputError
+from tailslap.impact.plan import ImpactPlan
+from tailslap.impact.rigid_text import sample_interval
+from tailslap.planning.decisions import Decision
+from tailslap.planning.fe_model import MAX_STEPS, REFERENCE_MODULUS
+from tailslap.scene.schema import Contact, Plate, Scene
+
+if TYPE_CHECKING:
+    import meshio
+
+    from fem.discretisation.model import PlateModel
+    from fem.discretisation.properties import ContactProperties, ModelError, PlateProperties, StepProperties
+    from fem.explicit.impact_run import FirstTouch
+
+ACROSS = 6
+"""Elements across the vehicle where the scene leaves them out, as in the paper's Table 2."""
+
+
+@dataclass(frozen=True)
+class ImpactFePlan:
+    """What a run integrates.
+
+    Attributes
+    ----------
+    plan : ImpactPlan
+        As given.
+    plate : Plate
+        The scene's, without open ends.
+    decisions : tuple of Decision
+        What the program filled in, and why.
+    model : PlateModel
+        Mesh, masses, stiffness, parameters of the time loop.
+    touch : FirstTouch
+        Motion at t = 0.
+    sample : float
+        Time between rows of the history [s].
+    """
+
+    plan: ImpactPlan
+    plate: Plate
+    decisions: tuple[Decision, ...]
+    model: PlateModel
+    touch: FirstTouch
+    sample: float
+
+    @property
+    def expected_steps(self) -> int:
+        """Steps to the rigid vehicle's end."""
+        return math.ceil(self.plan.motion.t_end / self.model.loop.time_step)
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First elastic frequency of the free plate in its plane [Hz]."""
+        from fem.modal.modes import lowest_frequency
+
+        model = self.model
+        return lowest_frequency(model.stiffness, model.loop.mass, model.discretisation.positions)
+
+
+def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
+    """Decide what the scene leaves open, mesh and assemble.
+
+    Parameters
+    ----------
+    plan : ImpactPlan
+        With [plate].
+
+    Returns
+    -------
+    ImpactFePlan
+        Ready to be integrated.
+
+    Raises
+    ------
+    InputError
+        For keys that make no model.
+    """
+    from fem.explicit.impact_run import FirstTouch
+
+    plate, decisions = _chosen(plan.scene)
+    motion, touch = plan.motion, plan.touch
+    sample = sample_interval(motion)
+    model, plate = impact_model(plan, plate, sample)
+    if model.loop.time_step * MAX_STEPS < motion.t_end:
+        allowed = (
+            f"the stable time step would be {model.stable_time_step:.1e} s; allowed are {MAX_STEPS:g} steps"
+        )
+        raise InputError("plate.youngs_modulus", plate.youngs_modulus, allowed)
+    first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
+    return ImpactFePlan(plan, plate, decisions, model, first, sample)
+
+
+def _chosen(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
+    plate, vehicle = scene.plate, scene.vehicle
+    assert plate is not None
+    if plate.elements is not None:
+        return plate, ()
+    along = max(4, min(400, round(ACROSS * vehicle.length / vehicle.width)))
+    chosen = Decision("plate.elements", (along, ACROSS), "square elements, six across")
+    return plate.model_copy(update={"elements": chosen.value}), (chosen,)
+
+
+def impact_model(plan: ImpactPlan, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
+    """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
+    from fem.discretisation.element_kinds import ELEMENT_KINDS
+    from fem.discretisation.impact_model import build_impact_model
+    from fem.discretisation.properties import ModelError
+    from meshes import distorted, plate_mesh
+
+    scene, contact = plan.scene, plan.scene.contact
+    assert contact is not None
+    vehicle = scene.vehicle
+    mesh = plate_mesh(vehicle.length, vehicle.width, plate.counts, ELEMENT_KINDS[plate.element].cells)
+    mesh = distorted(mesh, plate.distortion, plate.counts) if plate.distortion else mesh
+    try:
+        plate = _with_modulus(plan, plate, mesh)
+        given = plate_properties(plan, plate)
+        model = build_impact_model(mesh, given, contact_properties(contact), _step(scene, longest_step))
+    except ModelError as error:
+        raise _refusal(scene, plate, error) from None
+    return model, plate
+
+
+def _refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
+    contact, vehicle = scene.contact, scene.vehicle
+    given: dict[str, tuple[str, Any]] = {
+        "elements": ("plate.elements", list(plate.counts)),
+        "patch_length": ("contact.patch_length", contact.patch_length if contact else None),
+        "inertia": ("vehicle.yaw_inertia", vehicle.yaw_inertia),
+    }
+    return InputError(*given[error.wrong], str(error))
+
+
+def _with_modulus(plan: ImpactPlan, plate: Plate, mesh: meshio.Mesh) -> Plate:
+    """The plate with its modulus: its own, or the one that its first frequency asks for."""
+    from fem.discretisation.model import modulus_for
+
+    if plate.youngs_modulus is not None or plate.first_frequency is None:
+        return plate
+    reference = plate_properties(plan, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}))
+    modulus = modulus_for(mesh, reference, plate.first_frequency)
+    return plate.model_copy(update={"youngs_modulus": modulus})
+
+
+def plate_properties(plan: ImpactPlan, plate: Plate) -> PlateProperties:
+    """What the plate is made of: the vehicle's mass spread over it, and its inertia where that is not the uniform's."""
+    from fem.discretisation.properties import Inertia, PlateProperties
+
+    vehicle, scene = plan.vehicle, plan.scene
+    own = scene.vehicle.centre_of_mass is not None or scene.vehicle.yaw_inertia is not None
+    assert plate.youngs_modulus is not None
+    return PlateProperties(
+        plate.thickness,
+        vehicle.mass / (vehicle.length * vehicle.width * plate.thickness),
+        plate.youngs_modulus,
+        plate.poissons_ratio,
+        lumping=plate.lumping,
+        element=plate.element,
+        material=scene.material.law if scene.material else "st-venant-kirchhoff",
+        hourglass=plate.hourglass,
+        inertia=Inertia(vehicle.front_distance, vehicle.inertia) if own else None,
+    )
+
+
+def contact_properties(contact: Contact) -> ContactProperties:
+    """How the plate's boundary touches the wall."""
+    from fem.contact.friction import Drag
+    from fem.discretisation.properties import ContactProperties
+
+    friction = Drag(contact.friction) if contact.friction > 0.0 else None
+    if contact.stiffness is None:
+        return ContactProperties(friction, contact.enforcement, penalty_scale=contact.penalty_scale)
+    return ContactProperties(
+        friction,
+        "crush",
+        contact.stiffness,
+        contact.initial_force,
+        contact.restitution or 0.0,
+        contact.side_stiffness or 0.0,
+        patch_length=contact.patch_length or 0.0,
+    )
+
+
+def _step(scene: Scene, longest: float) -> StepProperties:
+    from fem.discretisation.properties import StepProperties
+
+    damping = scene.damping
+    return StepProperties(
+        scene.time.safety_factor,
+        longest,
+        damping_ratio=(damping.ratio or 0.0) if damping else 0.0,
+        bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
+        elastic_rate=(damping.rate or 0.0) if damping else 0.0,
+    )

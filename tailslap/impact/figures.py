@@ -1,0 +1,129 @@
+"""Figures of a whole impact's report, from its histories."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postprocess.report.page import Picture
+from solver.impact import CORNERS
+from tailslap.impact.answers import ImpactAnswer, nearest_corner
+from tailslap.impact.outcome import ImpactOutcome
+
+if TYPE_CHECKING:
+    from postprocess.figures.impact.strikes import StrikeMark
+    from postprocess.figures.style import Curve
+
+PARTS = {
+    "crush_energy": "crush, lost",
+    "friction_work": "friction",
+    "damping_work": "damping",
+    "contact_energy": "crush, stored",
+    "strain_energy": "strain",
+    "hourglass_energy": "hourglass control",
+}
+"""What the motion's energy goes into, by column; works are done on the plate, and count with the other sign."""
+
+INSTANTS = 9
+"""Positions of the vehicle that the strip shows, beside those of the strikes."""
+
+
+def marks(answer: ImpactAnswer) -> list[StrikeMark]:
+    """The strikes as figures mark them."""
+    from postprocess.figures.impact.strikes import StrikeMark
+
+    t, x = answer.history["t"], answer.history["x_g"]
+
+    def place(strike_position: float, instant: float, middle: float) -> float:
+        return strike_position + float(np.interp(instant, t, x) - np.interp(middle, t, x))
+
+    found = []
+    for strike in answer.strikes:
+        middle = 0.5 * (strike.start + strike.end)
+        places = (place(strike.position, strike.start, middle), place(strike.position, strike.end, middle))
+        found.append(StrikeMark(strike.corner.split()[0], strike.start, strike.end, places))
+    return found
+
+
+def outlines(outcome: ImpactOutcome) -> np.ndarray:
+    """Corners of the vehicle at every row, shape (rows, 4, 2) [m]."""
+    from postprocess.figures.impact.positions import vehicle_outlines
+
+    h, vehicle = outcome.run.history, outcome.fe_plan.plan.vehicle
+    return vehicle_outlines(
+        h["x_g"], h["y_g"], h["theta"], vehicle.length, vehicle.width, vehicle.front_distance
+    )
+
+
+def position_strip(outcome: ImpactOutcome) -> Curve:
+    """Where the vehicle is at even instants."""
+    from postprocess.figures.impact.positions import draw_positions
+
+    t = outcome.run.history["t"]
+    shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
+    return draw_positions(outlines(outcome)[shown], t[shown], marks(outcome.fe))
+
+
+def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Curve]:
+    """Lateral and longitudinal force, raw and filtered; the rigid vehicle's lateral force beside the plate's."""
+    from postprocess.figures.impact.forces import draw_forces
+
+    strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
+    lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
+    return [
+        draw_forces("force_lateral", lateral, t, outcome.fe.lateral, strikes, levels),
+        draw_forces(
+            "force_longitudinal", "Longitudinal force on the wall, FE", t, outcome.fe.longitudinal, strikes
+        ),
+        draw_forces(
+            "force_rigid",
+            "Lateral force on the wall, rigid vehicle",
+            t,
+            outcome.rigid.lateral,
+            marks(outcome.rigid),
+        ),
+    ]
+
+
+def energy_figure(outcome: ImpactOutcome) -> Curve:
+    """What becomes of the kinetic energy."""
+    from postprocess.figures.impact.energy import draw_energies
+
+    h = outcome.run.history
+    parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items()}
+    return draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
+
+
+def contact_figures(outcome: ImpactOutcome) -> list[Curve]:
+    """Force over crush of the corners that struck, and with more points than corners the force along the side."""
+    from postprocess.figures.impact.forces import draw_loops
+    from postprocess.figures.impact.side_force import draw_side_force
+
+    run, length = outcome.run, outcome.fe_plan.plan.vehicle.length
+    corner = nearest_corner(run.points, length)
+    loops = {}
+    for i, name in enumerate(CORNERS):
+        pressed = [k for k in np.flatnonzero(corner == i) if run.normal[:, k].any()]
+        if pressed:
+            k = max(pressed, key=lambda k: run.normal[:, k].max())
+            loops[name] = (np.maximum(run.depth[:, k], 0.0), run.normal[:, k])
+    figures = [draw_loops(loops)] if loops else []
+    side = np.flatnonzero(run.points[1] < 1e-6)
+    order = side[np.argsort(-run.points[0, side], kind="stable")]
+    if order.size > 4:
+        distances, places = np.unique(np.round(-run.points[0, order], 9), return_inverse=True)
+        force = np.zeros((len(run.normal), distances.size))
+        np.add.at(force.T, places, run.normal[:, order].T / 1e3)
+        figures.append(draw_side_force(run.history["t"], distances, force, "kN", marks(outcome.fe)))
+    return figures
+
+
+def animation(outcome: ImpactOutcome, folder: Path) -> Picture:
+    """The impact as a GIF."""
+    from postprocess.figures.impact.animation import write_animation
+
+    h = outcome.run.history
+    path = write_animation(folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"])
+    return Picture(path, "The impact, slowed down, and the lateral force")

@@ -1,0 +1,242 @@
+"""What the run of a whole impact reports: page, summary, histories, and what the terminal says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from postprocess.report.page import Page, Section
+from postprocess.report.report import Report
+from postprocess.report.table import Column, Table, pairs
+from postprocess.signals.design_forces import design_forces
+from tailslap.impact.answers import ImpactAnswer
+from tailslap.impact.check_text import contact_words, omitted_parts
+from tailslap.impact.checks import energy_error
+from tailslap.impact.figures import (
+    animation,
+    contact_figures,
+    energy_figure,
+    force_figures,
+    position_strip,
+)
+from tailslap.impact.outcome import ImpactOutcome
+from tailslap.impact.rigid_text import CURVES
+from tailslap.impact.summary import impact_cost, impact_summary
+from tailslap.report.footer import footer
+from tailslap.report.run_report import CHECKS, INPUTS
+from tailslap.scene.inputs import resolved_inputs
+
+KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"
+FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
+
+STRIKES = (
+    Column("corner", "Strike"),
+    Column("model", "Model"),
+    Column("start", "Start", "s", form=".4f"),
+    Column("duration", "Duration", "ms", form=".1f"),
+    Column("peak", "Peak", "kN", form=".1f", style="strong"),
+    Column("impulse", "Impulse", "kN s", form=".2f"),
+    Column("attack", "Behind the front", "m", form=".2f"),
+)
+PEAKS = (
+    Column("curve", "Peak lateral force"),
+    Column("fe", "FE", "kN", form=".1f", style="strong"),
+    Column("rigid", "Rigid", "kN", form=".1f"),
+    Column("along", "Longitudinal, FE", "kN", form=".1f"),
+)
+DESIGN = (
+    Column("name", "Design force"),
+    Column("force", "Lateral", "kN", form=".0f"),
+    Column("share", "50 ms mean of FE over it", form=".2f", style="strong"),
+    Column("source", "Source", style="soft"),
+)
+DURATIONS = (
+    Column("curve", "Read off"),
+    Column("duration", "Valley to valley", "ms", form=".0f"),
+    Column("triangle", "Equal triangle", "ms", form=".0f"),
+    Column("peak", "Its peak", "kN", form=".0f"),
+)
+RISK = (
+    Column("name", "Measure"),
+    Column("value", "Value", form=".3g", style="strong"),
+    Column("unit", "Unit"),
+    Column("time", "At", "s", form=".3f"),
+    Column("lacks", "What it lacks"),
+)
+DURATIONS_NOTE = (
+    "The paper takes the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
+    "and the force of a triangular pulse from it; here it is computed. A mean over 50 ms lengthens a strike that "
+    "stands free by 50 ms."
+)
+
+
+def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Report:
+    """The report of a run; pictures: whether an animation was asked for."""
+    plan = outcome.fe_plan.plan
+    page = Page(
+        kicker=KICKER,
+        title=plan.scene.name,
+        headline=headline(outcome),
+        sections=_sections(outcome, folder, pictures),
+        footer=f"{footer()} {FOOTER}",
+        scene_text=plan.source.text,
+        passed=outcome.passed,
+    )
+    histories = {"history.csv": _history(outcome), "rigid.csv": outcome.rigid.history}
+    return Report(page, impact_summary(outcome, pictures), tuple(_terminal(outcome)), histories=histories)
+
+
+def _history(outcome: ImpactOutcome) -> dict[str, np.ndarray]:
+    h = outcome.run.history
+    first = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
+    ordered = {name: h[name] for name in first} | h
+    return ordered | {"energy_error": energy_error(outcome)}
+
+
+def headline(outcome: ImpactOutcome) -> str:
+    """The verdict, the forces, and how far flexibility moves them."""
+    failed = [check.name for check in outcome.checks if not check.passed]
+    if failed:
+        return f"Not to be relied on: failed {', '.join(failed)}."
+    fe, rigid = outcome.fe, outcome.rigid
+    strikes = "; ".join(
+        f"{s.corner} {s.peak_force / 1e3:.0f} kN for {1e3 * s.duration:.0f} ms" for s in fe.strikes[:2]
+    )
+    impulses = [abs(v) for k, v in outcome.difference.items() if k.endswith("impulse")]
+    flexible = (
+        f" The plate's flexibility moves the impulses by up to {100 * max(impulses):.2g} %"
+        if impulses
+        else ""
+    )
+    error = max(map(abs, outcome.mesh_error.values()), default=float("nan"))
+    return (
+        f"Peak lateral force {fe.peaks['mean_50ms'] / 1e3:.0f} kN as a 50 ms mean (rigid vehicle "
+        f"{rigid.peaks['mean_50ms'] / 1e3:.0f} kN). Strikes: {strikes}.{flexible}"
+        f"{', mesh error at most ' + format(100 * error, '.2g') + ' %' if impulses else ''}."
+    )
+
+
+def strikes_table(outcome: ImpactOutcome, title: str = "") -> Table:
+    """Strikes of both models, in order of time."""
+    rows = []
+    for model, answer in (("FE", outcome.fe), ("rigid", outcome.rigid)):
+        for number, strike in enumerate(answer.strikes, 1):
+            rows.append(
+                {
+                    "order": (number, model),
+                    "corner": f"{number} {strike.corner}",
+                    "model": model,
+                    "start": strike.start,
+                    "duration": 1e3 * strike.duration,
+                    "peak": strike.peak_force / 1e3,
+                    "impulse": strike.impulse / 1e3,
+                    "attack": strike.point_of_attack,
+                }
+            )
+    return Table(STRIKES, sorted(rows, key=lambda row: str(row["order"])), title)
+
+
+def peaks_table(outcome: ImpactOutcome, title: str = "") -> Table:
+    """Peaks of raw and filtered forces."""
+    from postprocess.signals.peaks import force_peaks
+
+    along = force_peaks(outcome.fe.longitudinal)
+    rows = [
+        {
+            "curve": label,
+            "fe": outcome.fe.peaks[key] / 1e3,
+            "rigid": outcome.rigid.peaks[key] / 1e3,
+            "along": along[key] / 1e3,
+        }
+        for key, label in CURVES.items()
+    ]
+    return Table(PEAKS, rows, title)
+
+
+def design_table(outcome: ImpactOutcome) -> Table:
+    """Design forces of the scene's test level; none without one."""
+    impact = outcome.fe_plan.plan.scene.impact
+    level = impact.test_level if impact else None
+    mean = outcome.fe.peaks["mean_50ms"]
+    forces = design_forces(level) if level else ()
+    rows = [
+        {"name": each.name, "force": each.force / 1e3, "share": mean / each.force, "source": each.source}
+        for each in forces
+    ]
+    return Table(DESIGN, rows)
+
+
+def durations_table(answer: ImpactAnswer) -> Table:
+    """Duration of the second strike as the paper reads it."""
+    rows = [
+        {
+            "curve": CURVES[name],
+            "duration": 1e3 * found["duration"],
+            "triangle": 1e3 * found["triangle"],
+            "peak": found["peak_force"] / 1e3,
+        }
+        for name, found in answer.second_strike.items()
+    ]
+    return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
+
+
+def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Section]:
+    fe_plan, plan = outcome.fe_plan, outcome.fe_plan.plan
+    design = design_table(outcome)
+    levels = {row["name"]: 1e3 * row["force"] for row in design.rows}
+    chosen = frozenset(decision.key for decision in fe_plan.decisions)
+    inputs = resolved_inputs(plan.scene, plan.source, fe_plan.plate, chosen)
+    failed = {number: "failed" for number, check in enumerate(outcome.checks) if not check.passed}
+    omitted = [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)]
+    moving = [animation(outcome, folder)] if pictures else []
+    return [
+        Section("Strikes", tables=[strikes_table(outcome)]),
+        Section("Forces on the wall", tables=[peaks_table(outcome), design]),
+        Section("The second strike's duration", tables=[durations_table(outcome.fe)]),
+        Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
+        Section("Force over time", figures=force_figures(outcome, levels), layout="wide"),
+        Section(
+            "Energy, and the contact itself",
+            figures=[energy_figure(outcome), *contact_figures(outcome)],
+            layout="wide",
+        ),
+        Section("Animation", figures=moving, layout="tall"),
+        Section("What was run", sentences=_statements(outcome)),
+        Section("Checks of the result", tables=[Table(CHECKS, outcome.checks, marks=failed)]),
+        Section("Occupant risk, planar", tables=[Table(RISK, outcome.fe.occupant_risk(fe_plan.model.mass))]),
+        Section(
+            "Cost",
+            tables=[pairs([(k.replace("_", " "), v) for k, v in impact_cost(outcome).items()])],
+            layout="half",
+        ),
+        Section(
+            "Left out", tables=[Table((Column("part", "Part"), Column("why", "Why")), omitted)], layout="half"
+        ),
+        Section("Inputs", tables=[Table(INPUTS, inputs)]),
+    ]
+
+
+def _statements(outcome: ImpactOutcome) -> list[str]:
+    plan = outcome.fe_plan.plan
+    contact = plan.scene.contact
+    assert contact is not None
+    return [
+        f"The vehicle {contact_words(contact)}.",
+        "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
+        f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
+        *(f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions),
+    ]
+
+
+def _terminal(outcome: ImpactOutcome) -> list[Table | str]:
+    failed = [check for check in outcome.checks if not check.passed]
+    run = outcome.run
+    return [
+        strikes_table(outcome, outcome.fe_plan.plan.scene.name),
+        peaks_table(outcome, "Forces on the wall"),
+        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
+        *(f"FAILED  {c.name}: {c.value:.3g}, limit {c.limit:.3g} ({c.meaning})" for c in failed),
+        f"{headline(outcome)} Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed",
+        f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s",
+    ]

@@ -1,0 +1,87 @@
+"""What the `rigid` command says of a whole impact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tailslap.impact.answers import ImpactAnswer, rigid_answer
+from tailslap.impact.plan import ImpactPlan
+from tailslap.scene.us_units import shown
+
+if TYPE_CHECKING:
+    from solver.impact import ImpactMotion
+
+SAMPLE = 2e-4
+"""Longest time between rows [s]: 5 kHz, above what CFC 180 asks for."""
+
+ROWS_A_STRIKE = 200
+"""Rows in the shorter of the rigid vehicle's first two strikes."""
+
+
+def sample_interval(motion: ImpactMotion) -> float:
+    """Time between rows [s] that resolves both strikes of the rigid vehicle."""
+    shortest = min((strike.duration for strike in motion.strikes[:2]), default=SAMPLE * ROWS_A_STRIKE)
+    return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
+
+
+MOST_ROWS = 200_000
+"""Of a history, at most."""
+
+
+def rigid_impact(plan: ImpactPlan) -> ImpactAnswer:
+    """The rigid vehicle's impact, sampled."""
+    motion = plan.motion
+    rows = max(2, int(np.ceil(motion.t_end / sample_interval(motion))))
+    return rigid_answer(motion, np.linspace(0.0, motion.t_end, rows + 1))
+
+
+def rigid_numbers(plan: ImpactPlan) -> dict[str, Any]:
+    """Strikes, peaks and end, SI."""
+    return {"scene": plan.scene.name, **rigid_impact(plan).numbers()}
+
+
+def rigid_lines(plan: ImpactPlan, units: str = "si") -> list[str]:
+    """The same as a person reads it, in SI or, with units "us", in ft, mph and kip."""
+    answer = rigid_impact(plan)
+    lines = [f"{plan.scene.name}: whole impact of the rigid vehicle"]
+    lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
+    lines += strike_lines(answer, units)
+    lines += ["", "Lateral force on the wall, peak"]
+    lines += [
+        f"  {label:<18}{shown(answer.peaks[name], 'N', units, width=14)}" for name, label in CURVES.items()
+    ]
+    end = answer.end
+    lines += ["", "At the end"]
+    rows: tuple[tuple[str, float, str], ...] = (
+        ("time", end["t"], "s"),
+        ("angle", end["theta"], "rad"),
+        ("angular velocity", end["omega"], "rad/s"),
+    )
+    rows += (("v_GX", end["v_gx"], "m/s"), ("v_GY", end["v_gy"], "m/s"))
+    return lines + [f"  {name:<18}{shown(value, unit, units, width=14)}" for name, value, unit in rows]
+
+
+CURVES = {
+    "raw": "raw",
+    "mean_50ms": "50 ms mean",
+    "cfc60": "CFC 60",
+    "cfc180": "CFC 180",
+    "cutoff_60hz": "60 Hz cut-off",
+}
+"""Labels of the force curves."""
+
+
+def strike_lines(answer: ImpactAnswer, units: str) -> list[str]:
+    """A line a strike."""
+    if not answer.strikes:
+        return ["no strike"]
+    lines = []
+    for strike in answer.strikes:
+        peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)
+        lines.append(
+            f"  {strike.corner:<16} from {strike.start:.4f} s for {strike.duration:.4f} s: "
+            f"peak {peak}, impulse {impulse}"
+        )
+    return ["Strikes", *lines]

@@ -1,0 +1,129 @@
+"""A run of a whole impact: the FE plate, the rigid vehicle at the same instants, checks."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from tailslap.errors import InputError
+from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
+from tailslap.impact.checks import impact_checks
+from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan
+from tailslap.impact.outcome import ImpactOutcome, differences
+from tailslap.impact.plan import AFTER_SECOND, LONGEST, ImpactPlan
+from tailslap.progress import announced, progress_bar
+from tailslap.scene.schema import Plate
+
+if TYPE_CHECKING:
+    from fem.explicit.impact_run import ImpactRun
+
+BEYOND = 1.5
+"""Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
+
+
+def run_impact(plan: ImpactPlan) -> ImpactOutcome:
+    """Run the plate, the same with richer elements beside it, and set it beside the rigid vehicle; writes nothing.
+
+    Parameters
+    ----------
+    plan : ImpactPlan
+        With [plate].
+
+    Returns
+    -------
+    ImpactOutcome
+        Also where checks failed: see `passed`.
+
+    Raises
+    ------
+    InputError
+        For keys that make no model.
+    """
+    outcome = plain_run(make_fe_plan_timed(plan))
+    outcome = replace(outcome, mesh_error=_mesh_error(outcome))
+    return replace(outcome, checks=impact_checks(outcome))
+
+
+def make_fe_plan_timed(plan: ImpactPlan) -> tuple[ImpactFePlan, float]:
+    """The FE plan with its loop compiled, and the time that took [s]."""
+    began = time.perf_counter()
+    with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
+        from fem.explicit.impact_run import compile_impact_loop
+
+        fe_plan = make_impact_fe_plan(plan)
+        compile_impact_loop(fe_plan.model)
+    return fe_plan, time.perf_counter() - began
+
+
+def plain_run(made: tuple[ImpactFePlan, float]) -> ImpactOutcome:
+    """A single run beside the rigid vehicle, without a second run and checks."""
+    fe_plan, setup = made
+    run = simulated(fe_plan)
+    fe = _answer(fe_plan, run)
+    motion, last = fe_plan.plan.motion, float(run.history["t"][-1])
+    if last > motion.t_end:
+        motion = fe_plan.plan.motion_until(last)
+    rigid = rigid_answer(motion, run.history["t"])
+    return ImpactOutcome(fe_plan, run, rigid, fe, differences(fe, rigid), {}, setup)
+
+
+def simulated(fe_plan: ImpactFePlan) -> ImpactRun:
+    """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's."""
+    from fem.explicit.impact_run import simulate_impact
+
+    scene, until = fe_plan.plan.scene, fe_plan.plan.motion.t_end
+    end = scene.time.end
+
+    def finished(run: ImpactRun) -> bool:
+        strikes = _answer(fe_plan, run).strikes if len(run.history["t"]) > 2 else ()
+        now = float(run.history["t"][-1])
+        if len(strikes) < 2:
+            return now >= BEYOND * until
+        return now >= max(until, strikes[1].end + AFTER_SECOND)
+
+    with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
+        return simulate_impact(
+            fe_plan.model,
+            fe_plan.touch,
+            fe_plan.sample,
+            LONGEST if end is None else end,
+            finished if end is None else lambda run: False,
+            lambda now: progress(min(1.0, now / until)),
+        )
+
+
+def _answer(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactAnswer:
+    length = fe_plan.plan.vehicle.length
+    return sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
+
+
+def _mesh_error(outcome: ImpactOutcome) -> dict[str, float]:
+    """Richer or finer elements against these; empty where they make no model or no such strikes."""
+    fe_plan = outcome.fe_plan
+    for plate in _richer(fe_plan.plate):
+        try:
+            model, _ = impact_model(fe_plan.plan, plate, fe_plan.sample)
+        except InputError:
+            continue
+        from fem.explicit.impact_run import compile_impact_loop
+
+        with announced("Compiling the time loop of the second run ..."):
+            compile_impact_loop(model)
+        run = simulated(replace(fe_plan, model=model, plate=plate))
+        return differences(outcome.fe, _answer(fe_plan, run))
+    return {}
+
+
+def _richer(plate: Plate) -> list[Plate]:
+    """The plate with elements of twice the order, half as many each way where that can be; else twice as many."""
+    from fem.discretisation.element_kinds import ELEMENT_KINDS
+
+    along, across = plate.counts
+    richer = ELEMENT_KINDS[plate.element].richer
+    if not richer:
+        return [plate.model_copy(update={"elements": (2 * along, 2 * across)})]
+    half = (along // 2, across // 2) if along > 3 and across > 3 else (along, across)
+    kept = {name: getattr(plate, name) for name in plate.model_fields_set if name != "hourglass"}
+    made = plate.model_construct(**{**plate.model_dump(), **kept, "element": richer, "elements": half})
+    return [made, plate.model_copy(update={"elements": (2 * along, 2 * across)})]

@@ -1,0 +1,50 @@
+"""`summary.json` of a whole impact, by the names that other programs hold on to."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import tailslap
+from tailslap.impact.check_text import omitted_parts
+from tailslap.impact.outcome import ImpactOutcome
+
+
+def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
+    """The whole summary, SI."""
+    fe_plan, plan = outcome.fe_plan, outcome.fe_plan.plan
+    return {
+        "scene": plan.scene.name,
+        "version": tailslap.__version__,
+        "passed": outcome.passed,
+        "rigid": outcome.rigid.numbers(),
+        "fe": outcome.fe.numbers(),
+        "difference": outcome.difference,
+        "numerical_error": {"mesh": outcome.mesh_error},
+        "checks": [asdict(check) for check in outcome.checks],
+        "occupant_risk": [asdict(measure) for measure in outcome.fe.occupant_risk(fe_plan.model.mass)],
+        "chosen": [asdict(decision) for decision in fe_plan.decisions],
+        "cost": impact_cost(outcome),
+        "left_out": [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)],
+        "plate": {
+            "mass": fe_plan.model.mass,
+            "youngs_modulus": fe_plan.plate.youngs_modulus,
+            "first_frequency": fe_plan.first_frequency,
+            "highest_frequency": fe_plan.model.highest_frequency,
+            "stable_time_step": fe_plan.model.stable_time_step,
+        },
+        "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
+    }
+
+
+def impact_cost(outcome: ImpactOutcome) -> dict[str, float | int]:
+    """Sizes and times of the run."""
+    loop = outcome.fe_plan.model.loop
+    return {
+        "elements": int(loop.table.connectivity.shape[1]),
+        "nodes": int(loop.mass.size),
+        "steps": outcome.run.steps,
+        "time_step": loop.time_step,
+        "setup_s": outcome.setup_s,
+        "time_loop_s": outcome.run.time_loop_s,
+    }

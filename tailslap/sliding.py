@@ -1,0 +1,55 @@
+"""The paper's calculation, the corner sliding along the wall, as the commands take it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tailslap.analysis import Analysis
+from tailslap.planning.plan import Plan, make_plan
+from tailslap.planning.rigid import rigid_answer, rigid_lines
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
+
+
+def _check_lines(plan: Plan) -> list[str]:
+    from tailslap.report.check_text import chosen_lines, fe_part, rigid_part
+
+    if plan.scene.plate is None:
+        return rigid_part(plan)
+    from tailslap.planning.fe_plan import make_fe_plan
+
+    fe_plan = make_fe_plan(plan)
+    return rigid_part(fe_plan.plan) + fe_part(fe_plan) + chosen_lines(fe_plan)
+
+
+def _run_report(plan: Plan, folder: Path, tolerance: float | None, pictures: bool) -> Report:
+    from tailslap.report.run_report import run_report
+    from tailslap.run import run_scene
+    from tailslap.tolerance import run_to_tolerance
+
+    outcome = run_scene(plan) if tolerance is None else run_to_tolerance(plan, tolerance)
+    if pictures:
+        from tailslap.report.pictures import draw_pictures
+
+        outcome = draw_pictures(outcome, folder)
+    return run_report(outcome, pictures)
+
+
+def _columns(plan: Plan) -> dict[str, Any]:
+    from tailslap.run import run_scene
+    from tailslap.sweep.row import outcome_columns
+
+    return outcome_columns(run_scene(plan))
+
+
+SLIDING = Analysis(
+    name="a constrained corner",
+    make_plan=make_plan,
+    rigid_numbers=rigid_answer,
+    rigid_lines=rigid_lines,
+    check_lines=_check_lines,
+    run_report=_run_report,
+    columns=_columns,
+)
