@@ -13,6 +13,7 @@ import pytest
 pytestmark = pytest.mark.regression
 
 
+@pytest.mark.long
 def test_work_is_bounded(outcome: Callable[..., Any]) -> None:
     """Steps of the shipped scenes: more of them would be a smaller step for no reason."""
     assert outcome("paper-table-3").run.steps == pytest.approx(5676, abs=3)

@@ -26,8 +26,10 @@ def changes(size: tuple[float, float], modulus: str, friction: float, reaction: 
     )
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("reaction", ["drag", "none", "signed"])
+@pytest.mark.parametrize(
+    "size", [SIZES[0], *(pytest.param(size, marks=pytest.mark.long) for size in SIZES[1:])]
+)
+@pytest.mark.parametrize("reaction", ["drag", "none", pytest.param("signed", marks=pytest.mark.long)])
 def test_right_or_caught(outcome: Callable[..., Any], size: tuple[float, float], reaction: str) -> None:
     right = 0
     for modulus, friction in itertools.product(MODULI, FRICTIONS):
@@ -38,6 +40,7 @@ def test_right_or_caught(outcome: Callable[..., Any], size: tuple[float, float],
     assert right >= 5
 
 
+@pytest.mark.long
 def test_each_check_can_fail(outcome: Callable[..., Any]) -> None:
     """A scene for every check of the run that a wrong model can trip; the balances are tripped in test_checks."""
     tripped: set[str] = set()

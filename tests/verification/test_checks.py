@@ -123,6 +123,7 @@ def test_a_spring_that_does_not_give_back_what_it_took(
     assert failed(outcome("paper-table-3"), **columns) == {"contact work"}
 
 
+@pytest.mark.long
 def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome: Callable[..., Any]) -> None:
     """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere."""
     for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
@@ -192,6 +193,7 @@ def test_friction_where_there_is_none(outcome: Callable[..., Any]) -> None:
     }
 
 
+@pytest.mark.long
 def test_hourglass_energy_above_the_customary_limits(outcome: Callable[..., Any]) -> None:
     """Of the strain energy, where that is worth speaking of; and of all energy."""
     result = outcome("paper-table-3", "plate.element=quad4-reduced", "damping.ratio=0.01")

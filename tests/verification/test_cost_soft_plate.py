@@ -40,6 +40,7 @@ def made_records(todo: list[Setting], order: float = 2.0) -> dict[str, Any]:
     }
 
 
+@pytest.mark.long
 def test_page_and_summary(tmp_path: Path) -> None:
     plan = make_plan(*read_scene("paper-table-3"))
     todo = [*settings(plan.scene), *soft_settings(plan.scene)]
@@ -97,6 +98,7 @@ def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None
     assert (soft.plate.start, soft.corner.constraint, soft.damping) == ("inertia-relief", "exact", None)
 
 
+@pytest.mark.long
 def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> None:
     """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
     plan = make_plan(*read_scene("paper-table-3"))

@@ -63,6 +63,7 @@ def test_mesh_that_locks_gets_quadratic_elements() -> None:
     assert not any(decision.key == "plate.element" for decision in linear.decisions)
 
 
+@pytest.mark.long
 def test_constraint_left_open_is_exact_where_the_spring_would_be_seen() -> None:
     assert decided(*SOFT)["corner.constraint"] == "exact"
     assert decided("plate.start=unstressed")["corner.constraint"] == "exact"
@@ -168,6 +169,7 @@ H66 = (
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scene", "spring"), [(K102, "3.078623534623418"), (H66, "5.9036618384829245")], ids=["k102", "h66"]
 )

@@ -112,17 +112,22 @@ def test_hourglass_control_sees_only_what_one_point_does_not() -> None:
     "changes",
     [
         ("plate.distortion=0.2",),
-        ("plate.element=tri3",),
-        ("plate.element=tri6",),
-        ("plate.element=quad9", "plate.elements=[8, 3]"),
-        ("plate.element=quad4-reduced", "damping.ratio=0.05"),
-        ("material.law=neo-hookean",),
         ("corner.constraint=exact",),
-        ("corner.damping_ratio=0.2",),
         ("corner.patch_length=1",),
-        ("damping.bulk_viscosity=0.06",),
-        ("damping.ratio=0.05", "damping.bulk_viscosity=0.06", "corner.damping_ratio=0.3"),
-        ("plate.element=tri3", "plate.distortion=0.2", "corner.reaction=none"),
+        *(
+            pytest.param(each, marks=pytest.mark.long)
+            for each in (
+                ("plate.element=tri3",),
+                ("plate.element=tri6",),
+                ("plate.element=quad9", "plate.elements=[8, 3]"),
+                ("plate.element=quad4-reduced", "damping.ratio=0.05"),
+                ("material.law=neo-hookean",),
+                ("corner.damping_ratio=0.2",),
+                ("damping.bulk_viscosity=0.06",),
+                ("damping.ratio=0.05", "damping.bulk_viscosity=0.06", "corner.damping_ratio=0.3"),
+                ("plate.element=tri3", "plate.distortion=0.2", "corner.reaction=none"),
+            )
+        ),
     ],
 )
 def test_every_feature_gives_the_rigid_answer(outcome: Callable[..., Any], changes: tuple[str, ...]) -> None:
@@ -155,6 +160,7 @@ def test_the_penalty_tends_to_the_exact_constraint(outcome: Callable[..., Any]) 
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 10.0, rtol=0.05)
 
 
+@pytest.mark.long
 def test_a_dashpot_and_bulk_viscosity_take_energy_out(outcome: Callable[..., Any]) -> None:
     for change in ("corner.damping_ratio=0.2", "damping.bulk_viscosity=0.3"):
         result = outcome("paper-table-3", "corner.reaction=none", "plate.start=unstressed", change)
@@ -195,7 +201,7 @@ def ratio_of(*changes: str) -> float:
     return make_fe_plan(make_plan(*read_scene("paper-table-3", changes))).deflection_ratio
 
 
-@pytest.mark.parametrize("threads", [2, 3])
+@pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_threads_give_the_same_answer_and_repeat_to_the_bit(
     plate_model: Callable[..., Any], threads: int
 ) -> None:

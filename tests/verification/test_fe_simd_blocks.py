@@ -19,7 +19,7 @@ def shuffled(table: ElementTable, number: np.ndarray) -> ElementTable:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.2])
-@pytest.mark.parametrize("kind", ["quad4", "quad4-reduced"])
+@pytest.mark.parametrize("kind", ["quad4", pytest.param("quad4-reduced", marks=pytest.mark.long)])
 def test_forces_do_not_depend_on_the_numbering(kind: str, share: float) -> None:
     mesh = plate_mesh(10.0, 2.438, ELEMENTS)
     d = discretise(distorted(mesh, share, ELEMENTS) if share else mesh, 0.05, kind)

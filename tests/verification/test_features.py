@@ -47,7 +47,9 @@ def scene_of(*changes: str) -> Any:
     return read_scene(SCENE, changes)[0]
 
 
-@pytest.mark.parametrize("kind", ["quad4", "tri3", "distorted"])
+@pytest.mark.parametrize(
+    "kind", ["quad4", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("tri3", "distorted"))]
+)
 def test_the_bare_loop_computes_what_the_program_s_does(plate_model: Callable[..., Any], kind: str) -> None:
     """Positions and velocities to rounding, on lattices and on elements that are looked up, over a time that shows."""
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4)) if kind == "distorted" else None
@@ -230,6 +232,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     return prepare
 
 
+@pytest.mark.long
 def test_the_books_are_exact(made_up: Callable[..., Any], tmp_path: Path) -> None:
     """Made-up times come back as ratios, nanoseconds, seconds of the whole run, in the summary and in the table."""
     made_up()
@@ -279,7 +282,7 @@ def _files_agree(folder: Path) -> None:
     assert "http" not in page.replace("http://www.w3.org", "")
 
 
-@pytest.mark.parametrize(("plain", "status"), [(1.0, 0), (1.2, 1)])
+@pytest.mark.parametrize(("plain", "status"), [(1.0, 0), pytest.param(1.2, 1, marks=pytest.mark.long)])
 def test_exit_status_and_folder(
     made_up: Callable[..., Any],
     tmp_path: Path,
@@ -300,6 +303,7 @@ def test_exit_status_and_folder(
     assert ("failed</span>" in (folder / "report.html").read_text()) == bool(status)
 
 
+@pytest.mark.long
 def test_a_part_that_the_scene_cannot_have_is_named(made_up: Callable[..., Any]) -> None:
     made_up()
     first, *others = costs_module.parts_of(scene_of())
@@ -313,6 +317,7 @@ def test_a_part_that_the_scene_cannot_have_is_named(made_up: Callable[..., Any])
     assert any(said.startswith("Omitted: friction. corner.patch_length") for said in sentences(found))
 
 
+@pytest.mark.long
 def test_real_loops_run_and_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     """The study with its own loops, three parts and short chunks."""
     monkeypatch.setattr(loops_module, "CHUNK_S", 1e-3)

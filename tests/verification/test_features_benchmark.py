@@ -56,6 +56,7 @@ def test_instructions_are_the_loop_s_own() -> None:
     assert benchmark.count(ASSEMBLY) == benchmark.MachineCode(4, 2)
 
 
+@pytest.mark.long
 def test_a_part_has_instructions_only_where_it_is() -> None:
     parts = {part.name: part for part in parts_of(read_scene(SCENE)[0])}
     plain, friction, damping = (
@@ -75,6 +76,7 @@ def test_imports_are_summed_by_package() -> None:
     assert benchmark.parse_imports(report) == pytest.approx({"numpy": 2e-3, "fem": 2.5e-4})
 
 
+@pytest.mark.long
 def test_whole_commands_are_run_and_their_imports_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rigid method alone, with a change; and a wrong scene is an error, not a time."""
     for name in ("check", "run --no-pictures", "run"):

@@ -135,6 +135,7 @@ def said(found: FlexibilityResults, tmp_path: Path) -> tuple[str, str]:
     return " ".join(report_text(report, tmp_path).split()), page
 
 
+@pytest.mark.long
 def test_what_half_the_patch_changes_is_said(
     synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:
@@ -158,6 +159,7 @@ def test_headline(synthetic: Callable[..., FlexibilityResults]) -> None:
     )
 
 
+@pytest.mark.long
 def test_levels_of_any_start_and_the_power_law_are_said(
     synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:
@@ -168,6 +170,7 @@ def test_levels_of_any_start_and_the_power_law_are_said(
     assert page.count(law) >= 2
 
 
+@pytest.mark.long
 def test_what_the_starts_depart_from_is_said(
     synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:

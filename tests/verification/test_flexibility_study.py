@@ -78,6 +78,7 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency() -> None
     assert all(1e-8 < abs(value) < 1e-4 for value in sizes["v_gy"])
 
 
+@pytest.mark.long
 def test_the_modal_model_is_of_the_same_opinion() -> None:
     sweep = small_sweep("paper-table-3", 20.0)
     base, changes = sweep.plan.source, run_changes(sweep, 20.0, (8, 4))
@@ -153,6 +154,7 @@ def test_frequencies_are_at_even_ratios_from_stiff_to_soft() -> None:
     assert frequencies("1", "1 kHz", 4) == pytest.approx((1000.0, 100.0, 10.0, 1.0), rel=1e-12)
 
 
+@pytest.mark.long
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     small = ["--set", "plate.elements=[8,4]", "--points", "4", "--workers", "1", "--out", str(out)]

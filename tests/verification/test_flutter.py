@@ -88,6 +88,7 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(
     assert seen > 0 or ratio > 0.0 or corner == "patch"
 
 
+@pytest.mark.long
 def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model: Callable[..., Any]) -> None:
     model = plate_model(reaction="drag", corner={"constraint": "exact"})
     found = predict_flutter(model, START, DURATION)
@@ -145,6 +146,7 @@ def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None
     assert predict_flutter(plate_model(reaction="none"), START, DURATION).growth == 0.0
 
 
+@pytest.mark.long
 def test_coarser_meshes_stand_in_for_a_large_one() -> None:
     """Their rates, with the margin, are above those of the mesh itself."""
     stiff = ("corner.constraint=exact", "impact.friction=0.8")

@@ -33,6 +33,7 @@ def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome: Calla
     assert spring.value == pytest.approx(result.fe_plan.deflection_ratio - exact.deflection_ratio, rel=1e-4)
 
 
+@pytest.mark.long
 def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome: Callable[..., Any]) -> None:
     soft = ("plate.youngs_modulus=20 MPa", "plate.elements=[10,3]", "corner.reaction=none")
     assert failed(outcome("paper-table-3", *soft, "corner.penalty_scale=0.7")) == {"numerical error"}
@@ -41,6 +42,7 @@ def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome: Callable[.
     assert failed(exact) == set()
 
 
+@pytest.mark.long
 def test_mesh_that_locks_is_caught(outcome: Callable[..., Any]) -> None:
     """Linear triangles a hundred times too stiff in bending look rigid; quadratic ones show that the plate is not."""
     slender = ("vehicle.width=0.2", "plate.youngs_modulus=20 GPa", "damping.ratio=0.2", "plate.element=tri3")
@@ -83,7 +85,7 @@ def test_momentum_closes_with_exact_constraint_and_damping(outcome: Callable[...
     assert momentum < 1e-14
 
 
-@pytest.mark.parametrize("element", ["quad4", "quad9", "tri3", "tri6"])
+@pytest.mark.parametrize("element", ["quad4", "quad9", "tri3", pytest.param("tri6", marks=pytest.mark.long)])
 def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome: Callable[..., Any], element: str) -> None:
     """On quadratic triangles too, whose corner functions have no integral."""
     mesh = ("plate.elements=[8,4]", f"plate.element={element}")

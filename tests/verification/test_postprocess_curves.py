@@ -130,6 +130,7 @@ def test_rigid_history_at_other_instants() -> None:
     assert any(words.startswith(("[10⁻¹⁵", "[10⁻¹⁸")) for words in texts(curve))
 
 
+@pytest.mark.long
 def test_a_run_that_went_wrong_is_still_drawn() -> None:
     """Its other plots are as they were; of the broken column the part before, and where it goes if that is finite."""
     fe, rigid = histories(900)

@@ -39,12 +39,26 @@ def attempt(solve: Callable[..., Any], motion: tuple) -> Any:
         return error.key
 
 
+motions = {
+    **{"ratio": shapes, "share": shares, "omega": st.floats(0.05, 10.0), "speed_ratio": st.floats(2.0, 30.0)},
+    **{"friction": frictions, "reaction": st.sampled_from(REACTIONS)},
+}
+
+
+@settings(fixed, max_examples=60)
+@given(**motions)
+def test_both_agree_or_both_refuse(**motion: Any) -> None:
+    agree_or_refuse(**motion)
+
+
+@pytest.mark.long
 @settings(fixed, max_examples=400)
-@given(
-    ratio=shapes, share=shares, omega=st.floats(0.05, 10.0), speed_ratio=st.floats(2.0, 30.0),
-    friction=frictions, reaction=st.sampled_from(REACTIONS),
-)  # fmt: skip
-def test_both_agree_or_both_refuse(
+@given(**motions)
+def test_many_agree_or_both_refuse(**motion: Any) -> None:
+    agree_or_refuse(**motion)
+
+
+def agree_or_refuse(
     ratio: float, share: float, omega: float, speed_ratio: float, friction: float, reaction: str
 ) -> None:
     motion = (*arguments(ratio, share, omega, speed_ratio), friction, reaction)

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.verification
 START = RigidStart(0.26, 0.707, 25.053)
 
 
-@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("threads", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_positions_stay_within_the_span(plate_model: Callable[..., Any], threads: int) -> None:
     """The corner never gets farther from the origin than the span; in the wall's frame nothing has changed."""
     model = plate_model(reaction="drag")

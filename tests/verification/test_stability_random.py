@@ -169,6 +169,7 @@ def test_a_refined_mesh_has_its_limit() -> None:
     assert along * across <= 1.1 * MAX_ELEMENTS
 
 
+@pytest.mark.long
 def test_a_right_cell_and_a_spring_too_soft() -> None:
     assert verdict_of({"plate.element": "quad9"})["kind"] == "right"
     assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "caught"
@@ -179,6 +180,7 @@ def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.Monke
     assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "wrong"
 
 
+@pytest.mark.long
 def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     assert verdict_of({"plate.element": "hexagon"})["kind"] == "refused"
     monkeypatch.setattr(against_reference, "find_reference", lambda *arguments: None)
@@ -240,6 +242,7 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: 
     assert re.search("0006 +wrong", report_text(report, tmp_path))
 
 
+@pytest.mark.long
 def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
     found = campaign_of("wrong")
     found = replace(
@@ -285,6 +288,7 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(
     assert [verdict.steps for verdict in found.verdicts.values()] == [3, 3, 4, 4]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "folder", "cells"),
     [(("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112)],

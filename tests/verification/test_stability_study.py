@@ -71,7 +71,7 @@ def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact() -> None
     ("cell", "kind"),
     [
         (("stiffness", 1.0, "friction", 0.2), "right"),
-        (("stiffness", 1e-4, "friction", 0.2), "flexible"),
+        pytest.param(("stiffness", 1e-4, "friction", 0.2), "flexible", marks=pytest.mark.long),
         (("time step", 1.2, "friction", 0.2), "refused"),
         (("stiffness", 1e-4, "penalty", 0.01), "caught"),
     ],
@@ -80,6 +80,7 @@ def test_each_kind_of_cell(cell: Any, kind: str) -> None:
     assert verdict(*cell)["kind"] == kind
 
 
+@pytest.mark.long
 def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
     soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
@@ -91,6 +92,7 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.Monke
     assert "changes it by" in unaware["reason"]
 
 
+@pytest.mark.long
 def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed() -> None:
     scene = read_scene("paper-table-3", ("plate.elements=",))[0]
     assert scene.plate is not None
@@ -225,6 +227,7 @@ def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(
     tmp_path: Path, sent: signal.Signals
@@ -276,6 +279,7 @@ def alive(pid: int) -> bool:
     return False
 
 
+@pytest.mark.long
 def test_a_part_s_error_is_raised_as_it_was(journal: Any) -> None:
     """Also where it was made on another process, and what was done before is kept."""
     for workers in (1, 2):

@@ -60,6 +60,7 @@ def whole_journal(folder: Path) -> list[bytes]:
     return (folder / NAME).read_bytes().splitlines(keepends=True)
 
 
+@pytest.mark.long
 def test_a_journal_cut_anywhere_keeps_its_whole_lines(tmp_path: Path) -> None:
     """Cut after each byte in turn: the runs of whole lines are there, the torn one is missing and can be added."""
     head, *lines = whole_journal(tmp_path)

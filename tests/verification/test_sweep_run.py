@@ -150,6 +150,24 @@ def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFacto
     return table(place)
 
 
+def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Rows are those of runs made here; the same command makes none again."""
+    place, varied = tmp_path / "sweep", ("corner.friction=0.1,0.9",)
+    arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
+    assert _status(arguments) == 0
+    rows, definition = table(place), definition_of(scene, varied)
+    runs = [run_scene(make_plan(*vary(definition.source, definition.changes_of(n)))) for n in range(2)]
+    for row, outcome in zip(rows, runs, strict=True):
+        found = {name: row[f"fe.{name}"] for name in outcome.fe}
+        assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
+    kept = (place / JOURNAL).read_bytes()
+    capsys.readouterr()
+    assert _status(arguments) == 0
+    assert (place / JOURNAL).read_bytes() == kept
+    assert table(place) == rows
+
+
+@pytest.mark.long
 def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str) -> None:
     """Inputs, both solutions, differences, checks and cost of a few rows against runs made here."""
     assert [row["run"] for row in undisturbed] == list(range(RUNS))
@@ -171,6 +189,7 @@ def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str
         assert row["version.tailslap"] == tailslap.__version__
 
 
+@pytest.mark.long
 def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed: list[dict[str, Any]]) -> None:
     refused = [row for row in undisturbed if row["status"] == "refused"]
     assert {row["corner.reaction"] for row in refused} == {"none"}
@@ -215,6 +234,7 @@ def alive(pid: int) -> bool:
     return False
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
 def test_killed_in_mid_sweep_and_resumed(
     where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
@@ -240,6 +260,7 @@ def known(row: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in row.items() if value is not None}
 
 
+@pytest.mark.long
 def test_interrupted_and_resumed(
     scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
 ) -> None:
@@ -260,6 +281,7 @@ def test_interrupted_and_resumed(
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
 
 
+@pytest.mark.long
 def test_a_worker_that_dies_is_survived(
     scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
 ) -> None:
@@ -279,6 +301,7 @@ def test_a_worker_that_dies_is_survived(
     assert table(place) == undisturbed
 
 
+@pytest.mark.long
 def test_a_run_that_kills_its_worker_again_and_again_is_a_row(
     scene: str, cluster: str, tmp_path: Path
 ) -> None:
@@ -313,6 +336,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> Non
     ]
 
 
+@pytest.mark.long
 def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) -> None:
     """kill -9 of scheduler and workers under a sweep; it resumes on another cluster, here on one local process."""
     place = tmp_path / "sweep"
@@ -364,6 +388,7 @@ def test_a_scheduler_that_does_not_answer(
         assert not (tmp_path / "sweep").exists()
 
 
+@pytest.mark.long
 def test_other_versions_are_refused(
     scene: str, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

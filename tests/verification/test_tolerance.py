@@ -65,6 +65,7 @@ def test_stiff_plate_is_held_against_the_rigid_motion(tolerance: float) -> None:
     assert result.fe_plan.model.loop.mass.size < 50  # 147 nodes as the scene has it
 
 
+@pytest.mark.long
 def test_soft_plate_is_held_against_its_own_limit() -> None:
     """The error estimated from a second mesh is right to a factor of three, and the tolerance is met."""
     result = run_to_tolerance(plan_of("paper-table-3", *SOFT), 2e-3)
