@@ -162,8 +162,8 @@ def _evaluated(piece: Piece, t: Array) -> tuple[Array, Array]:
     crush = kinematics(points.along, points.across, y).crush
     most = np.where((modes.crush == LOADING)[:, None], crush, modes.max_crush[:, None])
     by_point = np.stack([crush, most, np.zeros_like(crush), np.zeros_like(crush)])
-    forces = dynamics.forces(y, dynamics.kinematics(y))
-    by_point[2, pressed], by_point[3, pressed] = np.maximum(forces.normal, 0.0), forces.tangential
+    forces = dynamics.recorded_forces(y, dynamics.kinematics(y))
+    by_point[2, pressed], by_point[3, pressed] = forces
     wide = points._replace(**{name: getattr(points, name)[:, None] for name in _LAW})
     stored = stored_energy(wide, crush, most).sum(axis=0)
     lost = ((1.0 - wide.restitution**2) * energy_taken(wide, most)).sum(axis=0)
@@ -192,7 +192,7 @@ def solve_impact(
     state : ImpactState
         At the start, outside the wall or touching it.
     end : float or None
-        How far to follow the motion [s]; None: `after_second` after the second strike, and where there is none, until
+        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
         nothing can touch any more.
     after_second : float
         [s].
@@ -238,11 +238,10 @@ def solve_impact(
 def _open_end(
     vehicle: ImpactVehicle, spans: list[Span], t: float, y: Array, dynamics: Dynamics, after_second: float
 ) -> float:
-    """The end after the second strike; without one, when no corner can reach the wall any more."""
-    touching = set(dynamics.points.corner[dynamics.pressed.points].tolist())
+    """The end after the first two strikes; without a second, when no corner can reach the wall any more."""
     strikes = intervals(spans)[:2]
-    if len(strikes) == 2 and not any(s.end == t and s.corner in touching for s in strikes):
-        return strikes[1].end + after_second
+    if len(strikes) == 2 and not any(s.end == t and s.corner in dynamics.corners for s in strikes):
+        return max(strike.end for strike in strikes) + after_second
     if y[4] <= 0.0:
         return math.inf
     return t + max(vehicle.reach - float(y[1]), 0.0) / float(y[4])
