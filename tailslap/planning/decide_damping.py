@@ -30,8 +30,9 @@ STAND_IN, STAND_INS = 2.0, 2
 OVERDAMPS = 0.5
 """Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
 
-SEEN = 5e-4
-"""Deflection ratio from which on it is seen that an overdamped plate does not follow its loads."""
+SEEN = 1e-3
+"""Deflection ratio from which on it is seen that an overdamped plate does not follow its loads: below, that is within
+the numerical error that is allowed."""
 
 HEARD = 0.005
 """Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
@@ -137,28 +138,24 @@ def decide_damping(
 ) -> tuple[Plan, tuple[Decision, ...]]:
     """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants.
 
-    A soft plate that this would keep from following its loads is run without it at first (factor 1), and then with no
-    more than was foreseen: what is predicted is the worst that may come, and the checks watch for it.
+    A soft plate that this would keep from following its loads is run without it at first (factor 1): what is predicted
+    is the worst that may come, and the checks watch for it.
     """
     if not damping_is_open(plan.scene):
         return plan, ()
-    if growth.overdamps and deflection_ratio > SEEN:
-        return _damped_last(plan, growth, factor)
+    if factor == 1.0 and growth.overdamps and deflection_ratio > SEEN:
+        return _undamped(plan, growth)
     least = (growth.harmless or HARMLESS_UNSTRESSED) / plan.motion.strike.t if factor > 1.0 else 0.0
     rate = factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least)
     again = f"; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else ""
     return _damped(plan, rate, _why(growth) + again)
 
 
-def _damped_last(plan: Plan, growth: Growth, factor: float) -> tuple[Plan, tuple[Decision, ...]]:
-    """First with damping against rounding alone, then against friction."""
-    if factor > 1.0:
-        return _damped(plan, suppressing_rate(growth), f"{_why(growth)}; the first run rang without")
+def _undamped(plan: Plan, growth: Growth) -> tuple[Plan, tuple[Decision, ...]]:
+    """Without damping against friction; that against rounding stays, and what the scene gives."""
     if growth.ripple_rate or plan.scene.damping:
         return _damped(plan, growth.ripple_rate, _why_rounding(growth))
-    why = (
-        f"{_why(growth)}, but damping enough against that would keep so soft a plate from following its loads"
-    )
+    why = f"{_why(growth)}, but damping enough against that would hold so soft a plate back"
     decision = Decision("damping.kind", "none", why)
     return with_changes(plan, {decision.key: decision.value}), (decision,)
 
