@@ -12,6 +12,7 @@ import numpy as np
 from postprocess.comparison.comparison import relative_difference
 from postprocess.comparison.metrics import Metrics
 from tailslap.errors import InputError
+from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
@@ -92,7 +93,7 @@ class Outcome:
 def run_scene(plan: Plan) -> Outcome:
     """Run the scene's finite-element model and compare it with the rigid motion; writes nothing.
 
-    A run that rings although the program has chosen its damping is made once more, with more of it.
+    A run that rings where the program may choose the damping is made once more, with more of it.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def run_scene(plan: Plan) -> Outcome:
         For keys that make no model, and for a start that the plate cannot have.
     """
     outcome = attempt(plan)
-    if rings(outcome) and damping_is_open(outcome.fe_plan):
+    if rings(outcome) and damping_is_open(plan.scene):
         again = attempt(plan, MORE_DAMPING)
         outcome = replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
     return confirmed(outcome)
@@ -175,12 +176,6 @@ def rings(outcome: Outcome) -> bool:
     return any(check.name in ringing and not check.passed for check in outcome.checks)
 
 
-def damping_is_open(fe_plan: FePlan) -> bool:
-    """Whether the program may choose the damping."""
-    given = fe_plan.asked.scene.damping
-    return given is None or given.kind is None
-
-
 def compare(fe_plan: FePlan, run: Run, setup: float, second: SecondRun | None = None) -> Outcome:
     """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
     rigid = stage_two_numbers(fe_plan.plan)
@@ -227,7 +222,7 @@ def second_run(fe_plan: FePlan) -> SecondRun:
         plan = on_mesh(fe_plan, plate)
         try:
             other = attempt(damped_alike(plan, fe_plan))
-            if rings(other) and damping_is_open(fe_plan):
+            if rings(other) and damping_is_open(fe_plan.asked.scene):
                 other = attempt(plan)
         except InputError:
             continue

@@ -12,7 +12,7 @@ from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import make_static_model
 from tailslap.planning.flexibility import rigid_start
 from tailslap.planning.plan import Plan, with_changes
-from tailslap.scene.schema import Plate
+from tailslap.scene.schema import Plate, Scene
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
@@ -29,6 +29,10 @@ STAND_IN, STAND_INS = 2.0, 2
 
 OVERDAMPS = 0.5
 """Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
+
+SEEN = 1e-3
+"""Deflection ratio from which on it is seen that an overdamped plate does not follow its loads: below, that is within
+the numerical error that is allowed."""
 
 HEARD = 0.005
 """Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
@@ -124,26 +128,55 @@ def suppressing_rate(growth: Growth) -> float:
     )  # in this order a rate that is not known, NaN, asks for none
 
 
-def decide_damping(plan: Plan, growth: Growth, factor: float = 1.0) -> tuple[Plan, tuple[Decision, ...]]:
-    """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants."""
-    given = plan.scene.damping
-    if given is not None and given.kind is not None:
+def damping_is_open(scene: Scene) -> bool:
+    """Whether the program may choose the damping."""
+    return scene.damping is None or scene.damping.kind is None
+
+
+def decide_damping(
+    plan: Plan, growth: Growth, deflection_ratio: float, factor: float = 1.0
+) -> tuple[Plan, tuple[Decision, ...]]:
+    """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants.
+
+    A soft plate that this would keep from following its loads is run without it at first (factor 1): what is predicted
+    is the worst that may come, and the checks watch for it.
+    """
+    if not damping_is_open(plan.scene):
         return plan, ()
+    if factor == 1.0 and growth.overdamps and deflection_ratio > SEEN:
+        return _undamped(plan, growth)
     least = (growth.harmless or HARMLESS_UNSTRESSED) / plan.motion.strike.t if factor > 1.0 else 0.0
     rate = factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least)
+    again = f"; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else ""
+    return _damped(plan, rate, _why(growth) + again)
+
+
+def _undamped(plan: Plan, growth: Growth) -> tuple[Plan, tuple[Decision, ...]]:
+    """Without damping against friction; that against rounding stays, and what the scene gives."""
+    if growth.ripple_rate or plan.scene.damping:
+        return _damped(plan, growth.ripple_rate, _why_rounding(growth))
+    why = f"{_why(growth)}, but damping enough against that would hold so soft a plate back"
+    decision = Decision("damping.kind", "none", why)
+    return with_changes(plan, {decision.key: decision.value}), (decision,)
+
+
+def _damped(plan: Plan, rate: float, why: str) -> tuple[Plan, tuple[Decision, ...]]:
     if not rate > 0.0:
         return plan, ()
     decisions = (
-        Decision("damping.kind", "elastic-velocity", _why(growth, factor)),
+        Decision("damping.kind", "elastic-velocity", why),
         Decision("damping.rate", rate, "1/s, as much as that takes"),
     )
     return with_changes(plan, {decision.key: decision.value for decision in decisions}), decisions
 
 
-def _why(growth: Growth, factor: float) -> str:
-    why = "the plate would ring"
+def _why(growth: Growth) -> str:
     if growth.ripple_rate > REQUIRED_DAMPING * growth.rate:
-        why = f"in so many steps rounding would make the reaction ring by {100.0 * growth.ripple:.2g} %"
-    elif growth.rate > 0.0:
-        why = f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
-    return f"{why}; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else why
+        return _why_rounding(growth)
+    if growth.rate > 0.0:
+        return f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
+    return "the plate would ring"
+
+
+def _why_rounding(growth: Growth) -> str:
+    return f"in so many steps rounding would make the reaction ring by {100.0 * growth.ripple:.2g} %"

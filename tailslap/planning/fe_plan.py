@@ -118,7 +118,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     plan : Plan
         Of `make_plan`, with [plate].
     more_damping : float
-        Factor on the damping that is predicted to be needed [-].
+        Factor on the damping that is predicted to be needed [-]; above 1 the first run rang, see `decide_damping`.
 
     Returns
     -------
@@ -143,7 +143,8 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         plan, constraint_decisions = softened_constraint(plan, mesh.spring_share)
         if constraint_decisions:
             model, growth = _completed(plan, mesh, normal)
-    plan, damping_decisions = decide_damping(plan, growth, more_damping)
+    ratio = deflection_ratio(plan, model) if constraint_decisions else mesh.deflection_ratio
+    plan, damping_decisions = decide_damping(plan, growth, ratio, more_damping)
     if damping_decisions:
         model = with_elastic_damping(model, fe_input(plan, plate).step)
         demand_steps(plan, plate, model)
@@ -157,7 +158,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         model=model,
         start=start,
         travel=travel,
-        deflection_ratio=deflection_ratio(plan, model) if constraint_decisions else mesh.deflection_ratio,
+        deflection_ratio=ratio,
         other_deflection_ratio=mesh.other_deflection_ratio,
     )
 

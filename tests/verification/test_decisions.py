@@ -84,6 +84,23 @@ def test_damping_is_decided_unless_the_scene_says_what_it_wants() -> None:
     assert decided(*FLUTTERS, "damping.ratio=0.5") == {}
 
 
+SLENDER = ("vehicle.width=0.6", "plate.youngs_modulus=1e10", "plate.elements=[20, 6]", "impact.friction=0.47")
+"""A strip whose first mode, of 3.4 Hz, would not follow its loads with the damping that its flutter would take."""
+
+
+def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without() -> None:
+    plan = make_plan(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
+    first, again = make_fe_plan(plan), make_fe_plan(plan, more_damping=4.0)
+    assert first.growth.overdamps
+    assert first.model.loop.elastic_damping is None
+    assert "soft a plate" in first.decisions[-1].shown
+    assert flutter_sentence(first).startswith("possible")
+    assert again.model.loop.elastic_damping.rate == 4.0 * suppressing_rate(again.growth)
+    assert "the first run rang" in again.decisions[-2].shown
+    unseen = decide_damping(first.asked, first.growth, 1e-4)[1]
+    assert [decision.key for decision in unseen] == ["damping.kind", "damping.rate"]
+
+
 def test_check_says_what_will_come() -> None:
     for changes, words in (
         (("corner.reaction=none",), "none"),
@@ -100,7 +117,7 @@ def test_what_could_not_be_analysed_is_not_called_harmless() -> None:
     known = fe_plan()
     unknown = replace(known, growth=replace(known.growth, rate=math.nan, exponent=math.nan, stand_in=True))
     assert flutter_sentence(unknown).startswith("not analysed")
-    assert decide_damping(unknown.plan, unknown.growth)[1] == ()
+    assert decide_damping(unknown.plan, unknown.growth, unknown.deflection_ratio)[1] == ()
     rings = replace(unknown.growth, ripple_rate=3.0)
     assert suppressing_rate(rings) == 3.0
 

@@ -80,6 +80,16 @@ def test_each_kind_of_cell(cell: Any, kind: str) -> None:
     assert verdict(*cell)["kind"] == kind
 
 
+def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed() -> None:
+    """The damping that its flutter is predicted to take would hold it back by more than a third of its flexibility."""
+    scene = read_scene("paper-table-3")[0]
+    strip = {"vehicle.width": 0.46415888336127774, "plate.youngs_modulus": 0.000774263682681127 * 2e11}
+    found = verdict_of(base_source(scene), strip)
+    assert found["kind"] == "flexible"
+    assert found["difference"] == pytest.approx(0.0358, rel=0.01)
+    assert found["error"] < 5e-4
+
+
 @pytest.mark.long
 def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())

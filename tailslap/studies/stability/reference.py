@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
+from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.run import MORE_DAMPING, Outcome, attempt, damping_is_open, rings
+from tailslap.run import MORE_DAMPING, Outcome, attempt, rings
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.stability.effort import expected_effort
@@ -102,6 +103,6 @@ def trustworthy(outcome: Outcome) -> bool:
 def _without_ringing(plan: Plan) -> Outcome:
     """A run, made once more with more damping where it rings; no second mesh."""
     outcome = attempt(plan)
-    if rings(outcome) and damping_is_open(outcome.fe_plan):
+    if rings(outcome) and damping_is_open(plan.scene):
         return attempt(plan, MORE_DAMPING)
     return outcome
