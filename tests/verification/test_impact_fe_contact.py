@@ -93,6 +93,7 @@ def test_the_end_of_its_contact_converges(law: str) -> None:
     assert 0.4 < order < 1.6  # a front is smeared over elements^(1/3) to elements
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["exact", "penalty"])
 def test_no_contact_gains_energy_over_ten_periods(law: str) -> None:
     energy = bounce(50, law, 10.0).energy
@@ -195,6 +196,7 @@ CONTACTS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", CONTACTS)
 @pytest.mark.parametrize("friction", [0.0, 0.47, 2.0])
 def test_momentum_energy_and_no_pull(case: str, friction: float) -> None:

@@ -1,0 +1,207 @@
+"""What a whole impact reaches: `python benchmarks/impact.py`; a row a figure, measured where it runs."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from fem.discretisation.impact_model import build_impact_model
+from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties
+from fem.explicit.impact_loop import ImpactMeasures
+from fem.explicit.impact_run import FirstTouch, ImpactStepper, simulate_impact
+from meshes import plate_mesh
+from postprocess.report.table import words
+from postprocess.report.terminal import printed
+from tailslap.impact.checks import energy_error
+from tailslap.impact.outcome import COMPARED
+from tailslap.impact.plan import make_impact_plan
+from tailslap.impact.run import make_fe_plan_timed, plain_run
+from tailslap.scene.files import read_scene
+
+SCENE, LAWS = "impact-mash-tl4-sut", ("penalty", "exact")
+Row = tuple[str, str]
+
+
+def bar(elements: int, law: str, **plate: float) -> Any:
+    """A bar of E = 900, rho = 1, L = 10, or SDNV100's, that meets the wall head on."""
+    given = {"thickness": 1.0, "density": 1.0, "youngs_modulus": 900.0, **plate}
+    length, width = given.pop("length", 10.0), given.pop("width", 10.0 / elements)
+    made = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **given)
+    mesh = plate_mesh(length, width, (elements, 1))
+    return build_impact_model(mesh, made, ContactProperties(None, law), StepProperties())
+
+
+def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Instants over tau, force over rho c (v0 + g t), energy over the first; small strains."""
+    model, gravity, tau = bar(elements, law), 1e-3, 1.0 / 3.0
+    step, stepper = model.loop.time_step, ImpactStepper(model)
+    state = stepper.at_touch(FirstTouch(math.pi / 2.0, 0.0, 0.0))
+    state.positions[1] += 5e-4
+    rows = []
+    for _ in range(round(16.0 * tau * periods / step)):
+        state.velocities[1] -= gravity * step
+        values = dict(zip(ImpactMeasures._fields, stepper.record(state, 1, 1).values[0], strict=True))
+        held = sum(values[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
+        rows.append((values["normal_impulse"], held + gravity * model.mass * values["y_g"]))
+    impulse, energy = np.array(rows).T
+    t = step * np.arange(1, impulse.size + 1)
+    force = np.diff(impulse, prepend=0.0) / step / (30.0 * gravity * t * 10.0 / elements)
+    return t / tau, force, energy / energy[0] - 1.0
+
+
+def bouncing_bar() -> Iterator[Row]:
+    """Row 1: contact times of two periods, their order, energy and force noise over ten periods."""
+    for law in LAWS:
+        t, force, _ = bounce(100, law, 2.0)
+        found = []
+        for low, high in ((1.5, 6.5), (9.5, 14.5)):
+            pressed = t[(t > low) & (t < high) & (force > 1e-9)]
+            found.append(f"{pressed[0]:.3f} to {pressed[-1]:.3f}")
+        inside = (t > 3.2) & (t < 4.8)
+        yield f"bouncing bar, {law}: contact over tau (3 to 5, 11 to 13)", ", ".join(found)
+        noise = f"{force[inside].mean() - 1.0:+.1e}, noise {force[inside].std():.1e}"
+        yield f"bouncing bar, {law}: force over theory - 1", noise
+        ends = [abs(_end(n, law) - 5.0) for n in (25, 50, 100, 200)]
+        order = np.polyfit(np.log([25, 50, 100, 200]), np.log(ends), 1)[0]
+        yield f"bouncing bar, {law}: order of the end of contact", f"{-order:.2f}"
+        energy = bounce(50, law, 10.0)[2]
+        yield (
+            f"bouncing bar, {law}: energy, ten periods: most, last",
+            f"{energy.max():+.1e}, {energy[-1]:+.1e}",
+        )
+
+
+def _end(elements: int, law: str) -> float:
+    t, force, _ = bounce(elements, law, 0.4)
+    return float(t[(t < 6.0) & (force > 0.5)][-1])
+
+
+def striking_bars() -> Iterator[Row]:
+    """Rows 2 and 3: pressure and time of contact of a bar, and Code_Aster's SDNV100, in the linear range."""
+    steel = {"thickness": 0.02, "density": 8000.0, "youngs_modulus": 2e11, "length": 0.2, "width": 0.02}
+    for name, plate, speed, wave, length in (
+        ("bar", {}, 1e-3, 30.0, 10.0),
+        ("SDNV100", steel, 1.0, 5000.0, 0.2),
+    ):
+        for law in LAWS:
+            errors = []
+            for elements in (50, 100, 200):
+                model = bar(elements, law, **plate)
+                touch = FirstTouch(math.pi / 2.0, 0.0, -speed)
+                run = simulate_impact(model, touch, model.loop.time_step, 3.0 * length / wave)
+                t, force = run.history["t"], run.history["force_normal"]
+                errors.append(t[force > 0.5 * force.max()][-1] * wave / (2.0 * length) - 1.0)
+            area = plate.get("width", 10.0 / 200) * plate.get("thickness", 1.0)
+            middle = (t * wave > 0.2 * length) & (t * wave < 1.8 * length)
+            expected = plate.get("density", 1.0) * wave * speed * area
+            pressure = force[middle].mean() / expected - 1.0
+            each = ", ".join(f"{error:+.1e}" for error in errors)
+            yield f"{name}, {law}: force; time of contact (50, 100, 200)", f"{pressure:+.1e}; {each}"
+
+
+def rigid_limit() -> Iterator[Row]:
+    """The rigid impact with k to infinity against Stage 1 "newton"."""
+    from solver import RectangularBody, corner_impulse
+    from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
+
+    size, angle, speed, friction = (10.0, 2.438, 9979.0), math.radians(15.0), 25.034, 0.47
+    for e in (0.05, 0.22, 0.9):
+        exact = corner_impulse(RectangularBody(*size), speed, angle, friction, e, convention="newton").omega
+        found = []
+        for k in (1e10, 4e10):
+            vehicle = ImpactVehicle(*size)
+            contact = WallContact(CrushLaw(k, 0.0, e), friction)
+            first = solve_impact(vehicle, contact, first_touch(vehicle, angle, speed), end=0.01)
+            found.append(first.end.omega)
+        limit = 2.0 * found[1] - found[0]  # what is left goes with the duration, 1/sqrt(k)
+        yield f"rigid, k to infinity, e = {e}: omega over newton - 1", f"{limit / exact - 1.0:+.1e}"
+
+
+def against_rigid() -> Iterator[Row]:
+    """FE against the rigid vehicle, and the limit of stiff plates; conservation; time of the loop."""
+    outcomes = []
+    for modulus in ("2e11", "8e11", "3.2e12"):
+        plan = make_impact_plan(*read_scene(SCENE, (f"plate.youngs_modulus={modulus}",)))
+        outcomes.append(plain_run(make_fe_plan_timed(plan)))
+    first, four, sixteen = (outcome.difference for outcome in outcomes)
+    for k in (1, 2):
+        each = [f"{first[f'strike_{k}.{name}']:+.2e}" for name in COMPARED]
+        yield f"FE at 200 GPa over rigid - 1, strike {k}: {', '.join(COMPARED)}", ", ".join(each)
+        limit = [(4.0 * sixteen[n] - four[n]) / 3.0 for n in (f"strike_{k}.{name}" for name in COMPARED)]
+        yield "the same, extrapolated to a rigid plate", ", ".join(f"{value:+.1e}" for value in limit)
+    outcome = outcomes[0]
+    h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.plan.touch
+    across = np.abs(mass * (h["v_gy"] - touch.v_gy) - h["normal_impulse"]).max() / (mass * 25.0)
+    along = np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() / (mass * 25.0)
+    turned = h["angular_momentum"] - h["moment_impulse"]
+    spin = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
+    yield (
+        "momentum across, along, angular, against the wall's force",
+        f"{across:.0e}, {along:.0e}, {spin:.0e}",
+    )
+    energy = np.abs(energy_error(outcome)).max() / (0.5 * mass * 25.034**2)
+    yield "energy with crush and friction, over the initial", f"{energy:.0e}"
+
+
+def loop_time() -> Iterator[Row]:
+    """FE impact of 0.7 s on 120 elements: the compiled loop with its records, one core."""
+    plan = make_impact_plan(*read_scene(SCENE, ("time.end=0.7",)))
+    made = make_fe_plan_timed(plan)
+    times = [plain_run(made).run.time_loop_s for _ in range(9)]
+    spread = f"{statistics.median(times):.3f} s ({min(times):.3f} to {max(times):.3f}, 9 runs)"
+    yield "FE impact of 0.7 s, 120 elements: loop and records", spread
+
+
+def meshes() -> Iterator[Row]:
+    """Peaks and impulses on 20 x 6, 40 x 12, 80 x 24, corners spread over 1 m, at 200 GPa and at 8 Hz."""
+    soft = ("plate.first_frequency=8 Hz", "plate.youngs_modulus=")
+    for name, changes in (("200 GPa", ()), ("8 Hz", soft)):
+        rows = []
+        for mesh in ("[20, 6]", "[40, 12]", "[80, 24]"):
+            given = (*changes, "contact.patch_length=1", f"plate.elements={mesh}", "time.end=0.46")
+            outcome = plain_run(make_fe_plan_timed(make_impact_plan(*read_scene(SCENE, given))))
+            rows.append([v for s in outcome.fe.strikes[:2] for v in (s.peak_force, s.impulse)])
+        coarse, middle, fine = np.array(rows)
+        orders = np.log2(np.abs(coarse - middle) / np.abs(middle - fine))
+        last = ", ".join(f"{value:.1e}" for value in np.abs(fine / middle - 1.0))
+        text = f"{', '.join(f'{order:.1f}' for order in orders)}; {last}"
+        yield f"meshes, {name}: order of peak, impulse, each strike; last change", text
+
+
+def filters() -> Iterator[Row]:
+    """CFC gain at CFC/0.6, and the mean of a half sine."""
+    from postprocess.signals.filters import cfc_filter, moving_mean
+
+    for interval in (1e-4, 5e-5):
+        t = interval * np.arange(40_000)
+        for frequency_class in (60, 180):
+            wave = np.sin(2.0 * math.pi * frequency_class / 0.6 * t)
+            passed = cfc_filter(wave, interval, frequency_class)[5000:-5000]
+            gain = passed.std() / wave[5000:-5000].std()
+            name = f"CFC {frequency_class} at {1e-3 / interval:.0f} kHz: gain at CFC/0.6, times sqrt 2, - 1"
+            yield name, f"{gain * math.sqrt(2.0) - 1.0:+.1e}"
+    half, edges = 0.1, 1e-5 * np.arange(30_001)
+    inside = np.clip((edges - 0.1) / half, 0.0, 1.0)
+    force = np.diff((1.0 - np.cos(math.pi * inside)) * half / math.pi) / 1e-5
+    exact = 2.0 * half / (math.pi * 0.05) * math.sin(math.pi * 0.05 / (2.0 * half))
+    yield (
+        "50 ms mean of a half sine of 100 ms over the formula - 1",
+        f"{moving_mean(force, 1e-5, 0.05).max() / exact - 1.0:+.1e}",
+    )
+
+
+def main() -> None:
+    """Print all rows as they come."""
+    began = time.perf_counter()
+    for part in (filters, rigid_limit, against_rigid, loop_time, striking_bars, bouncing_bar, meshes):
+        print(printed([words("what", "measured", rows=list(part()), texts=2)]), flush=True)
+    print(f"{time.perf_counter() - began:.0f} s in all")
+
+
+if __name__ == "__main__":
+    main()

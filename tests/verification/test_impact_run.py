@@ -1,0 +1,216 @@
+"""Whole impacts by the FE plate against the rigid vehicle: limits, conservation, filters, bad input, the commands."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tailslap.command_line import main
+from tailslap.errors import InputError
+from tailslap.impact.answers import strike_numbers
+from tailslap.impact.checks import energy_error
+from tailslap.impact.outcome import ImpactOutcome
+from tailslap.impact.plan import ImpactPlan, make_impact_plan
+from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
+from tailslap.scene.files import read_scene
+
+pytestmark = pytest.mark.verification
+
+SCENE = "impact-mash-tl4-sut"
+
+
+def planned(*changes: str, scene: str = SCENE) -> ImpactPlan:
+    return make_impact_plan(*read_scene(scene, changes))
+
+
+@functools.cache
+def ran(*changes: str) -> ImpactOutcome:
+    """One run, without the second one that tells the mesh's error."""
+    return plain_run(make_fe_plan_timed(planned(*changes)))
+
+
+@functools.cache
+def whole() -> ImpactOutcome:
+    return run_impact(planned())
+
+
+def test_the_shipped_impact_passes_its_checks() -> None:
+    outcome = whole()
+    assert [check.name for check in outcome.checks if not check.passed] == []
+    assert [strike.corner for strike in outcome.fe.strikes] == ["front", "rear", "front"]
+
+
+def test_a_stiff_plate_is_near_the_rigid_vehicle_and_nearer_the_stiffer_it_is() -> None:
+    """Flexibility goes with 1/E: at four times the modulus a quarter is left, and the limit is the rigid vehicle's."""
+    soft, stiff, stiffer = (ran(f"plate.youngs_modulus={modulus}") for modulus in ("2e11", "8e11", "3.2e12"))
+    for name, difference in soft.difference.items():
+        assert abs(difference) < 0.0075, name  # 0.6 % but for the rear strike's duration
+        if "peak" not in name:
+            assert stiff.difference[name] / difference == pytest.approx(0.25, rel=0.1), name
+        limit = (4.0 * stiffer.difference[name] - stiff.difference[name]) / 3.0
+        assert abs(limit) < 1e-4, name
+
+
+def test_published_trial_at_8_hz() -> None:
+    """The rear strike of a plate of 8 Hz brings 43 % more impulse (shared rough trial, the corners one node each)."""
+    outcome = ran("plate.first_frequency=8 Hz", "plate.youngs_modulus=")
+    front, rear = outcome.fe.strikes[:2]
+    assert (front.peak_force / 1e3, front.impulse / 1e3) == pytest.approx((469.1, 30.79), rel=1e-3)
+    assert (rear.peak_force / 1e3, rear.impulse / 1e3) == pytest.approx((453.2, 38.23), rel=1e-3)
+    assert outcome.difference["strike_2.impulse"] == pytest.approx(0.43, abs=0.005)
+
+
+CASES = {
+    "as shipped": (),
+    "layer": ("contact.side_stiffness=0.2 MN/m^2", "contact.initial_force=20 kN"),
+    "damped": ("damping.ratio=0.05",),
+    "elastic": ("contact.restitution=1",),
+    "plastic": ("contact.restitution=0",),
+    "stuck": ("contact.friction=2", "impact.angle=60 deg"),
+    "own inertia": ("vehicle.centre_of_mass=4.2 m", "vehicle.yaw_inertia=75000 kg m^2"),
+    "penalty": ("contact.stiffness=", "contact.restitution=", "time.end=0.3"),
+    "exact": ("contact.stiffness=", "contact.restitution=", "contact.enforcement=exact", "time.end=0.3"),
+}
+
+
+COMPILED_APART = {"layer", "damped", "penalty", "exact"}
+"""Cases whose loop is compiled for itself."""
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=pytest.mark.long) if c in COMPILED_APART else c for c in CASES]
+)
+def test_conservation(case: str) -> None:
+    outcome = ran(*CASES[case])
+    h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.plan.touch
+    energy = 0.5 * mass * (touch.v_gx**2 + touch.v_gy**2)
+    assert np.abs(mass * (h["v_gy"] - touch.v_gy) - h["normal_impulse"]).max() < 1e-9 * mass * 25.0
+    assert np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() < 1e-9 * mass * 25.0
+    turned = h["angular_momentum"] - h["moment_impulse"]
+    assert np.abs(turned - turned[0]).max() < 1e-9 * np.abs(h["angular_momentum"]).max()
+    assert energy_error(outcome).max() < 1e-4 * energy
+    assert (
+        energy_error(outcome).min()
+        > (-1e-2 if case == "exact" else -5e-4 if case == "penalty" else -1e-4) * energy
+    )
+    assert outcome.run.normal.min() >= 0.0
+    forces = outcome.fe.history["force_normal"][1:].sum() * outcome.fe.interval
+    assert forces == pytest.approx(h["normal_impulse"][-1] - h["normal_impulse"][0], rel=1e-12)
+
+
+@pytest.mark.parametrize("case", ["own inertia", pytest.param("layer", marks=pytest.mark.long), "stuck"])
+def test_other_vehicles_and_contacts_agree_with_the_rigid_one(case: str) -> None:
+    outcome = ran(*CASES[case], "plate.youngs_modulus=3.2e12")
+    assert len(outcome.difference) >= 3
+    for name, difference in outcome.difference.items():
+        assert abs(difference) < (1e-2 if "duration" in name else 5e-3), name
+
+
+def test_momentum_of_the_end_follows_from_the_strikes() -> None:
+    """Impulses of all strikes are the change of momentum across the wall."""
+    for answer in (whole().fe, whole().rigid):
+        total = sum(strike.impulse for strike in answer.strikes)
+        gained = whole().fe_plan.model.mass * (answer.end["v_gy"] - whole().fe_plan.plan.touch.v_gy)
+        assert total == pytest.approx(gained, rel=1e-6)
+
+
+BAD = {
+    "corner.friction=0.2": "corner",
+    "contact.restitution=1.01": "contact.restitution",
+    "contact.stiffness=-1": "contact.stiffness",
+    "contact.initial_force=-1": "contact.initial_force",
+    "contact.friction=-0.1": "contact.friction",
+    "contact.enforcement=exact": "contact.enforcement",
+    "contact.stiffness=": "contact.restitution",
+    "contact.restitution=": "contact.restitution",
+    "vehicle.centre_of_mass=10.5 m": "vehicle.centre_of_mass",
+    "vehicle.yaw_inertia=300000 kg m^2": "vehicle.yaw_inertia",
+    "impact.speed=0": "impact.speed",
+    "impact.angle=90 deg": "impact.angle",
+    "impact.convention=paper": "impact.convention",
+    "plate.density=7800": "plate.density",
+    "plate.start=unstressed": "plate.start",
+    "start.omega=0.7": "start",
+    "time.end=0": "time.end",
+    "contact.patch_length=20 m": "contact.patch_length",
+}
+
+
+@pytest.mark.parametrize("change", BAD)
+def test_bad_input_names_its_key(change: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ran(change)
+    assert caught.value.key == BAD[change]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "vehicle.centre_of_mass=5 m",
+        "vehicle.yaw_inertia=80000 kg m^2",
+        "time.end=1 s",
+        "impact.test_level=TL-4",
+    ],
+)
+def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change: str) -> None:
+    with pytest.raises(InputError, match="belongs to a whole impact"):
+        read_scene("mash-tl4-sut", (change,))
+
+
+@pytest.mark.parametrize("command", ["modal", "modes"])
+def test_commands_of_the_corner_say_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main([command, SCENE])
+    assert caught.value.code == 2
+    assert "contact: given" in capsys.readouterr().err
+
+
+def test_rigid_prints_what_the_contract_names(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["rigid", SCENE, "--json", "--set", "plate="])
+    found = json.loads(capsys.readouterr().out)
+    assert caught.value.code == 0
+    assert set(found["strikes"][0]) >= {"corner", "start", "end", "duration", "peak_force", "impulse"}
+    assert set(found["peaks"]) == {"raw", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"}
+    assert set(found["end"]) == {"t", "theta", "omega", "v_gx", "v_gy"}
+
+
+def test_a_run_leaves_what_the_contract_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["run", SCENE, "--no-pictures", "--out", str(tmp_path / "out"), "--tolerance", "2e-3"])
+    assert caught.value.code == 0
+    summary: dict[str, Any] = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["passed"] is True
+    assert {"strikes", "peaks", "end"} <= set(summary["fe"]) & set(summary["rigid"])
+    header, *rows = (tmp_path / "out" / "history.csv").read_text().splitlines()
+    names = header.split(",")
+    assert names[:9] == [
+        "t",
+        "x_g",
+        "y_g",
+        "theta",
+        "omega",
+        "v_gx",
+        "v_gy",
+        "force_normal",
+        "force_tangential",
+    ]
+    table = np.array([list(map(float, row.split(","))) for row in rows])
+    assert np.isfinite(table).all()
+    interval, force = table[1, 0], table[:, names.index("force_normal")]
+    assert force.sum() * interval == pytest.approx(
+        sum(strike["impulse"] for strike in summary["fe"]["strikes"]), rel=1e-6
+    )
+    assert "rear" in capsys.readouterr().out
+
+
+def test_what_is_not_known_of_a_strike_is_left_out() -> None:
+    numbers = strike_numbers(whole().fe.strikes[0])
+    assert "friction_work" not in numbers
+    assert all(not isinstance(value, float) or math.isfinite(value) for value in numbers.values())
