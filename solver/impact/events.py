@@ -106,12 +106,23 @@ def first_event(dynamics: Dynamics, watched: Watch, span: tuple[float, float], d
     if not below.any():
         return None
     k = int(np.argmax(below)) + 1
-    rows = np.flatnonzero(values[:, k] < 0.0)
-    roots = [
-        _root(dynamics, row, (times[k - 1], times[k]), values[row, k - 1], dense) for row in rows.tolist()
-    ]
-    first = int(np.argmin(roots))
-    return Event(Kind(watched.kinds[rows[first]]), int(watched.points[rows[first]]), roots[first])
+    row, t = _earliest(dynamics, (times[k - 1], times[k]), values[:, k - 1 : k + 1], dense)
+    return Event(Kind(watched.kinds[row]), int(watched.points[row]), t)
+
+
+def _earliest(
+    dynamics: Dynamics, span: tuple[float, float], values: Array, dense: Dense
+) -> tuple[int, float]:
+    """The margin that falls through 0 first within a span, and when; values at both ends, shape (margins, 2)."""
+    rows, (low, high) = np.flatnonzero(values[:, 1] < 0.0), span
+    while True:
+        start, end = np.maximum(values[rows, 0], 0.0), values[rows, 1]
+        row = int(rows[np.argmin(start / (start - end))])
+        high = _root(dynamics, row, (low, high), values[row, 0], dense)
+        values = np.stack([values[:, 0], margins(dynamics, dense(np.array([high])))[:, 0]], axis=1)
+        rows = rows[(values[rows, 1] < 0.0) & (rows != row)]
+        if not rows.size or high == low:
+            return row, high
 
 
 def _root(dynamics: Dynamics, row: int, span: tuple[float, float], start: float, dense: Dense) -> float:
