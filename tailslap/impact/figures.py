@@ -96,7 +96,7 @@ def energy_figure(outcome: ImpactOutcome) -> Curve:
     return draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
 
 
-def contact_figures(outcome: ImpactOutcome) -> list[Curve]:
+def contact_figures(outcome: ImpactOutcome) -> tuple[list[Curve], list[Curve]]:
     """Force over crush of the corners that struck, and with more points than corners the force along the side."""
     from postprocess.figures.impact.forces import draw_loops
     from postprocess.figures.impact.side_force import draw_side_force
@@ -109,15 +109,15 @@ def contact_figures(outcome: ImpactOutcome) -> list[Curve]:
         if pressed:
             k = max(pressed, key=lambda k: run.normal[:, k].max())
             loops[name] = (np.maximum(run.depth[:, k], 0.0), run.normal[:, k])
-    figures = [draw_loops(loops)] if loops else []
+    along = []
     side = np.flatnonzero(run.points[1] < 1e-6)
     order = side[np.argsort(-run.points[0, side], kind="stable")]
     if order.size > 4:
         distances, places = np.unique(np.round(-run.points[0, order], 9), return_inverse=True)
         force = np.zeros((len(run.normal), distances.size))
         np.add.at(force.T, places, run.normal[:, order].T / 1e3)
-        figures.append(draw_side_force(run.history["t"], distances, force, "kN", marks(outcome.fe)))
-    return figures
+        along.append(draw_side_force(run.history["t"], distances, force, "kN", marks(outcome.fe)))
+    return [draw_loops(loops)] if loops else [], along
 
 
 def animation(outcome: ImpactOutcome, folder: Path) -> Picture:

@@ -189,18 +189,17 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
     inputs = resolved_inputs(plan.scene, plan.source, fe_plan.plate, chosen)
     failed = {number: "failed" for number, check in enumerate(outcome.checks) if not check.passed}
     omitted = [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)]
+    forces, (loops, along) = force_figures(outcome, levels), contact_figures(outcome)
     moving = [animation(outcome, folder)] if pictures else []
     return [
         Section("Strikes", tables=[strikes_table(outcome)]),
         Section("Forces on the wall", tables=[peaks_table(outcome), design]),
         Section("The second strike's duration", tables=[durations_table(outcome.fe)]),
         Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
-        Section("Force over time", figures=force_figures(outcome, levels), layout="wide"),
-        Section(
-            "Energy, and the contact itself",
-            figures=[energy_figure(outcome), *contact_figures(outcome)],
-            layout="wide",
-        ),
+        Section("Lateral force over time", figures=forces[:1], layout="tall"),
+        Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
+        Section("Energy, and force along the side", figures=[energy_figure(outcome), *along], layout="wide"),
+        Section("Force over crush", figures=loops, layout="narrow"),
         Section("Animation", figures=moving, layout="tall"),
         Section("What was run", sentences=_statements(outcome)),
         Section("Checks of the result", tables=[Table(CHECKS, outcome.checks, marks=failed)]),
