@@ -21,6 +21,7 @@ from tailslap.impact.figures import (
     position_strip,
 )
 from tailslap.impact.outcome import ImpactOutcome
+from tailslap.impact.paper_method import paper_method
 from tailslap.impact.rigid_text import CURVES
 from tailslap.impact.summary import impact_cost, impact_summary
 from tailslap.report.footer import footer
@@ -195,6 +196,7 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
         Section("Strikes", tables=[strikes_table(outcome)]),
         Section("Forces on the wall", tables=[peaks_table(outcome), design]),
         Section("The second strike's duration", tables=[durations_table(outcome.fe)]),
+        Section("The paper's method beside it", tables=_paper(outcome)),
         Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
         Section("Lateral force over time", figures=forces[:1], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
@@ -214,6 +216,26 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
         ),
         Section("Inputs", tables=[Table(INPUTS, inputs)]),
     ]
+
+
+def _paper(outcome: ImpactOutcome) -> list[Table]:
+    """The three stages of the paper for the same vehicle, where the scene feeds them."""
+    beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
+    if beside is None:
+        return []
+    rigid = outcome.rigid
+    rear = next((strike for strike in rigid.strikes if strike.corner == "rear"), None)
+    rows = [
+        ("impulse of the tail-slap, all of the mass stopped", beside.impulse / 1e3, "kN s"),
+        ("impulse of the rear strike, computed", rear.impulse / 1e3 if rear else None, "kN s"),
+        (f"peak force with a duration of {beside.duration:g} s", beside.peak_force / 1e3, "kN"),
+    ]
+    if beside.computed_duration and beside.computed_peak_force:
+        read = f"peak force with {1e3 * beside.computed_duration:.0f} ms, read off the computed 50 ms mean"
+        rows.append((read, beside.computed_peak_force / 1e3, "kN"))
+    rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"] / 1e3, "kN"))
+    note = "Stages 1 to 3 are those of the uniform rectangle, whatever its centre of mass and yaw inertia are here."
+    return [pairs([(what, value and round(value, 1), unit) for what, value, unit in rows], notes=(note,))]
 
 
 def _statements(outcome: ImpactOutcome) -> list[str]:

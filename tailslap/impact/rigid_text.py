@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tailslap.impact.answers import ImpactAnswer, rigid_answer
+from tailslap.impact.paper_method import PaperMethod, paper_method
 from tailslap.impact.plan import ImpactPlan
 from tailslap.scene.us_units import shown
 
@@ -39,7 +41,9 @@ def rigid_impact(plan: ImpactPlan) -> ImpactAnswer:
 
 def rigid_numbers(plan: ImpactPlan) -> dict[str, Any]:
     """Strikes, peaks and end, SI."""
-    return {"scene": plan.scene.name, **rigid_impact(plan).numbers()}
+    answer = rigid_impact(plan)
+    beside = paper_method(plan.scene, answer)
+    return {"scene": plan.scene.name, **answer.numbers(), "paper_method": beside and asdict(beside)}
 
 
 def rigid_lines(plan: ImpactPlan, units: str = "si") -> list[str]:
@@ -60,7 +64,26 @@ def rigid_lines(plan: ImpactPlan, units: str = "si") -> list[str]:
         ("angular velocity", end["omega"], "rad/s"),
     )
     rows += (("v_GX", end["v_gx"], "m/s"), ("v_GY", end["v_gy"], "m/s"))
-    return lines + [f"  {name:<18}{shown(value, unit, units, width=14)}" for name, value, unit in rows]
+    lines += [f"  {name:<18}{shown(value, unit, units, width=14)}" for name, value, unit in rows]
+    return lines + _paper_lines(paper_method(plan.scene, answer), units)
+
+
+def _paper_lines(beside: PaperMethod | None, units: str) -> list[str]:
+    """The paper's method beside it."""
+    if beside is None:
+        return []
+    lines = [
+        "",
+        "The paper's method, of the uniform rectangle, whose side stops all at once",
+        f"  tail-slap at {beside.t:.4g} s, impulse {shown(beside.impulse, 'N s', units, digits=4)}, peak force "
+        f"{shown(beside.peak_force, 'N', units, digits=4)} with a duration of {beside.duration:g} s",
+    ]
+    if beside.computed_duration and beside.computed_peak_force:
+        lines.append(
+            f"  {shown(beside.computed_peak_force, 'N', units, digits=4)} with {beside.computed_duration:.3f} s, "
+            "read off the 50 ms mean above by its rule"
+        )
+    return lines
 
 
 CURVES = {

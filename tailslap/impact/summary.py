@@ -8,6 +8,7 @@ from typing import Any
 import tailslap
 from tailslap.impact.check_text import omitted_parts
 from tailslap.impact.outcome import ImpactOutcome
+from tailslap.impact.paper_method import paper_method
 
 
 def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
@@ -19,6 +20,7 @@ def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
         "passed": outcome.passed,
         "rigid": outcome.rigid.numbers(),
         "fe": outcome.fe.numbers(),
+        "paper_method": _beside(outcome),
         "difference": outcome.difference,
         "numerical_error": {"mesh": outcome.mesh_error},
         "checks": [asdict(check) for check in outcome.checks],
@@ -35,6 +37,12 @@ def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
         },
         "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
     }
+
+
+def _beside(outcome: ImpactOutcome) -> dict[str, Any] | None:
+    """The paper's method beside the rigid vehicle's impact."""
+    beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
+    return None if beside is None else asdict(beside)
 
 
 def impact_cost(outcome: ImpactOutcome) -> dict[str, float | int]:

@@ -16,8 +16,10 @@ from tailslap.errors import InputError
 from tailslap.impact.answers import strike_numbers
 from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import ImpactOutcome
+from tailslap.impact.paper_method import paper_method
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
+from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 
 pytestmark = pytest.mark.verification
@@ -214,3 +216,18 @@ def test_what_is_not_known_of_a_strike_is_left_out() -> None:
     numbers = strike_numbers(whole().fe.strikes[0])
     assert "friction_work" not in numbers
     assert all(not isinstance(value, float) or math.isfinite(value) for value in numbers.values())
+
+
+def test_the_papers_method_stands_beside() -> None:
+    """Its impulse is that of the same truck with a constrained corner; with the computed duration its force is less."""
+    outcome = whole()
+    beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
+    assert beside is not None
+    corner = make_plan(*read_scene("mash-tl4-sut"))
+    assert beside.impulse == pytest.approx(float(corner.force.impulse), rel=1e-12)
+    assert beside.peak_force == pytest.approx(2.0 * beside.impulse / 0.1, rel=1e-12)
+    assert beside.computed_peak_force == pytest.approx(
+        2.0 * beside.impulse / (beside.computed_duration or 0.0)
+    )
+    without = planned("impact.friction=", "impact.restitution=")
+    assert paper_method(without.scene, outcome.rigid) is None
