@@ -19,6 +19,7 @@ from solver.impact.modes import FREE, LINE, Modes
 pytestmark = pytest.mark.verification
 
 BLOCK = ImpactVehicle(4.0, 2.0, 1000.0)
+BALL = ImpactVehicle(4e-3, 2e-3, 1000.0)  # small, so that positions keep the digits of its dent
 REACH = math.hypot(2.0, 1.0)
 UPRIGHT = math.pi / 2.0 - math.atan(0.5)  # the front corner is below the centre of mass
 
@@ -44,8 +45,8 @@ class Loaded(Dynamics):
 
 
 def motion(law: CrushLaw, mu: float, state: ImpactState, end: float, **loads: float) -> list[Span]:
-    """Of a block that does not turn."""
-    dynamics, y = at_start(BLOCK, WallContact(law, mu), state)
+    """Of a ball that does not turn."""
+    dynamics, y = at_start(BALL, WallContact(law, mu), state)
     known = {key: getattr(dynamics, key) for key in ("mass", "mu", "points", "modes")}
     return integrate(Loaded(inertia=1e30, **known, **loads), y, lambda spans, t, y, dynamics: end)
 
@@ -98,8 +99,8 @@ def test_a_bouncing_mass(e: float) -> None:
     g, h = 10.0, 5.0
     v = math.sqrt(2.0 * g * h)
     spans = motion(
-        CrushLaw(1e16, 0.0, e), 0.0, ImpactState(0.0, REACH + h, UPRIGHT, 0.0, 0.0, 0.0),
-        v / g * (1.0 + 5.0 * e), press=g * BLOCK.mass,
+        CrushLaw(1e16, 0.0, e), 0.0, ImpactState(0.0, 1e-3 * REACH + h, UPRIGHT, 0.0, 0.0, 0.0),
+        v / g * (1.0 + 5.0 * e), press=g * BALL.mass,
     )  # fmt: skip
     found = intervals(spans)
     assert [interval.start for interval in found] == pytest.approx(

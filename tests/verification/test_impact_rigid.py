@@ -167,7 +167,7 @@ def test_where_it_strikes() -> None:
     assert front.friction_work < 0.0
 
 
-@pytest.mark.parametrize("points", [16, 32])
+@pytest.mark.parametrize("points", [16, pytest.param(32, marks=pytest.mark.long)])
 def test_a_layer_converges_with_its_points(points: int) -> None:
     """Doubling changes peaks and impulses of the first two strikes by 2e-3 from 16, 1e-3 from 32 points."""
     law = CrushLaw(1e6, 0.0, 0.22)
