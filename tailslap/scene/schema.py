@@ -13,7 +13,9 @@ from fem.constitutive.materials import MATERIALS
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.discretisation.lumpings import LUMPINGS
 from fem.registry import Registry
+from fem.start.start_kinds import START_KINDS
 from tailslap.scene.units import Quantity
 
 MAX_ELEMENTS = 4_000_000
@@ -80,9 +82,7 @@ def _start_name(given: object) -> object:
     return given
 
 
-StartName = Annotated[
-    Literal["inertia-relief", "inertia-relief-momenta", "unstressed"], BeforeValidator(_start_name)
-]
+StartName = Annotated[str, _registered(START_KINDS), BeforeValidator(_start_name)]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
@@ -201,7 +201,7 @@ class Plate(Table):
     element: Annotated[str, _registered(ELEMENT_KINDS)] = "quad4"
     distortion: Distortion = 0.0
     hourglass: Share = 0.1
-    lumping: Literal["exact", "row-sum"] = "exact"
+    lumping: Annotated[str, _registered(LUMPINGS)] = "exact"
     start: StartName = "inertia-relief"
 
     @property
@@ -210,6 +210,11 @@ class Plate(Table):
         if self.elements is None:
             raise ValueError("the elements are not chosen yet")
         return self.elements
+
+    @property
+    def relieved(self) -> bool:
+        """Whether the plate starts with the elastic state of its acceleration."""
+        return START_KINDS[self.start].relieved
 
 
 class Material(Table):

@@ -107,7 +107,7 @@ def _locked(place: Path) -> Iterator[BinaryIO]:
 
 
 def _claim(place: Path, definition: Definition) -> bool:
-    """Write the definition, or hold it against the one that is there; whether it was written."""
+    """Write the definition, or compare it with the one that is there; whether it was written."""
     path = place / DEFINITION
     if os.path.lexists(path):
         _demand_same(place, definition)

@@ -24,7 +24,7 @@ from tailslap.verification.numerical_error import EXPLAINED, FLOOR, SHARE
 from tailslap.verification.ringing import RINGING
 
 STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
-"""Columns of the energy that the model holds."""
+"""Columns of the energy that the model stores."""
 
 OSCILLATES = 1.25
 """Kinetic energy of the oscillation of an unstressed start, over the elastic energy that it begins without: at most 1
@@ -33,8 +33,8 @@ in a linear model without friction."""
 
 def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
     """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
-    held = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
-    balance = held - history["friction_work"] - history["damping_work"]
+    stored = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
+    balance = stored - history["friction_work"] - history["damping_work"]
     return np.asarray(balance - balance[0])
 
 

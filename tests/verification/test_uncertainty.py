@@ -391,7 +391,7 @@ def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str
 
 def test_parts_of_the_record(complete: Spread) -> None:
     """What is held, and how the scene's own force compares."""
-    assert complete.held == ("vehicle.length", "vehicle.width", "vehicle.mass")
+    assert complete.fixed == ("vehicle.length", "vehicle.width", "vehicle.mass")
     forces: Any = np.concatenate([complete.samples.force_a, complete.samples.force_b])
     assert complete.share_below == np.mean(forces < complete.plan.force.peak_force)
     nothing = replace(complete.samples, force_a=np.full_like(complete.samples.force_a, np.nan))

@@ -1,6 +1,6 @@
 """The study `stability`: where the program is right, refuses, or catches itself, over pairs of axes.
 
-With --random it draws scenes with all axes and choices at once, and holds each against a refined model.
+With --random it draws scenes with all axes and choices at once, and compares each with a refined model.
 """
 
 import click

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from tailslap.errors import InputError
+from tailslap.planning.effort import beam_frequency, expected_effort
 from tailslap.planning.plan import make_plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.stability.axes import Cell, base_source
-from tailslap.studies.stability.effort import beam_frequency, expected_effort
 
-MAX_STEPS, MAX_SECONDS = 400_000, 3.0
+MAX_STEPS, MAX_SECONDS = 400_000, 0.5
 """Steps, and seconds of its time loop, that a run may be expected to take."""
 
 MAX_TRIES = 1000
