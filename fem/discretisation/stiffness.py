@@ -54,7 +54,7 @@ class Spectrum:
 
     def highest_frequency(self) -> float:
         """Highest circular frequency [rad/s], by Lanczos."""
-        return math.sqrt(max(self._largest(constrained) for constrained in self._constrained))
+        return math.sqrt(max(self._largest(k) for k in self._constrained))
 
     def stable_time_step(self, frequency: float, damping: sp.csr_matrix | None) -> float:
         """Largest stable step [s] of central differences, the damping forces being half a step late.

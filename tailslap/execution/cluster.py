@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-import os
 import signal
 import warnings
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import tailslap
 from tailslap.errors import InputError, Verbatim
 from tailslap.execution.worker import make_ready
+from tailslap.machine import available_cores
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -47,11 +47,6 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
         client = stack.enter_context(_remote(cluster) if cluster else _local(workers or available_cores()))
         _check_versions(client, cluster)
         yield client
-
-
-def available_cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 @contextlib.contextmanager

@@ -9,6 +9,7 @@ import numpy as np
 
 from postprocess.comparison.comparison import largest
 from tailslap.planning.flexibility import sensitivity
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.verification.check import (
     FINER,
     MORE_DAMPING,
@@ -45,8 +46,11 @@ def _reached(given: Evidence) -> Evaluation:
 
 
 def _finite(given: Evidence) -> Evaluation:
-    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in given.history.values())
-    return Evaluation(bad, 0, "entries of the history that are not finite numbers")
+    force = given.fe_plan.plan.force
+    theory = (*stage_two_numbers(given.fe_plan.plan).values(), force.impulse, force.peak_force)
+    results = [*given.history.values(), np.array([*theory, *given.differences.values()], dtype=float)]
+    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
+    return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
 
 
 def _time_step(given: Evidence) -> Evaluation:

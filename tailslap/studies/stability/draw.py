@@ -79,7 +79,8 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
 def _affordable(base: Source, changes: Changes) -> bool:
     """Whether the rigid motion exists, and a run is not too long."""
     try:
-        effort = expected_effort(make_plan(*vary(base, changes)))
+        plan = make_plan(*vary(base, changes))
+        effort = expected_effort(plan.scene, plan.motion.strike.t)
     except InputError:
         return False
     return effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS

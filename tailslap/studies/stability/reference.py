@@ -58,7 +58,11 @@ def find_reference(cell: Source, plate: Plate) -> Reference | None:
     ):
         try:
             plan = make_plan(*vary(cell, reference_changes(plate, finer, ratio)))
-            outcome = None if expected_effort(plan).seconds > MAX_SECONDS else _without_ringing(plan)
+            outcome = (
+                None
+                if expected_effort(plan.scene, plan.motion.strike.t).seconds > MAX_SECONDS
+                else _without_ringing(plan)
+            )
         except InputError:
             continue
         if outcome is not None and trustworthy(outcome):
