@@ -92,9 +92,6 @@ def run(analysis: Analysis, plan: Any, out: Path | None, no_pictures: bool, tole
     def report(folder: Path) -> Report:
         return analysis.run_report(plan, folder, tolerance, not no_pictures)
 
-    def report(folder: Path) -> Report:
-        return analysis.run_report(plan, folder, tolerance, not no_pictures)
-
     return deliver(out or Path("results") / plan.scene.name, report)
 
 

@@ -25,7 +25,7 @@ class Effort:
 
 
 def expected_effort(scene: Scene, duration: float) -> Effort:
-    """Expected effort of a run over this time [s]; an open mesh counts as the program's first, of quadratic elements."""
+    """Effort of a run over this time [s]; an open mesh counts as the program's first, of quadratic elements."""
     body, plate = scene.vehicle, scene.plate
     assert plate is not None
     element = plate.element if "element" in plate.model_fields_set else "quad9"
