@@ -141,14 +141,16 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool) -> int:
 def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
     """Natural frequencies of the plate, with pictures."""
     from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.report.deliver import deliver
 
     def report(folder: Path) -> Report:
         from tailslap.modes.plate_modes import find_modes
         from tailslap.modes.report import modes_report
 
-        return modes_report(find_modes(make_fe_plan(plan), count))
+        return modes_report(find_modes(fe_plan, count))
 
+    fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     return deliver(out or Path("results") / f"{plan.scene.name}-modes", report)
 
 
@@ -170,9 +172,10 @@ def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: floa
     """Run a scene with a few modes of the plate."""
     from tailslap.modal import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.report.modal_text import modal_numbers, modal_text
 
-    fe_plan = make_fe_plan(plan)
+    fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     found = modal_run(fe_plan, modes, tolerance, steps)
     click.echo((modal_numbers if as_json else modal_text)(fe_plan, found))
     return DONE if found.passed else CHECK_FAILED
