@@ -1,10 +1,10 @@
-"""What the damping of elastic velocities changes in the answer beside what is stated of it, and what it costs.
+"""What the damping of elastic velocities changes in the result beside what is stated of it, and what it costs.
 
     .venv/bin/python benchmarks/damping.py
 
-The first table holds `HELD` of tailslap/verification/numerical_error.py: stated over measured should be above one.
-The second times set-up and loop of the paper's plate, with the damping and without, in turns: median of the ratios,
-least and largest.
+The first table holds `LAG_EFFECT` of tailslap/verification/numerical_error.py: stated over measured should be above
+one. The second times set-up and loop of the paper's plate, with the damping and without, in turns: median of the
+ratios, least and largest.
 """
 
 from __future__ import annotations

@@ -146,7 +146,7 @@ def print_word_kept(found: list[dict[str, Any]]) -> None:
     quiet = [entry for entry in picked if entry["end"] == "passed" and entry["ratio"] > 3.0]
     print(f"scenes {len(found)}, refused {len(found) - len(picked)}, picked {len(picked)}")
     for against in ("rigid", "limit"):
-        print(f"  held against {against}: {sum(entry['against'] == against for entry in picked)}")
+        print(f"  compared with {against}: {sum(entry['against'] == against for entry in picked)}")
     print(f"meet the tolerance            asked 95 %   measured {100.0 * len(met) / len(picked):.1f} %")
     print(f"miss by over 3, unreported    asked 0      measured {len(quiet)}")
     print(f"met, and failed a check all the same: {sum(entry['end'] == 'failed' for entry in met)}")

@@ -3,8 +3,8 @@
 The package stands alone: it knows neither the rigid-body solution that it is compared with nor scene files. A model
 comes from a mesh and three records of properties (`build_model`); from a `RigidStart` it runs to the tail-slap
 (`simulate`). What can be added from outside, each as one registered object: `FRICTION_LAWS` and `CONSTRAINTS` of the
-corner, `MATERIALS`, `ELEMENT_KINDS`, `COLUMNS` of the history. These registries, and the packages themselves, load
-neither Numba nor SciPy: what does is loaded with the first name that needs it.
+corner, `MATERIALS`, `ELEMENT_KINDS`, `LUMPINGS` of the mass, `START_KINDS`, `COLUMNS` of the history. These registries,
+and the packages themselves, load neither Numba nor SciPy: what does is loaded with the first name that needs it.
 """
 
 from fem.lazy import lazily
@@ -16,10 +16,12 @@ __all__, __getattr__ = lazily(
         "contact.constraints": "CONSTRAINTS Constraint",
         "contact.friction": "FRICTION_LAWS FrictionLaw",
         "discretisation.element_kinds": "ELEMENT_KINDS ElementKind",
+        "discretisation.lumpings": "LUMPINGS Lumping",
         "discretisation.model": "PlateModel build_model",
         "discretisation.properties": "CornerProperties ModelError PlateProperties StepProperties",
         "explicit.columns": "COLUMNS Column",
         "explicit.simulate": "Run simulate",
         "start.rigid_state": "RigidStart",
+        "start.start_kinds": "START_KINDS StartKind",
     },
 )

@@ -11,14 +11,16 @@ import fcntl
 import functools
 import hashlib
 import os
+import pickle
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import numba
 import numba.extending
 import platformdirs
+from numba.core.caching import FunctionCache
 
 from fem.registry import PACKAGE, LawRegistry, outside_sources, watch
 
@@ -44,6 +46,15 @@ def compiled(function: Callable[..., Any]) -> Any:
     return dispatcher
 
 
+class _DispensableCache(FunctionCache):
+    """Machine code on disk; where it cannot be written or read, as on a full disk, it is compiled anew."""
+
+    @contextmanager
+    def _guard_against_spurious_io_errors(self) -> Iterator[None]:
+        with suppress(OSError, EOFError, pickle.UnpicklingError):
+            yield
+
+
 def _keep_in(folder: Path, *dispatchers: Any) -> None:
     """Keep the machine code of these functions in this folder."""
     # Numba reads the setting at this moment; other users of Numba keep theirs.
@@ -51,7 +62,8 @@ def _keep_in(folder: Path, *dispatchers: Any) -> None:
     numba.config.CACHE_DIR = str(folder)
     try:
         for dispatcher in dispatchers:
-            dispatcher.enable_caching()
+            with suppress(RuntimeError):  # Numba's, where no folder can be written
+                dispatcher._cache = _DispensableCache(dispatcher.py_func)
     finally:
         numba.config.CACHE_DIR = before
 

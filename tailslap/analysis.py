@@ -30,6 +30,8 @@ class Analysis:
         plan -> what `tailslap check` says.
     run_report : callable
         (plan, folder, tolerance, pictures) -> the report of a run.
+    duration : callable
+        plan -> how long the motion lasts that a run integrates [s].
     columns : callable
         plan -> columns of a run for the table of a sweep.
     """
@@ -40,4 +42,5 @@ class Analysis:
     rigid_lines: Callable[[Any, str], list[str]]
     check_lines: Callable[[Any], list[str]]
     run_report: Callable[[Any, Path, float | None, bool], Report]
+    duration: Callable[[Any], float]
     columns: Callable[[Any], dict[str, Any]]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import functools
 import io
-import json
 import os
 import sys
 from collections.abc import Callable
@@ -12,17 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tailslap.options import Folder, Real, Whole
+
 # The matrices are small or sparse: threads of BLAS would only disturb each other, a hundredfold where cores are busy.
 # Set before NumPy is loaded, and taken over by worker processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import tailslap
-from tailslap.errors import InputError, Interrupted
+from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
 from tailslap.studies import study
 from tailslap.sweep.command import sweep
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
+    from tailslap.analysis import Analysis
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
@@ -42,6 +45,28 @@ def scene_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
     return click.argument("name", metavar="SCENE")(function)
 
 
+allow_large = click.option(
+    "--allow-large", is_flag=True, help="Also where it takes more memory, time or threads than there are."
+)
+
+
+def fe_scene(function: Callable[..., int]) -> Callable[..., int]:
+    """SCENE, --set and --allow-large of a command that takes the calculation of a scene with a plate, and its plan."""
+
+    @functools.wraps(function)
+    def command(name: str, changes: tuple[str, ...], allow_large: bool, **options: Any) -> int:
+        from tailslap.analyses import needs_plate
+        from tailslap.planning.affordable import demand_affordable
+
+        analysis, plan = _planned(name, changes)
+        needs_plate(plan.scene)
+        if not allow_large:
+            demand_affordable(plan.scene, analysis.duration(plan))
+        return function(analysis, plan, **options)
+
+    return scene_arguments(allow_large(command))
+
+
 @click.group(context_settings=HELP)
 @click.version_option(tailslap.__version__, prog_name="tailslap")
 def commands() -> None:
@@ -52,21 +77,17 @@ def commands() -> None:
 
 
 @commands.command()
-@scene_arguments
-@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME]")
+@fe_scene
+@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME]")
 @click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
 @click.option(
-    "--tolerance", type=float, help="Pick the cheapest mesh and constraint for this relative error."
+    "--tolerance",
+    type=Real(0.0, 1.0, min_open=True, max_open=True),
+    help="Pick the cheapest mesh and constraint for this relative error.",
 )
-def run(
-    name: str, changes: tuple[str, ...], out: Path | None, no_pictures: bool, tolerance: float | None
-) -> int:
+def run(analysis: Analysis, plan: Any, out: Path | None, no_pictures: bool, tolerance: float | None) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
-    from tailslap.analyses import needs_plate
     from tailslap.report.deliver import deliver
-
-    analysis, plan = _planned(name, changes)
-    needs_plate(plan.scene)
 
     def report(folder: Path) -> Report:
         return analysis.run_report(plan, folder, tolerance, not no_pictures)
@@ -80,11 +101,13 @@ def run(
 @click.option("--units", type=click.Choice(["si", "us"]), default="si", help="Units of the printed numbers.")
 def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int:
     """The rigid-body method, or the rigid vehicle's whole impact, alone."""
+    from postprocess.files.summary import summary_text
+
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
     analysis, plan = _planned(name, changes)
     lines = analysis.rigid_lines(plan, units) if not as_json else []
-    click.echo(json.dumps(analysis.rigid_numbers(plan), indent=2) if as_json else "\n".join(lines))
+    click.echo(summary_text(analysis.rigid_numbers(plan)) if as_json else "\n".join(lines))
     return DONE
 
 
@@ -94,56 +117,65 @@ commands.add_command(sweep)
 
 @commands.command()
 @scene_arguments
-def check(name: str, changes: tuple[str, ...]) -> int:
+@allow_large
+def check(name: str, changes: tuple[str, ...], allow_large: bool) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
+    from tailslap.planning.affordable import demand_affordable, is_large
+    from tailslap.report.check_text import estimate_part
+
     analysis, plan = _planned(name, changes)
-    click.echo("\n".join(analysis.check_lines(plan)))
+    scene, duration = plan.scene, analysis.duration(plan)
+    if not allow_large:
+        demand_affordable(scene, duration)
+    lines = estimate_part(scene, duration) if is_large(scene) else analysis.check_lines(plan)
+    click.echo("\n".join(lines))
     return DONE
 
 
 @commands.command()
-@scene_arguments
-@click.option("--count", default=10, show_default=True, help="Elastic modes, the lowest.")
-@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-modes]")
-def modes(name: str, changes: tuple[str, ...], count: int, out: Path | None) -> int:
+@fe_scene
+@click.option(
+    "--count", type=Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
+)
+@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-modes]")
+def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
     """Natural frequencies of the plate, with pictures."""
-    from tailslap.planning.fe_plan import make_fe_plan, needed_plate
+    from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.report.deliver import deliver
 
     def report(folder: Path) -> Report:
         from tailslap.modes.plate_modes import find_modes
         from tailslap.modes.report import modes_report
 
-        return modes_report(find_modes(make_fe_plan(plan), count))
+        return modes_report(find_modes(fe_plan, count))
 
-    plan = _plan(name, changes)
-    needed_plate(plan.scene)
+    fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     return deliver(out or Path("results") / f"{plan.scene.name}-modes", report)
 
 
 @commands.command()
-@scene_arguments
-@click.option("--modes", default=4, show_default=True, help="Elastic modes to keep, the lowest.")
+@fe_scene
 @click.option(
-    "--steps", type=click.IntRange(10, 1_000_000), default=100, show_default=True, help="Time steps."
+    "--modes", type=Whole(1, 200), default=4, show_default=True, help="Elastic modes to keep, the lowest."
 )
+@click.option("--steps", type=Whole(10, 1_000_000), default=100, show_default=True, help="Time steps.")
 @click.option(
     "--tolerance",
-    type=click.FloatRange(0.0, 1.0, min_open=True),
+    type=Real(0.0, 1.0, min_open=True),
     default=1e-5,
     show_default=True,
     help="Relative error allowed.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
-def modal(
-    name: str, changes: tuple[str, ...], modes: int, steps: int, tolerance: float, as_json: bool
-) -> int:
+def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, as_json: bool) -> int:
     """Run a scene with a few modes of the plate."""
     from tailslap.modal import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
+    from tailslap.planning.plan import make_plan
     from tailslap.report.modal_text import modal_numbers, modal_text
 
-    fe_plan = make_fe_plan(_plan(name, changes))
+    fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     found = modal_run(fe_plan, modes, tolerance, steps)
     click.echo((modal_numbers if as_json else modal_text)(fe_plan, found))
     return DONE if found.passed else CHECK_FAILED
@@ -162,7 +194,7 @@ def scenes() -> int:
 
 
 @commands.command()
-@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/paper]")
+@click.option("--out", type=Folder(), help="Result folder  [default: results/paper]")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI, instead of tables.")
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
@@ -177,7 +209,7 @@ def paper(out: Path | None, as_json: bool) -> int:
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 
 
-def _planned(name: str, changes: tuple[str, ...]) -> tuple[Any, Any]:
+def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
     """The calculation that the scene asks for, and its plan."""
     from tailslap.analyses import analysis_of
     from tailslap.scene.files import read_scene
@@ -187,45 +219,63 @@ def _planned(name: str, changes: tuple[str, ...]) -> tuple[Any, Any]:
     return analysis, analysis.make_plan(scene, source)
 
 
-def _plan(name: str, changes: tuple[str, ...]) -> Any:
-    from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
-
-    return make_plan(*read_scene(name, changes))
-
-
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: run a command and leave with its exit status."""
+    from tailslap import process
+
+    process.open_closed_streams()
+    process.take_signals_as_interrupts()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters shows question marks
-    sys.exit(_status(arguments))
+    status = _status(arguments)
+    process.drop_unwritten()
+    sys.exit(status)
 
 
 def _status(arguments: list[str] | None) -> int:
     try:
-        status = commands.main(arguments, prog_name="tailslap", standalone_mode=False)
+        status = _run(arguments)
         sys.stdout.flush()
-        return status if isinstance(status, int) else DONE
+        return status
     except InputError as error:
         return _complain(str(error), WRONG_INPUT)
     except click.ClickException as error:
-        error.show()
+        said = io.StringIO()
+        error.show(said)
+        click.echo(escaped(said.getvalue()), err=True, nl=False)
         return WRONG_INPUT
     except (KeyboardInterrupt, click.Abort) as error:
         kept = error.__cause__ if isinstance(error.__cause__, Interrupted) else error
         return _complain(str(kept) or "interrupted; nothing was written", INTERRUPTED)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except MemoryError:
         return _complain("the memory of this machine does not hold this mesh: see plate.elements", CANNOT_RUN)
-    except (ImportError, OSError) as error:
+    except ImportError as error:
         return _complain(f"{error}\n`python3 bootstrap.py` in the checkout says what is missing", CANNOT_RUN)
+    except OSError as error:
+        return _complain(machine_fault(error), CANNOT_RUN)
+    except Exception as error:  # a fault of the program: one line, as everywhere; the rest on demand
+        if os.environ.get("TAILSLAP_TRACEBACK"):
+            raise
+        why = f"a fault of the program, {type(error).__name__}: {shortened(str(error))}"
+        return _complain(f"{why}\nwith TAILSLAP_TRACEBACK=1 it shows where; please report it", CANNOT_RUN)
+
+
+def _run(arguments: list[str] | None) -> int:
+    """Not by `commands.main`, which ends with 1 where the reader of a pipe leaves."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        with commands.make_context("tailslap", given) as context:
+            status = commands.invoke(context)
+    except click.exceptions.Exit as left:
+        return left.exit_code
+    return status if isinstance(status, int) else DONE
 
 
 def _complain(message: str, status: int) -> int:
-    click.echo(f"tailslap: {message}", err=True)
+    click.echo(f"tailslap: {escaped(message)}", err=True)
     return status
 
 

@@ -1,6 +1,14 @@
-"""The one error by which wrong input reaches the user."""
+"""The one error by which wrong input reaches the user, and how what was given is shown in messages."""
 
 from __future__ import annotations
+
+import errno
+
+MACHINE_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
+"""Faults that no other place would mend: a full disk, limits of the process."""
+
+MAX_SHOWN = 120
+"""Characters of what was given that a message shows."""
 
 
 class InputError(Exception):
@@ -18,7 +26,7 @@ class InputError(Exception):
 
     def __init__(self, key: str, given: object, allowed: str) -> None:
         self.key, self.given, self.allowed = key, given, allowed
-        super().__init__(f"{key}: given {_shown(given)}; {allowed}")
+        super().__init__(f"{shortened(key)}: given {_shown(given)}; {allowed}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
         """It travels between processes with what it was made of."""
@@ -37,8 +45,40 @@ class Verbatim(str):
     """Text that is shown as it stands, without quotes."""
 
 
+def place_error(place: object, what: str, error: OSError) -> Exception:
+    """What to raise where a result cannot be written: wrong input, or the machine's fault as it is."""
+    if error.errno in MACHINE_FAULTS:
+        return OSError(error.errno, f"{what}: {error.strerror}", str(place))
+    return InputError("--out", str(place), f"{what}: {error.strerror or error}")
+
+
+def machine_fault(error: OSError) -> str:
+    """What the machine lacks, as a sentence."""
+    where = f": {shortened(str(error.filename))}" if error.filename else ""
+    return f"{error.strerror or error}{where}"
+
+
+def escaped(text: str) -> str:
+    """The text on lines of its own, with all that a terminal would not show as it stands written as an escape."""
+    return "".join(letter if letter.isprintable() or letter == "\n" else _escape(letter) for letter in text)
+
+
+def shortened(text: str, most: int = MAX_SHOWN) -> str:
+    """No more than so many characters of a text, on one line, escaped."""
+    text = text if len(text) <= most else text[: most - 3] + "..."
+    return escaped(text).replace("\n", "\\n")
+
+
+def _escape(letter: str) -> str:
+    return letter.encode("unicode_escape", "backslashreplace").decode("ascii")
+
+
 def _shown(given: object) -> str:
     if given is Missing:
         return "nothing"
-    text = f'"{given}"' if isinstance(given, str) and not isinstance(given, Verbatim) else str(given)
-    return text if len(text) <= 120 else text[:117] + "..."
+    if isinstance(given, str) and not isinstance(given, Verbatim):
+        return f'"{shortened(given)}"'
+    try:
+        return shortened(str(given))
+    except (ValueError, RecursionError):  # Python prints no integer of more than 4 300 digits
+        return f"a {type(given).__name__} too long to be shown"

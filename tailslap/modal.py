@@ -1,4 +1,4 @@
-"""The modal run: the plate as a floating frame with a few elastic modes, and how far its answer can be trusted."""
+"""The modal run: the plate as a floating frame with a few elastic modes, and how far its result can be trusted."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MODES, STEPS, TOLERANCE = 4, 100, 1e-5
 """Elastic modes, time steps to the tail-slap, and relative error allowed, unless the caller says otherwise."""
 
 MORE_MODES = 4
-"""The answer is held against that of twice as many modes and so many more."""
+"""The result is compared with that of twice as many modes and so many more."""
 
 
 @dataclass(frozen=True)
@@ -165,13 +165,13 @@ def _checks(motion: ModalMotion, estimate: Estimate, tolerance: float) -> tuple[
     meanings = {
         "modes left out": (
             estimate.modes,
-            "how far the answer moves with more of them; --modes takes a larger number",
+            "how far the result moves with more of them; --modes takes a larger number",
         ),
         "linear modes": (
             estimate.linear,
             "what their linear strain leaves out; the plate is too soft for modes, `tailslap run` is not",
         ),
-        "time steps": (estimate.steps, "how far the answer moves with half as many; --steps takes more"),
+        "time steps": (estimate.steps, "how far the result moves with half as many; --steps takes more"),
     }
     checks = [Check("tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]")]
     for name, (value, meaning) in meanings.items():

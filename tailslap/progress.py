@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 
 Write = Callable[[float, Callable[[], str]], None]
-"""Takes how much is done, and what makes the words for it, which is called where they are shown."""
+"""Takes how much is done, and what makes the label, which is called where they are shown."""
 
 DELAY, EVERY = 2.0, 0.1
 """Seconds before anything is shown, and between two states of the line."""
@@ -23,12 +23,12 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """Yield a function that takes the share done, 0 to 1; silent where standard error is no terminal."""
     began = time.monotonic()
 
-    def words(share: float) -> str:
+    def line(share: float) -> str:
         spent = time.monotonic() - began
         return f"{label}: {clock(spent)} of {clock(spent / share) if share else '?'}"
 
     with _line(1.0) if sys.stderr.isatty() else nullcontext(_silent) as write:
-        yield lambda share: write(share, lambda: words(share))
+        yield lambda share: write(share, lambda: line(share))
 
 
 @contextmanager
@@ -40,13 +40,13 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
     """
     began = time.monotonic()
 
-    def words(done: int, note: str) -> str:
+    def line(done: int, note: str) -> str:
         rate = (done - before) / max(time.monotonic() - began, 1e-9)
         left = clock((total - done) / rate) if rate else "?"
         return f"{label}: {done} of {total}, {rate:.3g}/s, {left} left{note}"
 
     with _line(total) if sys.stderr.isatty() else _log() as write:
-        yield lambda done, note="": write(done, lambda: words(done, note))
+        yield lambda done, note="": write(done, lambda: line(done, note))
 
 
 @contextmanager
@@ -71,7 +71,7 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
 
 
-def _silent(done: float, words: Callable[[], str]) -> None:
+def _silent(done: float, label: Callable[[], str]) -> None:
     """Write nothing."""
 
 
@@ -80,11 +80,11 @@ def _log() -> Iterator[Write]:
     """Yield what prints a line from time to time."""
     last = time.monotonic()
 
-    def write(done: float, words: Callable[[], str]) -> None:
+    def write(done: float, label: Callable[[], str]) -> None:
         nonlocal last
         if time.monotonic() - last >= LOGGED_EVERY:
             last = time.monotonic()
-            print(f"tailslap: {words()}", file=sys.stderr, flush=True)
+            print(f"tailslap: {label()}", file=sys.stderr, flush=True)
 
     yield write
 
@@ -108,10 +108,10 @@ def _line(total: float) -> Iterator[Write]:
     )
     task, due = bar.add_task("", total=total), time.monotonic() + DELAY
 
-    def write(done: float, words: Callable[[], str]) -> None:
+    def write(done: float, label: Callable[[], str]) -> None:
         nonlocal due
         if time.monotonic() >= due:
-            bar.update(task, completed=done, description=words())
+            bar.update(task, completed=done, description=label())
             bar.start()
             console.show_cursor(True)  # a process that is killed would leave the terminal without
             bar.refresh()

@@ -51,5 +51,6 @@ SLIDING = Analysis(
     rigid_lines=rigid_lines,
     check_lines=_check_lines,
     run_report=_run_report,
+    duration=lambda plan: plan.motion.strike.t,
     columns=_columns,
 )

@@ -1,8 +1,9 @@
 """Space: the plate as the time loop takes it, from a mesh and its properties.
 
-`properties` says what a model is made from and what is wrong where none can be made, `element_kinds` registers the
-elements, `elements` draws their tables from scikit-fem, `mass` lumps masses with the exact inertia, `stiffness` finds
-the largest stable step, `model` puts them together, and `fields` carries results to nodes for pictures.
+`properties` says what a model is made from and what is wrong where none can be made, `element_kinds` and `lumpings`
+register the elements and the ways to lump the mass, `elements` draws tables from scikit-fem, `mass` has nodal masses of
+the exact inertia, `stiffness` finds the largest stable step, `model` puts them together, and `fields` carries results
+to nodes for pictures.
 """
 
 from fem.lazy import lazily
@@ -11,6 +12,7 @@ __all__, __getattr__ = lazily(
     __name__,
     {
         "element_kinds": "ELEMENT_KINDS ElementKind",
+        "lumpings": "LUMPINGS Lumping",
         "model": "PlateModel build_model",
         "properties": "CornerProperties ModelError PlateProperties StepProperties",
     },

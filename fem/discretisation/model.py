@@ -14,7 +14,8 @@ from fem.contact.corner import Corner
 from fem.contact.support_patch import corner_weights
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.elements import Discretisation, Hourglass, discretise, hourglass_control
-from fem.discretisation.mass import exact_inertia_masses, given_inertia_masses, row_sum_masses
+from fem.discretisation.lumpings import LUMPINGS
+from fem.discretisation.mass import given_inertia_masses
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
 from fem.discretisation.stiffness import corner_spectrum, hourglass_matrix, stiffness_matrix
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
@@ -24,9 +25,6 @@ from fem.modal.modes import lowest_frequency
 
 if TYPE_CHECKING:
     import meshio
-
-MASSES = {"exact": exact_inertia_masses, "row-sum": row_sum_masses}
-"""Ways to lump the mass, by name."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +162,7 @@ def assemble(
     """Discretisation, moduli, masses [kg], stiffness [N/m] and hourglass control of the plate alone."""
     discretisation = discretise(mesh, plate.thickness, plate.element)
     moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
-    masses = MASSES[plate.lumping](discretisation.scalar, plate.density, plate.thickness)
+    masses = LUMPINGS[plate.lumping].masses(discretisation.scalar, plate.density, plate.thickness)
     if plate.inertia is not None:
         masses = given_inertia_masses(discretisation.positions, masses, plate.inertia)
     stiffness: Any = stiffness_matrix(discretisation.scalar, plate.thickness, moduli)

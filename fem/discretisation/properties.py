@@ -54,7 +54,7 @@ class PlateProperties:
     poissons_ratio : float
         [-].
     lumping : str
-        Of the mass: "exact" or "row-sum".
+        A name of `LUMPINGS`.
     element : str
         A name of `ELEMENT_KINDS`.
     material : str

@@ -48,13 +48,13 @@ class Spectrum:
         dashpots: Sequence[sp.csr_matrix] = (),
     ) -> None:
         self._root = sp.diags(1.0 / np.sqrt(np.tile(masses, 2)))
-        self._held = [self._scaled(stiffness + spring) for spring in springs]
+        self._constrained = [self._scaled(stiffness + spring) for spring in springs]
         self._dashpots = [self._scaled(dashpot) for dashpot in dashpots]
         self._vector = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
 
     def highest_frequency(self) -> float:
         """Highest circular frequency [rad/s], by Lanczos."""
-        return math.sqrt(max(self._largest(held) for held in self._held))
+        return math.sqrt(max(self._largest(k) for k in self._constrained))
 
     def stable_time_step(self, frequency: float, damping: sp.csr_matrix | None) -> float:
         """Largest stable step [s] of central differences, the damping forces being half a step late.
@@ -68,12 +68,14 @@ class Spectrum:
             return undamped
         from scipy.optimize import brentq
 
-        plate = 0.0 * self._held[0] if damping is None else self._scaled(damping)
-        damped = [sp.csr_matrix(plate + dashpot) for dashpot in self._dashpots] or [plate] * len(self._held)
-        pairs = list(zip(self._held, damped, strict=True))
+        plate = 0.0 * self._constrained[0] if damping is None else self._scaled(damping)
+        damped = [sp.csr_matrix(plate + dashpot) for dashpot in self._dashpots] or [plate] * len(
+            self._constrained
+        )
+        pairs = list(zip(self._constrained, damped, strict=True))
 
         def excess(step: float) -> float:
-            return max(math.sqrt(self._largest(step**2 * held + 2.0 * step * c)) for held, c in pairs) - 2.0
+            return max(math.sqrt(self._largest(step**2 * k + 2.0 * step * c)) for k, c in pairs) - 2.0
 
         ratio = 0.5 * max(map(self._largest, damped)) / frequency
         least = undamped * (math.sqrt(1.0 + ratio**2) - ratio)

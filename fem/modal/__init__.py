@@ -1,4 +1,4 @@
-"""Free modes, beams to hold them against, and the modal model in a floating frame (docs/modal.md).
+"""Free modes, beams to compare them with, and the modal model in a floating frame (docs/modal.md).
 
 `modes` and `mode_kinds` find modes of the free plate and tell their kinds, `beam_theory` the frequencies of beams.
 `modal_model` keeps a few modes and the flexibility of the rest, `modal_motion` has the equations of motion,

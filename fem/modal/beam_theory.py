@@ -1,4 +1,4 @@
-"""Natural frequencies of a free beam, to hold the plate's against: bending, with shear and without, and longitudinal.
+"""Natural frequencies of a free beam, to compare the plate's with: bending, with shear and without, and longitudinal.
 
 The beam is the plate seen from its side: length L, depth B in the plane, thickness t out of it. It bends in the plane.
 """

@@ -27,7 +27,7 @@ def elastic_solver(
     """Solver of K u = f with u free of mass-weighted rigid motion; f must be in equilibrium.
 
     stiffness [N/m], shape (2 nodes, 2 nodes); masses [kg], shape (nodes,); body: positions [m], shape (2, nodes).
-    Three unknowns are held, a node's two and one of the node farthest from it, which carry no force then; the
+    Three unknowns are fixed, a node's two and one of the node farthest from it, which carry no force then; the
     matrix left is sparse and definite. The rigid motion is taken out afterwards.
     """
     from scipy.sparse.linalg import splu
@@ -40,8 +40,8 @@ def elastic_solver(
     far = int((from_first**2).sum(axis=0).argmax())
     across = int(from_first[:, far].argmin())
     free = np.delete(np.arange(2 * nodes), [0, nodes, across * nodes + far])
-    held = sp.csc_matrix(stiffness)[free][:, free]
-    factor = splu(held, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    reduced = sp.csc_matrix(stiffness)[free][:, free]
+    factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
     def solve(load: np.ndarray) -> np.ndarray:
         displacement = np.zeros(2 * nodes)

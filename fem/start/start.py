@@ -1,4 +1,4 @@
-"""The state a run starts from: which quantities of the rigid body it keeps is part of the answer of a soft plate.
+"""The state a run starts from: which quantities of the rigid body it keeps is part of the result of a soft plate.
 
 `inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
 constraint already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's
@@ -11,14 +11,13 @@ times its size.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from fem.discretisation.model import PlateModel
-from fem.start.inertia_relief import relieved, relieved_with_momenta
 from fem.start.rigid_state import RigidStart, at_corner, to_global
+from fem.start.start_kinds import START_KINDS
 
 
 def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
@@ -39,7 +38,7 @@ def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.nd
         In the wall's frame [m], [m/s].
     """
     body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
-    return _placed(START_KINDS[kind](model, start, body), start, body)
+    return _placed(START_KINDS[kind].fields(model, start, body), start, body)
 
 
 def _placed(fields: tuple[Any, ...], start: RigidStart, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -52,15 +51,3 @@ def _placed(fields: tuple[Any, ...], start: RigidStart, body: np.ndarray) -> tup
     velocities = turn @ rate + spin * np.array([-arm[1], arm[0]])
     velocities += np.array([[speed], [gap_rate]])
     return positions, velocities
-
-
-def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
-    return np.zeros_like(body), np.zeros_like(body), 0.0, 0.0
-
-
-START_KINDS: dict[str, Callable[..., Any]] = {
-    "inertia-relief": relieved,
-    "inertia-relief-momenta": relieved_with_momenta,
-    "unstressed": _unstressed,
-}
-"""Kinds of start, by name."""

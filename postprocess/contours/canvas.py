@@ -70,16 +70,16 @@ def add_disc(plotter: Any, centre: tuple[float, float], radius: float, colour: s
 
 
 def add_text(
-    plotter: Any, words: str, pixel: tuple[float, float], size: int, justify: str = "left", bold: bool = False
+    plotter: Any, text: str, pixel: tuple[float, float], size: int, justify: str = "left", bold: bool = False
 ) -> Any:
     """The text actor, its baseline starting (left), ending (right) or centred (center) at a pixel."""
     import pyvista
 
-    text = pyvista.Text(words, position=pixel)
-    text.prop.justification_horizontal = justify
-    style_text(text.prop, size, bold)
-    plotter.add_actor(text, reset_camera=False)
-    return text
+    actor = pyvista.Text(text, position=pixel)
+    actor.prop.justification_horizontal = justify
+    style_text(actor.prop, size, bold)
+    plotter.add_actor(actor, reset_camera=False)
+    return actor
 
 
 def style_text(prop: Any, size: int, bold: bool = False) -> None:

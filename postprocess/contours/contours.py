@@ -26,7 +26,7 @@ Quads = NDArray[np.integer[Any]]
 
 @dataclass(frozen=True)
 class ContourField:
-    """A nodal field: part of the file name ("v_gx"), words for the title, unit, values (n,) in that unit."""
+    """A nodal field: part of the file name ("v_gx"), text of the title, unit, values (n,) in that unit."""
 
     name: str
     title: str
@@ -112,17 +112,17 @@ def _add_plate(plotter: Any, setting: Setting, field: ContourField, scale: Colou
 
 def _add_wall(plotter: Any, setting: Setting, view: View) -> None:
     left, right = view.span()
-    words = "wall line, Y = 0"
+    caption = "wall line, Y = 0"
     if setting.wall_points is not None and setting.wall_quads is not None:
         wall = surface(setting.wall_points, setting.wall_quads, -0.02)
         edges = {"show_edges": True, "edge_color": WALL_EDGE, "line_width": 1}
         plotter.add_mesh(wall, color=WALL, lighting=False, reset_camera=False, **edges)
         left = max(left, float(setting.wall_points[:, 0].min()))
         right = min(right, float(setting.wall_points[:, 0].max()))
-        words = "rigid wall, Y ≤ 0"
+        caption = "rigid wall, Y ≤ 0"
     add_line(plotter, np.array([[left, 0.0], [right, 0.0]]))
     _add_ruler(plotter, left, right, view)
-    add_text(plotter, words, (24, 24), 20)
+    add_text(plotter, caption, (24, 24), 20)
     add_text(plotter, "X [m], driving direction →", (SIZE[0] - 24, 24), 20, "right")
 
 

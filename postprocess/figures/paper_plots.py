@@ -49,7 +49,7 @@ def _draw(name: str, caption: str, courses: Mapping[str, History], marks: Mappin
             axes.plot(*np.transpose(points), linestyle="none", clip_on=False, zorder=4, **mark)
             legend.append((f"{sign} {label}", mark["color"]))
     x = LEFT
-    for words, colour in legend:
-        sheet.figure.text(x, 0.93, words, color=colour, fontweight="bold")
-        x += 0.02 + 0.0195 * len(words)
+    for label, colour in legend:
+        sheet.figure.text(x, 0.93, label, color=colour, fontweight="bold")
+        x += 0.02 + 0.0195 * len(label)
     return finish_curve(sheet, replace(panel, caption=caption), ())

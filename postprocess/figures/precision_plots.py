@@ -79,7 +79,7 @@ def draw_panel(axes: "Axes", diagram: Diagram) -> None:
     drawn = [(series, colour, mark) for colour, mark, series in marked if len(series.times)]
     for series, colour, mark in drawn:
         _draw_series(axes, series, colour, mark)
-    axes.set(xscale="log", yscale="log", xlabel="time to the answer [s], set-up included")
+    axes.set(xscale="log", yscale="log", xlabel="time to solution [s], set-up included")
     axes.set_ylabel(diagram.error_label)
     axes.set_title(diagram.title, loc="left", fontsize=9.5, fontweight="bold", color=TEXT)
     if not drawn:

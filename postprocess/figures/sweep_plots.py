@@ -201,8 +201,8 @@ class _Scale:
 
 def _scale(label: str, values: Values, logarithmic: bool) -> _Scale:
     if not np.issubdtype(values.dtype, np.number):
-        words = list(dict.fromkeys(values.tolist()))
-        places = {word: (i + 0.5) / len(words) for i, word in enumerate(words)}
+        names = list(dict.fromkeys(values.tolist()))
+        places = {word: (i + 0.5) / len(names) for i, word in enumerate(names)}
         return _Scale(label, np.array([places[word] for word in values]), [(p, w) for w, p in places.items()])
     numbers = np.log10(values) if logarithmic else values.astype(float)
     known = np.unique(numbers[np.isfinite(numbers)])

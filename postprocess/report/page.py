@@ -91,17 +91,17 @@ def write_page(path: Path, page: Page) -> Path:
     return path
 
 
-def prose(words: str) -> Any:
-    """The words as HTML: a letter with a subscript, like v_GY, is set as one, and `keys` as code."""
+def prose(text: str) -> Any:
+    """The text as HTML: a letter with a subscript, like v_GY, is set as one, and `keys` as code."""
     from markupsafe import Markup, escape
 
-    made = CODE.sub(r"<code>\1</code>", SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", glued(str(escape(words)))))
+    made = CODE.sub(r"<code>\1</code>", SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", glued(str(escape(text)))))
     return Markup(made)
 
 
-def glued(words: str) -> str:
-    """The words with no line break between a number and its unit, nor at an equals sign."""
-    return GLUED.sub(NO_BREAK, words)
+def glued(text: str) -> str:
+    """The text with no line break between a number and its unit, nor at an equals sign."""
+    return GLUED.sub(NO_BREAK, text)
 
 
 def data_uri(path: Path) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from postprocess.files.histories import write_history
-from postprocess.files.summary import write_summary
+from postprocess.files.summary import plain, write_summary
 from postprocess.report.page import Page, write_page
 from postprocess.report.table import Table
 from postprocess.report.terminal import Part, printed
@@ -53,11 +53,12 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
 
 
 def write_table(path: Path, table: Table) -> Path:
-    """Write a table as CSV: a header of keys, a line a record; the values as they are, not as they are shown."""
+    """Write a table as CSV: a header of keys, a line a record; the values as they are, not as they are shown;
+    empty where they are no finite numbers."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(column.key for column in table.columns)
-        writer.writerows(record.values() for record in table.records())
+        writer.writerows(plain(list(record.values())) for record in table.records())
     return path
 
 

@@ -111,7 +111,7 @@ def listed(rows: Sequence[Mapping[str, Any]], **more: Any) -> Table:
     return Table(tuple(Column(key, key) for key in rows[0]), rows, **more)
 
 
-def words(*columns: str, rows: Sequence[Sequence[str]], texts: int = 1, **more: Any) -> Table:
+def text_table(*columns: str, rows: Sequence[Sequence[str]], texts: int = 1, **more: Any) -> Table:
     """A table of finished text: its headings and cells; the first `texts` columns are words, the others numbers."""
     made = tuple(Column(str(i), name, form="" if i < texts else str) for i, name in enumerate(columns))
     return Table(made, [{str(i): cell for i, cell in enumerate(row)} for row in rows], **more)

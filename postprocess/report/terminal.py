@@ -36,10 +36,10 @@ def printed(parts: Iterable[Part]) -> str:
     return shown.get().rstrip("\n")
 
 
-def wrapped(words: str, before: str = "") -> list[str]:
+def wrapped(text: str, before: str = "") -> list[str]:
     """Lines of the width of a page; `before` stands in front of the first."""
     indent = " " * len(before)
-    lines = textwrap.wrap(glued(words), NARROW, initial_indent=before, subsequent_indent=indent)
+    lines = textwrap.wrap(glued(text), NARROW, initial_indent=before, subsequent_indent=indent)
     return [line.replace(NO_BREAK, " ") for line in lines]
 
 
@@ -61,7 +61,7 @@ def _single(part: Part) -> Iterator[Table | Finding | str]:
 
 def _lines(part: Table | Finding | str) -> Iterator[str]:
     if isinstance(part, str):
-        yield from (line for words in part.split("\n") for line in wrapped(words) or [""])
+        yield from (line for text in part.split("\n") for line in wrapped(text) or [""])
     elif isinstance(part, Finding):
         yield part.title
         yield from wrapped(part.checked, "  checked  ")

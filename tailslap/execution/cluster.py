@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-import os
 import signal
 import warnings
 from collections.abc import Iterator
@@ -14,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 import tailslap
 from tailslap.errors import InputError, Verbatim
 from tailslap.execution.worker import make_ready
+from tailslap.machine import available_cores
 
 if TYPE_CHECKING:
     from distributed import Client
 
 ANSWER_S = 5.0
-"""Seconds within which a scheduler must answer."""
+"""Seconds within which a scheduler must reply."""
 
 SETTINGS = {
     "distributed.scheduler.allowed-failures": 1,  # deaths of a worker under a batch before its parts are tried singly
@@ -38,7 +38,7 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
     """A client of the scheduler at the address `cluster`, or else of `workers` processes made here and ended after.
 
     None: as many as this process may use cores. All workers have been asked for their version of this program.
-    Raises InputError for a scheduler that does not answer, or for workers with another version.
+    Raises InputError for a scheduler that does not reply, or for workers with another version.
     """
     import dask
     import distributed  # noqa: F401  its own settings must be there before ours, which are taken back at the end
@@ -47,11 +47,6 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
         client = stack.enter_context(_remote(cluster) if cluster else _local(workers or available_cores()))
         _check_versions(client, cluster)
         yield client
-
-
-def available_cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 @contextlib.contextmanager
@@ -113,14 +108,14 @@ async def _kind(address: str) -> str:
 
 def _check_versions(client: Client, cluster: str | None) -> None:
     """Ask each worker that is there; those that come later are asked with each batch."""
-    for worker, answer in client.run(make_ready, on_error="return").items():
-        if answer != tailslap.__version__:
-            raise other_version(cluster, f"the worker at {worker} has", answer)
+    for worker, reply in client.run(make_ready, on_error="return").items():
+        if reply != tailslap.__version__:
+            raise other_version(cluster, f"the worker at {worker} has", reply)
 
 
-def other_version(cluster: str | None, who: str, answer: Any) -> InputError:
+def other_version(cluster: str | None, who: str, reply: Any) -> InputError:
     """The error for a worker that has another version of this program, or cannot load it."""
-    has = f"tailslap {answer}" if isinstance(answer, str) else f"no tailslap that loads ({answer})"
+    has = f"tailslap {reply}" if isinstance(reply, str) else f"no tailslap that loads ({reply})"
     allowed = f"{who} {has}; allowed is {tailslap.__version__}, as here, on all workers"
     return InputError("--cluster", Verbatim(cluster or "this machine"), allowed)
 

@@ -167,8 +167,8 @@ class Dispatcher:
         from distributed import KilledWorker
 
         if not isinstance(error, KilledWorker):
-            answer = str(error) if isinstance(error, OtherVersionError) else error
-            raise other_version(self._client.scheduler.address, "a worker has", answer)
+            reply = str(error) if isinstance(error, OtherVersionError) else error
+            raise other_version(self._client.scheduler.address, "a worker has", reply)
         if alone:
             return {keys[0]: self._work.died(keys[0])}
         self._suspects.extend(keys)

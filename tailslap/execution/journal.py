@@ -7,7 +7,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from tailslap.errors import InputError, Interrupted
+from tailslap.errors import Interrupted, place_error
 from tailslap.execution.record_file import RecordFile
 from tailslap.results.result_folder import resolved
 
@@ -30,9 +30,7 @@ class Journal:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self.records = RecordFile(self.path, self._definition)
         except OSError as error:
-            raise InputError(
-                "--out", str(self.path), f"the journal cannot be written: {error.strerror}"
-            ) from None
+            raise place_error(self.path, "the journal cannot be written", error) from None
         return self
 
     def __exit__(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import stat
 from collections.abc import Callable, Iterator, Mapping
@@ -15,6 +16,8 @@ from tailslap.errors import InputError
 from tailslap.results.manifest import whole_file
 
 Key = str | int
+
+NUMBER = "not finite"
 
 
 class RecordFile(Mapping[Key, Any]):
@@ -61,7 +64,7 @@ class RecordFile(Mapping[Key, Any]):
 
     def __getitem__(self, key: Key) -> Any:
         self._read.seek(self._begins[key])
-        return json.loads(self._read.readline())["record"]
+        return json.loads(self._read.readline(), object_hook=_unnamed)["record"]
 
     def __contains__(self, key: object) -> bool:
         return key in self._begins
@@ -114,8 +117,24 @@ class RecordFile(Mapping[Key, Any]):
 
 
 def _line(content: Mapping[str, Any]) -> bytes:
-    """Numbers that are not finite keep their names, NaN and Infinity."""
-    return json.dumps(content, ensure_ascii=False, separators=(",", ":")).encode() + b"\n"
+    """Numbers that are not finite, which JSON does not have, are objects with their names."""
+    try:
+        text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    except ValueError:
+        text = json.dumps(_named(content), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.encode() + b"\n"
+
+
+def _named(value: Any) -> Any:
+    if isinstance(value, float) and not math.isfinite(value):
+        return {NUMBER: str(value)}
+    if isinstance(value, Mapping):
+        return {key: _named(item) for key, item in value.items()}
+    return [_named(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def _unnamed(found: dict[str, Any]) -> Any:
+    return float(found[NUMBER]) if found.keys() == {NUMBER} else found
 
 
 def _record(line: bytes) -> dict[str, Any]:
@@ -127,7 +146,7 @@ def _record(line: bytes) -> dict[str, Any]:
 def _parsed(line: bytes) -> dict[str, Any]:
     """The object that a line holds; an empty one for a line that holds none."""
     try:
-        found = json.loads(line)
+        found = json.loads(line, object_hook=_unnamed)
     except (ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}

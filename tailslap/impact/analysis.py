@@ -45,5 +45,6 @@ IMPACT = Analysis(
     rigid_lines=rigid_lines,
     check_lines=_check_lines,
     run_report=_run_report,
+    duration=lambda plan: plan.motion.t_end,
     columns=_columns,
 )

@@ -41,7 +41,7 @@ class StartFrom:
 
 @dataclass(frozen=True)
 class Table1:
-    """derived; starts by the speed's words; implied_speed: that which gives the printed v_P0 exactly [m/s]."""
+    """derived; starts by the speed's name; implied_speed: that which gives the printed v_P0 exactly [m/s]."""
 
     derived: Derived
     starts: dict[str, StartFrom]
@@ -51,7 +51,7 @@ class Table1:
 def table_1() -> Table1:
     """Stage 1 for both speeds; every velocity is proportional to the speed, which gives the implied one."""
     unit = corner_impulse(TRUCK, 1.0, ANGLE, FRICTION, RESTITUTION)
-    starts = {words: _start_from(speed) for words, speed in SPEEDS.items()}
+    starts = {name: _start_from(speed) for name, speed in SPEEDS.items()}
     return Table1(_derived(), starts, START.corner_speed / unit.corner_speed)
 
 

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import math
 
+from tailslap.errors import Verbatim
+from tailslap.scene.schema import Scene
+
 NANOSECONDS = {"quad4": 12.0, "quad4-reduced": 12.0, "quad9": 75.0, "tri3": 8.0, "tri6": 40.0}
 """Time that a cell of the mesh costs a step [ns], on one core; measured by `benchmarks/speed.py`."""
+
+OTHER_NS = 75.0
+"""The same for an element from outside."""
 
 ROW_S = 5e-5
 """Time that a row of the history costs [s], whatever the mesh."""
@@ -13,4 +19,22 @@ ROW_S = 5e-5
 
 def loop_seconds(element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
     """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
-    return steps * math.prod(counts) * NANOSECONDS[element] * 1e-9 + rows * ROW_S
+    return steps * math.prod(counts) * NANOSECONDS.get(element, OTHER_NS) * 1e-9 + rows * ROW_S
+
+
+def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
+    """The key that makes a run long, and its value: what is farthest from usual."""
+    plate = scene.plate
+    assert plate is not None
+    if scene.time.safety_factor < 0.1:
+        return "time.safety_factor", scene.time.safety_factor
+    if duration > 60.0:
+        start = scene.start
+        if start and start.omega is not None:
+            return "start.omega", start.omega
+        assert scene.impact is not None
+        return "impact.speed", scene.impact.speed
+    if plate.elements and math.prod(plate.elements) > 10_000:
+        return "plate.elements", Verbatim(list(plate.elements))
+    key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
+    return f"plate.{key}", getattr(plate, key)

@@ -19,7 +19,7 @@ def decide_constraint(plan: Plan, plate: Plate, spring_share: float) -> tuple[Pl
     corner = plan.scene.corner
     if not corner.constraint_is_open:
         return plan, ()
-    if plate.start == "unstressed":
+    if not plate.relieved:
         why = "the plate starts unstressed, and a spring would ring with it"
     elif spring_share > UNSEEN:
         why = f"a spring would deflect by {spring_share:.1e} of the way, which is seen beside the plate's flexibility"

@@ -72,7 +72,7 @@ def predict_growth(plan: Plan, plate: Plate, model: PlateModel, normal: float) -
     from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, predict_flutter, viscous_rate
     from fem.stability.rounding import rounding_noise
 
-    harmless = HARMLESS_UNSTRESSED if plate.start == "unstressed" else HARMLESS
+    harmless = HARMLESS if plate.relieved else HARMLESS_UNSTRESSED
     duration, start = plan.motion.strike.t, rigid_start(plan)
     noise, viscous = rounding_noise(model), viscous_rate(model)
     ripple = noise.ripple(duration) / abs(normal)

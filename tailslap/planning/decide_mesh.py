@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem.discretisation.lumpings import LUMPINGS
 from tailslap.errors import InputError
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import fe_input, fe_mesh, refusal, resolved_plate, same_mesh
@@ -104,7 +105,7 @@ def make_mesh(plan: Plan, plate: Plate) -> Mesh:
 def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:
     """From cheap to dear: the element as it is, quadratic ones, and where the counts are open, more of them."""
     counts = plate.elements or _first_counts(plan)
-    chosen = "element" in plate.model_fields_set or plate.lumping == "row-sum"
+    chosen = "element" in plate.model_fields_set or LUMPINGS[plate.lumping].row_sums
     elements = (plate.element,) if chosen else ("quad4", "quad9")
     while True:
         for element in elements:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fem.contact.friction import FRICTION_LAWS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError
+from tailslap.planning.cost import costly_key
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate, Scene
 
@@ -110,11 +111,11 @@ def demand_steps(plan: Plan, plate: Plate, model: PlateModel) -> None:
     """Raise InputError where a run of the model would never end."""
     if model.loop.time_step * MAX_STEPS > plan.motion.strike.t:
         return
-    key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
+    key, given = costly_key(plan.scene, plan.motion.strike.t)
     raise InputError(
-        f"plate.{key}",
-        getattr(plate, key),
-        f"the stable time step would be {model.stable_time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps",
+        key,
+        given,
+        f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps",
     )
 
 

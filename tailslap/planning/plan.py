@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -193,7 +195,13 @@ def _refusals(scene: Scene, table: str) -> Iterator[None]:
         key, allowed = _key(scene, table, error.key), f"{error.why}; allowed: {error.allowed}"
         if key == "impact.restitution" and scene.impact:  # it shows as an angular velocity of zero
             raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None
-        raise InputError(key, Verbatim(error.given), allowed) from None
+        given = f"{error.given} rad" if key.endswith(".angle") else str(error.given)
+        raise InputError(key, Verbatim(_with_degrees(given)), _with_degrees(allowed)) from None
+
+
+def _with_degrees(text: str) -> str:
+    """Angles in the text in degrees too: they may have been given so."""
+    return re.sub(r"([0-9.]+) rad\b(?!/)", lambda m: f"{m[0]} ({math.degrees(float(m[1])):.4g} deg)", text)
 
 
 def _key(scene: Scene, table: str, name: str) -> str:

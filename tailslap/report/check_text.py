@@ -6,9 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
+from tailslap.planning.affordable import expected_memory, expected_nodes
 from tailslap.planning.cost import loop_seconds
+from tailslap.planning.effort import expected_effort
+from tailslap.planning.fe_plan import needed_plate
 from tailslap.planning.plan import Plan
 from tailslap.report.omitted_parts import omitted_parts
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from tailslap.planning.fe_plan import FePlan
@@ -46,6 +50,19 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"steps        {steps}, about {seconds:.2g} s in the time loop",
         f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: the reaction moves the centre by that "
         "share of its way to the wall; expect differences of that size",
+    ]
+
+
+def estimate_part(scene: Scene, duration: float) -> list[str]:
+    """Lines in place of the model's where the mesh is large."""
+    plate, effort = needed_plate(scene), expected_effort(scene, duration)
+    along, across = plate.counts
+    return [
+        f"{scene.name}: the scene is valid",
+        f"plate        {along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}",
+        f"memory       about {expected_memory(scene) / 1e9:.2g} GB",
+        f"steps        about {effort.steps:.2g}, about {effort.seconds:.2g} s in the time loop",
+        "model        not made: of so many elements this is an estimate from the scene alone",
     ]
 
 

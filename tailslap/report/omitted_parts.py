@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fem.discretisation.lumpings import LUMPINGS
 from tailslap.scene.schema import Scene
 
 
@@ -18,12 +19,15 @@ def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
         parts.append(("friction", "the coefficient of friction is 0: no friction code in the time loop"))
     if scene.damping is None:
         parts.append(("damping", "none is asked for and none is needed: no damping code in the time loop"))
-    if scene.plate and scene.plate.start == "unstressed":
+    if scene.plate and not scene.plate.relieved:
         parts.append(
-            ("inertia relief", 'plate.start is "unstressed": the plate starts without its elastic state')
+            (
+                "inertia relief",
+                f'plate.start is "{scene.plate.start}": the plate starts without its elastic state',
+            )
         )
-    if scene.plate and scene.plate.lumping == "row-sum":
-        parts.append(("exact inertia", 'plate.lumping is "row-sum": the rotary inertia is overstated'))
+    if scene.plate and (fault := LUMPINGS[scene.plate.lumping].fault):
+        parts.append(("exact inertia", f'plate.lumping is "{scene.plate.lumping}": {fault}'))
     if scene.wall is None:
         parts.append(("wall", "the scene has no [wall] table: no wall mesh, the wall is the line Y = 0"))
     if not pictures:

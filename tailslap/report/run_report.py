@@ -110,14 +110,14 @@ def comparison(outcome: Outcome, figures: str, title: str = "") -> Table:
 def headline(outcome: Outcome) -> str:
     """The verdict, failed checks in front, and the five differences behind it."""
     failed = [check.name for check in outcome.checks if not check.passed]
-    words = (f"Failed: {', '.join(failed)}. " if failed else "") + verdict_sentence(outcome)
+    text = (f"Failed: {', '.join(failed)}. " if failed else "") + verdict_sentence(outcome)
     if not outcome.fe:
-        return f"{words} There is no comparison: the run did not reach the tail-slap."
+        return f"{text} There is no comparison: the run did not reach the tail-slap."
     rows: tuple[ComparisonRow, ...] = tuple(comparison(outcome, "").rows)
     most = largest(outcome.difference)
     size = f"by at most {most:.1e}" if math.isfinite(most) else "without bound"
     each = ", ".join(f"{row.quantity.symbol} {shown(row.difference, '+.2e')}" for row in rows)
-    return f"{words} At the tail-slap FE differs from the exact rigid-body solution {size} (FE/rigid − 1): {each}."
+    return f"{text} At the tail-slap FE differs from the exact rigid-body solution {size} (FE/rigid − 1): {each}."
 
 
 def sections(outcome: Outcome, pictures: bool) -> list[Section]:

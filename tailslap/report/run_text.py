@@ -7,6 +7,7 @@ import math
 from fem.constitutive.materials import MATERIALS
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
+from fem.start.start_kinds import START_KINDS
 from tailslap.planning.plan import Plan, other_convention
 from tailslap.run import Outcome
 
@@ -50,7 +51,7 @@ def _picked(outcome: Outcome) -> str:
     return (
         f"Picked for a tolerance of {choice.tolerance:g}: {', '.join(choice.changes)}. Its error against "
         f"{against[choice.against]} was expected to be at most {choice.expected_error:.1e}, in a time loop of "
-        f"{choice.expected_seconds:.2g} s. The plate's flexibility moves the answer by at most "
+        f"{choice.expected_seconds:.2g} s. The plate's flexibility moves the result by at most "
         f"{choice.flexibility:.1e}: the rigid solution by itself is as good as that."
     )
 
@@ -88,16 +89,6 @@ def _plate_mass(outcome: Outcome) -> str:
     )
 
 
-STARTS = {
-    "inertia-relief": "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "
-    "the corner's speed; where it deforms visibly, its centre begins with another momentum than Stage 1 gave",
-    "inertia-relief-momenta": "in the elastic state of its rigid acceleration (inertia relief), with the linear "
-    "momentum that Stage 1 gave; spin and speed of the corner follow",
-    "unstressed": "unstressed, with the rigid body's velocities and all its momenta: it oscillates",
-}
-"""What each start keeps."""
-
-
 def _chosen(outcome: Outcome) -> list[str]:
     said = [f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions]
     again = "The first run rang; this one was made with more damping."
@@ -105,7 +96,7 @@ def _chosen(outcome: Outcome) -> list[str]:
 
 
 def _start(outcome: Outcome) -> str:
-    return f"The plate starts {STARTS[outcome.fe_plan.plate.start]}."
+    return f"The plate starts {START_KINDS[outcome.fe_plan.plate.start].text}."
 
 
 def _deflection(outcome: Outcome) -> str:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import click
 
-from tailslap.errors import InputError, Interrupted
+from tailslap.errors import InputError, Interrupted, place_error
 from tailslap.results.manifest import NAME, Entry, entry, read_manifest
 
 SWEEP = "sweep.json"
@@ -34,12 +34,14 @@ class Earlier:
 
 def find_earlier(place: Path) -> Earlier:
     """What is in the place. Raises InputError for anything but an absent or empty folder or an unchanged result."""
-    if os.path.lexists(place) and not place.is_dir():
-        raise InputError("--out", str(place), "this is a file; allowed is a folder")
     try:
-        names = sorted(os.listdir(place)) if place.is_dir() else []
+        names = sorted(os.listdir(place))
+    except FileNotFoundError:
+        return Earlier()
+    except NotADirectoryError:
+        raise InputError("--out", str(place), "this is a file, or in one; allowed is a folder") from None
     except OSError as error:
-        raise InputError("--out", str(place), f"the folder cannot be read: {error.strerror}") from None
+        raise place_error(place, "the folder cannot be read", error) from None
     if not names:
         return Earlier()
     listed = read_manifest(place)
@@ -64,8 +66,7 @@ def put_in_place(folder: Path, place: Path) -> None:
         aside = _exchange(folder, place, earlier)
     except OSError as error:
         _discard(folder, new)
-        why = f"the result cannot be moved there: {error.strerror or error}"
-        raise InputError("--out", str(place), why) from None
+        raise place_error(place, "the result cannot be moved there", error) from None
     except BaseException:
         _discard(folder, new)
         raise

@@ -11,7 +11,6 @@ import hashlib
 import json
 import os
 import re
-import secrets
 import stat
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
@@ -20,6 +19,7 @@ from typing import Any
 
 import tailslap
 from tailslap.errors import InputError
+from tailslap.results.leftovers import clear_leftovers, unfinished_file
 
 NAME = ".tailslap-result.json"
 PROGRAM = "tailslap"
@@ -72,15 +72,16 @@ def write_manifest(folder: Path, entries: Iterable[Entry]) -> None:
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield a new name to write to; what is written there becomes the file with all of its content, or not at all."""
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
-    try:
-        yield partial
-        with partial.open("rb") as written:
-            os.fsync(written.fileno())
-        os.replace(partial, path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+    clear_leftovers(path)
+    with unfinished_file(path) as partial:
+        try:
+            yield partial
+            with partial.open("rb") as written:
+                os.fsync(written.fileno())
+            os.replace(partial, path)
+        except BaseException:
+            partial.unlink(missing_ok=True)
+            raise
 
 
 @contextlib.contextmanager

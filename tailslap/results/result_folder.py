@@ -8,20 +8,20 @@ result would overwrite; nothing is then changed.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import stat
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
+from tailslap.errors import place_error
 from tailslap.results.earlier_result import find_earlier, put_in_place
-from tailslap.errors import InputError
+from tailslap.results.leftovers import clear_leftovers, unfinished_folder
 from tailslap.results.manifest import entry, write_manifest
 
 
-@contextmanager
+@contextlib.contextmanager
 def result_folder(place: Path) -> Iterator[Path]:
     """Yield an empty folder to fill with files; on success it becomes `place`, on any failure nothing is left of it.
 
@@ -30,34 +30,54 @@ def result_folder(place: Path) -> Iterator[Path]:
     place = resolved(place)
     find_earlier(place)
     made = _make_parents(place)
+    clear_leftovers(place)
     try:
-        with _filled(place) as folder:
-            yield folder
-        put_in_place(folder, place)
+        with _unfinished(place) as folder:
+            with _filled(folder, place):
+                yield folder
+            put_in_place(folder, place)
     except BaseException:
         _remove(made)
         raise
 
 
 def demand_place(place: Path) -> None:
-    """Before long work: raise InputError if `place` holds something else than an unchanged earlier result."""
-    find_earlier(resolved(place))
+    """Before long work: raise InputError if `place` holds something else than an unchanged earlier result, or cannot be
+    written."""
+    place = resolved(place)
+    find_earlier(place)
+    made = _make_parents(place)
+    try:
+        with _unfinished(place) as folder:
+            folder.rmdir()
+    finally:
+        _remove(made)
 
 
 def resolved(place: Path) -> Path:
-    """The absolute path, links followed."""
-    return Path(os.path.realpath(place))
-
-
-@contextmanager
-def _filled(place: Path) -> Iterator[Path]:
-    """A fresh folder beside `place`, which has its manifest when this ends; removed if it fails."""
+    """The absolute path, links followed. Raises InputError where there is none."""
     try:
-        folder = Path(tempfile.mkdtemp(prefix=f".{place.name}.", dir=place.parent))
+        return Path(os.path.realpath(place))
     except OSError as error:
-        raise InputError("--out", str(place), f"the folder cannot be written: {error.strerror}") from None
-    try:
+        raise place_error(place, "the folder has no path", error) from None
+
+
+@contextlib.contextmanager
+def _unfinished(place: Path) -> Iterator[Path]:
+    """A fresh folder beside `place`."""
+    with contextlib.ExitStack() as stack:
+        try:
+            folder = stack.enter_context(unfinished_folder(place))
+        except OSError as error:
+            raise place_error(place, "the folder cannot be written", error) from None
         yield folder
+
+
+@contextlib.contextmanager
+def _filled(folder: Path, place: Path) -> Iterator[None]:
+    """The folder has its manifest when this ends; it is removed if that fails."""
+    try:
+        yield
         _seal(folder)
         folder.chmod(stat.S_IMODE(place.stat().st_mode) if place.exists() else 0o755)
     except BaseException:
@@ -80,7 +100,7 @@ def _make_parents(place: Path) -> list[Path]:
         place.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         _remove(missing)
-        raise InputError("--out", str(place), f"the folder cannot be made: {error.strerror}") from None
+        raise place_error(place, "the folder cannot be made", error) from None
     return missing
 
 

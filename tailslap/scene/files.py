@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import difflib
+import os
+import stat
 import tomllib
 from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 
-from tailslap.errors import InputError
+from tailslap.errors import InputError, Verbatim, shortened
 from tailslap.scene.schema import Scene
-from tailslap.scene.vary import Source, parse_changes, vary
+from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
+
+MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
+"""Length of a scene's path, size of its file, length of a line in it, depth of its tables and lists."""
 
 
 def shipped_scenes() -> dict[str, str]:
@@ -60,25 +65,48 @@ def read_source(name: str) -> Source:
 
 def source_of_text(text: str, name: str = "SCENE") -> Source:
     """The same for a scene's text; name: what errors call it."""
+    if len(max(text.split("\n"), key=len)) > MAX_LINE:
+        raise InputError(name, Verbatim("a very long line"), f"allowed are lines of {MAX_LINE} characters")
     try:
-        return Source(text.rstrip("\n") + "\n", tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(name, "a file that is not TOML", f"the parser says: {error}") from None
+        given = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
+        said = f"the parser says: {shortened(str(error))}"
+        raise InputError(name, Verbatim("a file that is not TOML"), said) from None
+    if depth_exceeds(given, MAX_DEPTH):
+        allowed = f"allowed are {MAX_DEPTH} levels"
+        raise InputError(name, Verbatim("tables or lists nested too deep"), allowed)
+    return Source(text.rstrip("\n") + "\n", given)
 
 
 def scene_text(name: str) -> str:
     """Text of a scene's file, or of a scene that comes with the program. Raises InputError."""
     shipped = shipped_scenes()
     path = Path(name)
+    if len(name) > MAX_NAME:
+        raise InputError("SCENE", name, f"allowed is a path of {MAX_NAME} characters")
     if name in shipped and not path.is_file():
         return shipped[name]
-    if path.suffix != ".toml" and not path.exists():
+    if path.suffix != ".toml" and not os.path.lexists(path):
         near = difflib.get_close_matches(name, shipped, 1)
         hint = f'; did you mean "{near[0]}"?' if near else ""
         raise InputError("SCENE", name, f"allowed is a .toml file or one of {', '.join(shipped)}{hint}")
     try:
-        return path.read_text(encoding="utf-8")
+        return _read(path, name)
     except FileNotFoundError:
         raise InputError("SCENE", name, "there is no such file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError("SCENE", name, f"the file cannot be read: {error}") from None
+    except UnicodeDecodeError:
+        raise InputError("SCENE", name, "the file is not text in UTF-8") from None
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError("SCENE", name, f"the file cannot be read: {why}") from None
+
+
+def _read(path: Path, name: str) -> str:
+    """Text of a regular file of moderate size; line ends as TOML has them. Devices and pipes are not even opened."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise InputError("SCENE", name, "this is no regular file; allowed is a .toml file")
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        content = file.read(MAX_BYTES + 1)
+    if len(content) > MAX_BYTES:
+        raise InputError("SCENE", name, f"the file is too large; allowed are {MAX_BYTES} bytes")
+    return content.decode("utf-8").replace("\r\n", "\n")

@@ -13,40 +13,46 @@ from fem.constitutive.materials import MATERIALS
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.discretisation.lumpings import LUMPINGS
 from fem.registry import Registry
+from fem.start.start_kinds import START_KINDS
 from tailslap.scene.units import Quantity
 
 MAX_ELEMENTS = 4_000_000
 """A mesh above this would not fit the memory of the machines this is made for."""
 
-Length = Annotated[float, Quantity("a length", "m", '"10 m"', above=0.0)]
-Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', above=0.0)]
-Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', above=0.0)]
-Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', above=0.0, below=math.pi / 2)]
+# Bounds lie far outside what is built: within them every number that follows is finite.
+Length = Annotated[float, Quantity("a length", "m", '"10 m"', least=1e-6, most=1e6)]
+Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', least=1e-6, most=1e12)]
+Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', least=1e-6, most=1e4)]
+Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', least=1e-6, below=math.pi / 2)]
 AngularVelocity = Annotated[
-    float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", above=0.0)
+    float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", least=1e-9, most=1e6)
 ]
-Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0)]
+Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0, most=1e3)]
 Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.22", least=0.0, most=1.0)]
-Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', above=0.0)]
-Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", above=0.0)]
-Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', above=0.0)]
-Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', above=0.0)]
-PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", above=-1.0, below=0.5)]
-Scale = Annotated[float, Quantity("a factor", "", "1.0", above=0.0)]
-Share = Annotated[float, Quantity("a share", "", "0.9", above=0.0, most=1.0)]
-DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", above=0.0, most=1.0)]
+Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', least=1e-9, most=1e6)]
+EndOfImpact = Annotated[float, Quantity("an end of the impact", "s", '"1 s"', least=1e-6, most=100.0)]
+Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", least=1e-6, most=1e9)]
+Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', least=1e-3, most=1e18)]
+Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=1e-6, most=1e9)]
+PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", least=-0.999, most=0.4999)]
+Scale = Annotated[float, Quantity("a factor", "", "1.0", least=1e-6, most=1e6)]
+Share = Annotated[float, Quantity("a share", "", "0.9", least=1e-6, most=1.0)]
+DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", least=1e-9, most=1.0)]
 Viscosity = Annotated[
-    float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", above=0.0, most=10.0)
+    float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", least=1e-9, most=10.0)
 ]
-Stiffness = Annotated[float, Quantity("a stiffness", "N/m", '"2 MN/m"', above=0.0)]
+Stiffness = Annotated[float, Quantity("a stiffness", "N/m", '"2 MN/m"', least=1e-3, most=1e15)]
 LayerStiffness = Annotated[
-    float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', above=0.0)
+    float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', least=1e-3, most=1e15)
 ]
-Force = Annotated[float, Quantity("a force", "N", '"100 kN"', least=0.0)]
-Inertia = Annotated[float, Quantity("a moment of inertia", "kg m^2", '"88101 kg m^2"', above=0.0)]
-Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', above=0.0)]
-Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", above=0.0, below=1.0)]
+Force = Annotated[float, Quantity("a force", "N", '"100 kN"', least=0.0, most=1e12)]
+Inertia = Annotated[
+    float, Quantity("a moment of inertia", "kg m^2", '"88101 kg m^2"', least=1e-12, most=1e15)
+]
+Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', least=1e-9, most=1e12)]
+Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", least=1e-15, below=1.0)]
 Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
 
 
@@ -80,9 +86,7 @@ def _start_name(given: object) -> object:
     return given
 
 
-StartName = Annotated[
-    Literal["inertia-relief", "inertia-relief-momenta", "unstressed"], BeforeValidator(_start_name)
-]
+StartName = Annotated[str, _registered(START_KINDS), BeforeValidator(_start_name)]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
@@ -201,7 +205,7 @@ class Plate(Table):
     element: Annotated[str, _registered(ELEMENT_KINDS)] = "quad4"
     distortion: Distortion = 0.0
     hourglass: Share = 0.1
-    lumping: Literal["exact", "row-sum"] = "exact"
+    lumping: Annotated[str, _registered(LUMPINGS)] = "exact"
     start: StartName = "inertia-relief"
 
     @property
@@ -210,6 +214,11 @@ class Plate(Table):
         if self.elements is None:
             raise ValueError("the elements are not chosen yet")
         return self.elements
+
+    @property
+    def relieved(self) -> bool:
+        """Whether the plate starts with the elastic state of its acceleration."""
+        return START_KINDS[self.start].relieved
 
 
 class Material(Table):
@@ -243,7 +252,7 @@ class Time(Table):
     safety_factor: Share = 0.9
     rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
     threads: Annotated[int, Field(ge=1, le=256, strict=True)] = 1
-    end: Duration | None = None
+    end: EndOfImpact | None = None
 
 
 class Wall(Table):

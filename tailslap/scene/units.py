@@ -13,7 +13,11 @@ from typing import Any
 
 import platformdirs
 
-NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+from tailslap.scene.unit_grammar import unit_factors
+
+NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\S.*?)?\s*", re.DOTALL)
+MAX_TEXT = 200
+"""Characters of a number with its unit."""
 
 
 @functools.cache
@@ -72,20 +76,28 @@ class Quantity:
     @property
     def allowed(self) -> str:
         """What is allowed, in words."""
-        limits = [
-            f"{word} {self._limit(bound)}"
-            for word, bound in (
-                ("above", self.above),
-                ("at least", self.least),
-                ("below", self.below),
-                ("at most", self.most),
-            )
-            if math.isfinite(bound)
-        ]
+        limits = (
+            [f"from {self._limit(self.least)} to {self._limit(self.most)}"]
+            if self._closed
+            else [
+                f"{word} {self._limit(bound)}"
+                for word, bound in (
+                    ("above", self.above),
+                    ("at least", self.least),
+                    ("below", self.below),
+                    ("at most", self.most),
+                )
+                if math.isfinite(bound)
+            ]
+        )
         number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
         return f"allowed is {self.what} {' and '.join(limits)}, {number}, like {self.example}".replace(
             " ,", ","
         )
+
+    @property
+    def _closed(self) -> bool:
+        return math.isfinite(self.least) and math.isfinite(self.most)
 
     def _limit(self, bound: float) -> str:
         if self.unit == "rad":
@@ -101,16 +113,21 @@ class Quantity:
             raise ValueError(self.allowed) from None
 
     def _from_text(self, given: str) -> float:
-        match = NUMBER.fullmatch(given)
-        if not match or bool(match[2]) != bool(self.unit):
+        match = NUMBER.fullmatch(given) if len(given) <= MAX_TEXT else None
+        if not (self.unit and match and match[2]):
             raise ValueError(self.allowed)
-        if not self.unit:
-            return float(match[1])
         try:
-            unit = registry().parse_units(match[2])
-            # Roots keep radians apart: to Pint a hertz is a radian a second, and a radian is nothing.
-            if registry().get_root_units(unit)[1] != registry().get_root_units(self.unit)[1]:
-                raise ValueError
-            return float(registry().Quantity(float(match[1]), unit).to(self.unit).magnitude)
-        except Exception:  # Pint and the tokenizer under it raise a dozen kinds for text that is no unit
+            return converted(float(match[1]), match[2], self.unit)
+        except Exception:  # Pint raises half a dozen kinds for names that are no units
             raise ValueError(f"{self.allowed} (the unit does not fit)") from None
+
+
+def converted(value: float, given: str, unit: str) -> float:
+    """The value in another unit of the same dimension; raises ValueError, or what Pint raises, where it has none."""
+    units, product = registry(), 1
+    for factor in unit_factors(given):
+        product = product * units.parse_units(factor.name) ** factor.power
+    # Roots keep radians apart: to Pint a hertz is a radian a second, and a radian is nothing.
+    if units.get_root_units(product)[1] != units.get_root_units(unit)[1]:
+        raise ValueError("another dimension")
+    return float(units.Quantity(value, product).to(unit).magnitude)

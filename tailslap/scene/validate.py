@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from fem.contact.constraints import CONSTRAINTS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.discretisation.lumpings import LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Damping, Scene
 from tailslap.scene.validate_impact import check_impact
@@ -120,7 +121,7 @@ def _check_plate(scene: Scene) -> None:
         raise InputError(
             "plate.hourglass", plate.hourglass, f"only element = {needing} needs it; leave it out"
         )
-    if plate and plate.lumping == "row-sum" and not ELEMENT_KINDS[plate.element].row_sums:
+    if plate and LUMPINGS[plate.lumping].row_sums and not ELEMENT_KINDS[plate.element].row_sums:
         why = f"row sums of {plate.element} give its corners no mass"
         allowed = f'{why}; allowed with them is another element, or "exact"'
         raise InputError("plate.lumping", plate.lumping, allowed)

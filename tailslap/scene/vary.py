@@ -6,6 +6,7 @@ None for a key that is taken out. Changes are plain data and travel to workers a
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -14,6 +15,15 @@ from typing import Any
 from tailslap.errors import InputError
 from tailslap.scene.schema import Scene
 from tailslap.scene.validate import validate
+
+KEY = r"[^.\s]{1,80}(\.[^.\s]{1,80}){0,3}"
+"""A dotted key on the command line, as a regular expression."""
+
+LOOSE_NUMBER = re.compile(r"[+-]?([0-9]+\.|\.[0-9]+)([eE][+-]?[0-9]+)?")
+"""Numbers like .5 and 10., which TOML does not have."""
+
+MAX_TEXT = 1000
+"""Characters of a value on the command line."""
 
 Changes = Mapping[str, Any]
 """Values by dotted key, in the order in which they are put in; None takes the key, or a whole table, out."""
@@ -70,7 +80,7 @@ def parse_changes(texts: Iterable[str], given: Mapping[str, Any]) -> dict[str, A
     found: dict[str, Any] = {}
     for text in texts:
         key, equals, value = (part.strip() for part in text.partition("="))
-        if not equals or not all(key.split(".")):
+        if not equals or not re.fullmatch(KEY, key):
             raise InputError("--set", text, 'allowed is KEY=VALUE, like plate.youngs_modulus="2 TPa"')
         found.pop(key, None)  # the last one counts, in its place
         found[key] = parse_value(value) if value else None
@@ -90,11 +100,31 @@ def _demand_effect(changes: Changes, key: str, text: str, given: Mapping[str, An
 
 
 def parse_value(text: str) -> Any:
-    """A TOML value if it is one, else the text itself, for the shell has taken its quotes."""
+    """A TOML value if it is one, else the text itself, for the shell has taken its quotes.
+
+    Text with a comment or a second line is no value: part of it would be dropped without a word.
+    """
+    if re.search(r"[#\r\n]", text) or len(text) > MAX_TEXT:
+        return text
+    if LOOSE_NUMBER.fullmatch(text):
+        return float(text)
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
+
+
+def depth_exceeds(value: Any, most: int) -> bool:
+    """Whether tables and lists are nested deeper than this."""
+    level = [value]
+    for _ in range(most + 1):
+        level = [
+            inner
+            for outer in level
+            if isinstance(outer, Mapping | list)
+            for inner in (outer.values() if isinstance(outer, Mapping) else outer)
+        ]
+    return bool(level)
 
 
 def shown(changes: Changes) -> tuple[str, ...]:

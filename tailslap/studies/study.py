@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tailslap.options import Folder
+
 if TYPE_CHECKING:
     from postprocess.report.report import Report
     from tailslap.planning.plan import Plan
@@ -67,19 +69,30 @@ def study_command(study: Study) -> click.Command:
         ),
         click.Option(
             ["--out"],
-            type=click.Path(path_type=Path),
+            type=Folder(),
             help=f"Result folder  [default: results/NAME-{study.name}]",
+        ),
+        click.Option(
+            ["--allow-large"], is_flag=True, help="Also where it takes more memory or time than there is."
         ),
     ]
 
-    def run(name: str, changes: tuple[str, ...], out: Path | None, **options: Any) -> int:
-        return _run(study, name, changes, out, options)
+    def run(name: str, changes: tuple[str, ...], out: Path | None, allow_large: bool, **options: Any) -> int:
+        return _run(study, name, changes, out, allow_large, options)
 
     return click.Command(study.name, params=[*shared, *study.options], callback=run, help=study.summary)
 
 
-def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, options: dict[str, Any]) -> int:
+def _run(
+    study: Study,
+    name: str,
+    changes: tuple[str, ...],
+    out: Path | None,
+    allow_large: bool,
+    options: dict[str, Any],
+) -> int:
     """Compute, fill the result folder, say what was found; 1 if the study failed."""
+    from tailslap.planning.affordable import demand_affordable
     from tailslap.planning.fe_plan import needed_plate
     from tailslap.planning.plan import make_plan
     from tailslap.report.deliver import deliver
@@ -89,6 +102,8 @@ def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, op
     plan = make_plan(*read_scene(name, changes))
     if study.needs_plate:
         needed_plate(plan.scene)
+        if not allow_large:
+            demand_affordable(plan.scene, plan.motion.strike.t)
     ending = study.folder(options) if study.folder else study.name
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from tailslap.options import Folder, Text, Whole
 from tailslap.sweep.values import MAX_RUNS
 
 SEED = 307
@@ -30,16 +31,16 @@ SEED = 307
 )
 @click.option(
     "--sample",
-    type=click.IntRange(2, MAX_RUNS),
+    type=Whole(2, MAX_RUNS),
     metavar="N",
     help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
 )
-@click.option("--seed", type=click.IntRange(0), default=SEED, show_default=True, help="Of the samples.")
-@click.option("--out", type=click.Path(path_type=Path), help="Result folder  [default: results/NAME-sweep]")
-@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786.")
+@click.option("--seed", type=Whole(0), default=SEED, show_default=True, help="Of the samples.")
+@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option("--cluster", type=Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786.")
 @click.option(
     "--workers",
-    type=click.IntRange(1, 1024),
+    type=Whole(1, 1024),
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )

@@ -83,7 +83,7 @@ def make_definition(
     Each value is checked by itself; what only a combination makes impossible is found when it is run.
     """
     text = scene_text(name)
-    given = tuple(_given(words, bool(sample)) for words in varied)
+    given = tuple(_given(each, bool(sample)) for each in varied)
     source = _fixed(source_of_text(text, name), changes, [key for key, _ in given])
     _refuse_too_many(given)
     first = {key: parse_value(_first(values)) for key, values in given}
@@ -115,8 +115,8 @@ def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
     return np.asarray(qmc.LatinHypercube(keys, seed=np.random.default_rng(seed)).random(runs))
 
 
-def _given(words: str, sampled: bool) -> Given:
-    key, text = split_key(words)
+def _given(option: str, sampled: bool) -> Given:
+    key, text = split_key(option)
     return key, parse_values(key, text, sampled)
 
 

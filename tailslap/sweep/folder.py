@@ -19,8 +19,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from tailslap.errors import InputError
+from tailslap.errors import InputError, place_error
 from tailslap.results.manifest import demand_ours, whole_file
+from tailslap.results.result_folder import resolved
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.journal import NAME as JOURNAL
 
@@ -35,7 +36,7 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
 
     Raises InputError if it cannot be written, holds another sweep or something else, or is at work.
     """
-    place = place.absolute()
+    place = resolved(place)
     _refuse_foreign(place, definition)
     made = _make(place)
     try:
@@ -87,7 +88,7 @@ def _make(place: Path) -> list[Path]:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         _remove(missing, Path.rmdir)
-        raise InputError("--out", str(place), f"the folder cannot be made: {error.strerror}") from None
+        raise place_error(place, "the folder cannot be made", error) from None
     return missing
 
 
@@ -96,7 +97,7 @@ def _locked(place: Path) -> Iterator[BinaryIO]:
     try:
         file = open(place / LOCK, "ab")  # noqa: SIM115
     except OSError as error:
-        raise InputError("--out", str(place), f"the folder cannot be written: {error.strerror}") from None
+        raise place_error(place, "the folder cannot be written", error) from None
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -107,7 +108,7 @@ def _locked(place: Path) -> Iterator[BinaryIO]:
 
 
 def _claim(place: Path, definition: Definition) -> bool:
-    """Write the definition, or hold it against the one that is there; whether it was written."""
+    """Write the definition, or compare it with the one that is there; whether it was written."""
     path = place / DEFINITION
     if os.path.lexists(path):
         _demand_same(place, definition)

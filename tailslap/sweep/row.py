@@ -44,10 +44,13 @@ def killing_row(run: Any) -> dict[str, Any]:
 
 
 def _outcome(source: Source, changes: Changes) -> Outcome:
+    from tailslap.planning.affordable import demand_affordable
     from tailslap.planning.plan import make_plan
     from tailslap.run import run_scene
 
-    return run_scene(make_plan(*vary(source, changes)))
+    plan = make_plan(*vary(source, changes))
+    demand_affordable(plan.scene, plan.motion.strike.t)
+    return run_scene(plan)
 
 
 def outcome_columns(outcome: Outcome) -> dict[str, Any]:

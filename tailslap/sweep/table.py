@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.comparison.comparison import KEYS
+from postprocess.files.summary import plain
 from tailslap.results.manifest import listed_file
 from tailslap.sweep.definition import Definition
 from tailslap.sweep.folder import TABLE
@@ -32,7 +33,7 @@ def write_table(folder: Path, definition: Definition, rows: Rows) -> Path:
     schema = _schema(definition, _checks(rows))
     path = folder / TABLE
     with listed_file(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
-        complete = (row | definition.inputs_of(row["run"]) for row in rows.in_order())
+        complete = (plain(row | definition.inputs_of(row["run"])) for row in rows.in_order())
         while chunk := list(itertools.islice(complete, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
     return path

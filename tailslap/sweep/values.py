@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from tailslap.errors import InputError
+from tailslap.scene.vary import KEY
 
 MAX_RUNS = 1_000_000
 """Runs of one sweep; above it a mistyped range is likelier than patience."""
@@ -37,8 +39,12 @@ class Choices:
 def split_key(varied: str) -> tuple[str, str]:
     """Key and VALUES of KEY=VALUES. Raises InputError."""
     key, _, text = (part.strip() for part in varied.partition("="))
-    if not (key and text and all(key.split("."))):
+    if not (text and re.fullmatch(KEY, key)):
         raise InputError("--vary", varied, ALLOWED)
+    if key == "name":
+        raise InputError(
+            "--vary", varied, "a scene's name changes nothing in a run; allowed are its other keys"
+        )
     return key, text
 
 
@@ -82,6 +88,6 @@ def _choices(key: str, text: str) -> Choices:
 
 def _count(key: str, text: str, ends: list[str]) -> int:
     given = ends[2] if len(ends) == 3 else ""
-    if not given.isdecimal() or int(given) < 2:
+    if not re.fullmatch("[0-9]{1,9}", given) or int(given) < 2:
         raise InputError(key, text, "a range ends with how many values it has, a whole number from 2: a:b:n")
     return int(given)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Candidate:
     """A level with its model, its deflection ratio, and the expected time of its loop [s].
 
-    answer: the five quantities by the modal model of this mesh, where that was asked for and can be had.
+    quantities: the five quantities by the modal model of this mesh, where that was asked for and can be had.
     """
 
     level: RefinementLevel
@@ -33,12 +33,12 @@ class Candidate:
     model: PlateModel
     deflection_ratio: float
     seconds: float
-    answer: Mapping[str, float] = field(default_factory=dict)
+    quantities: Mapping[str, float] = field(default_factory=dict)
 
     def distance(self, other: Candidate, sensitivity: float) -> float:
         """How far apart the two results are expected to be, relatively: by modes, else by deflection ratios."""
-        if self.answer and other.answer:
-            return max(abs(value / other.answer[name] - 1.0) for name, value in self.answer.items())
+        if self.quantities and other.quantities:
+            return max(abs(value / other.quantities[name] - 1.0) for name, value in self.quantities.items())
         return BESIDE_THE_DEFLECTION * sensitivity * abs(self.deflection_ratio - other.deflection_ratio)
 
 
@@ -47,7 +47,7 @@ BESIDE_THE_DEFLECTION = 3.0
 
 
 def constraints(scene: Scene) -> tuple[str, ...]:
-    """Holds to try: the scene's own if it says anything of it."""
+    """Constraints to try: the scene's own if it says anything of it."""
     return ("penalty", "exact") if scene.corner.constraint_is_open else (scene.corner.constraint,)
 
 
@@ -75,8 +75,8 @@ def coarsest(plan: Plan, constraint: str) -> list[Candidate]:
     )
 
 
-def answered(made: Candidate) -> Candidate:
-    """The candidate with its modal answer; without one where the modal model does not have what the scene asks for."""
+def with_modal_quantities(made: Candidate) -> Candidate:
+    """The candidate with its modal quantities; without them where the modal model lacks what the scene asks for."""
     from tailslap.modal import modal_run
 
     plan, plate = made.plan, resolved_plate(made.plan, needed_plate(made.plan.scene))
@@ -95,6 +95,6 @@ def answered(made: Candidate) -> Candidate:
         math.nan,
     )
     try:
-        return replace(made, answer=modal_run(fe_plan, tolerance=1.0).values)
+        return replace(made, quantities=modal_run(fe_plan, tolerance=1.0).values)
     except InputError:
         return made

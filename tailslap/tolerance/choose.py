@@ -15,11 +15,11 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.planning.flexibility import sensitivity
 from tailslap.planning.plan import Plan
 from tailslap.scene.vary import shown
-from tailslap.tolerance.candidates import Candidate, answered, candidate, coarsest, constraints
+from tailslap.tolerance.candidates import Candidate, candidate, coarsest, constraints, with_modal_quantities
 from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
 
 LEAST = 1e-8
-"""Tolerances below this are beyond the rounding of the run and of the answer it is held against."""
+"""Tolerances below this are beyond the rounding of the run and of the result it is compared with."""
 
 MARGIN = 2.0
 """Times the distance from the limit that the modal models show."""
@@ -28,14 +28,14 @@ MAX_TRIED, SETTLED = 4_000, 0.1
 """Elements up to which the limit is sought, and the share of the tolerance to which it is known then."""
 
 RIGID, LIMIT = "rigid", "limit"
-"""What the answer is held against."""
+"""What the result is compared with."""
 
 
 @dataclass(frozen=True)
 class Choice:
     """What was picked. against: RIGID or LIMIT; errors are relative, the largest of the five quantities.
 
-    flexibility: by how much, at most, the plate's own flexibility moves the answer. limit: the five quantities by modes
+    flexibility: by how much, at most, the plate's own flexibility moves the result. limit: the five quantities by modes
     of the finest mesh tried, where they were asked for; limit_deflection_ratio: of that mesh.
     """
 
@@ -72,7 +72,7 @@ def _towards_the_limit(plan: Plan, tolerance: float, flexibility: float) -> Choi
     """The cheapest mesh that is near enough to ever finer ones."""
     if plan.scene.corner.patch_length is None:
         allowed = (
-            f"the plate's flexibility moves the answer by up to {flexibility:.1e}, and a corner held at one node has "
+            f"the plate's flexibility moves the result by up to {flexibility:.1e}, and a corner held at one node has "
             "no limit of fine meshes to come closer to; allowed is that much, or a scene with corner.patch_length"
         )
         raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
@@ -91,7 +91,7 @@ def _towards_the_limit(plan: Plan, tolerance: float, flexibility: float) -> Choi
         raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
     best = min(good, key=lambda made: made.seconds)
     choice = Choice(tolerance, LIMIT, best.level, errors[best], best.seconds, flexibility)
-    return replace(choice, limit=finest.answer, limit_deflection_ratio=finest.deflection_ratio)
+    return replace(choice, limit=finest.quantities, limit_deflection_ratio=finest.deflection_ratio)
 
 
 def _at_least(other: Candidate, made: Candidate) -> bool:
@@ -106,7 +106,7 @@ def _until_settled(plan: Plan, tolerance: float, factor: float) -> list[Candidat
         if level.elements[0] * level.elements[1] > MAX_TRIED:
             break
         made = candidate(plan, level)
-        found += [answered(made)] if made else []
+        found += [with_modal_quantities(made)] if made else []
         last = [made for made in found if made.level.element == "quad9"][-3:]
         if len(last) == 3 and max(made.distance(last[-1], factor) for made in last) < SETTLED * tolerance:
             break

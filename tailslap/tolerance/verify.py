@@ -11,7 +11,7 @@ from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import Outcome, run_scene
 from tailslap.scene.vary import vary
-from tailslap.tolerance.candidates import answered, candidate
+from tailslap.tolerance.candidates import candidate, with_modal_quantities
 from tailslap.tolerance.choose import RIGID, Choice
 from tailslap.tolerance.refinement_levels import RefinementLevel
 from tailslap.verification.check import Check
@@ -37,7 +37,7 @@ def verified(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
 def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, str]:
     """Estimated distance from the limit of fine meshes, by a second run on another mesh."""
     if not outcome.fe:
-        return math.nan, "there is no answer to judge"
+        return math.nan, "there is no result to judge"
     for level, share in ((choice.level.scaled(0.5), COARSER_SHARE), (choice.level.scaled(2.0), FINER_SHARE)):
         other = _run(plan, level) if level else None
         if other is None or not other.fe:
@@ -52,11 +52,11 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
 def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Plan) -> float:
     """Distance from the limit over that between the two meshes: of modal results, else of deflection ratios."""
     mine, its = (
-        made and answered(made)
+        made and with_modal_quantities(made)
         for made in (candidate(plan, level) for level in (choice.level, _level(other, choice)))
     )
-    if mine and its and choice.limit and mine.answer and its.answer:
-        return _apart(mine.answer, choice.limit) / max(_apart(mine.answer, its.answer), TINY)
+    if mine and its and choice.limit and mine.quantities and its.quantities:
+        return _apart(mine.quantities, choice.limit) / max(_apart(mine.quantities, its.quantities), TINY)
     ratios = outcome.fe_plan.deflection_ratio, other.fe_plan.deflection_ratio
     return abs(ratios[0] - choice.limit_deflection_ratio) / max(abs(ratios[0] - ratios[1]), TINY)
 

@@ -35,7 +35,7 @@ COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
 
 @dataclass(frozen=True)
 class Check:
-    """The outcome of a check: its value, the limit it was held to, whether it passed, and what it guards against."""
+    """The outcome of a check: its value, its limit, whether it passed, and what it guards against."""
 
     name: str
     value: float
@@ -52,7 +52,7 @@ class Check:
 @dataclass(frozen=True)
 class Evidence:
     """What a run is judged by: plan and run, the rigid histories at the run's instants, differences of the five
-    quantities, empty where it came to no answer, and a second run on another mesh, if there was one."""
+    quantities, empty where it came to no result, and a second run on another mesh, if there was one."""
 
     fe_plan: FePlan
     run: Run
@@ -68,7 +68,7 @@ class Evidence:
     @property
     def relieved(self) -> bool:
         """Whether the plate starts by inertia relief."""
-        return self.fe_plan.plate.start != "unstressed"
+        return self.fe_plan.plate.relieved
 
     @property
     def friction(self) -> FrictionLaw:

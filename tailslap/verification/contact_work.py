@@ -1,6 +1,6 @@
 """Checks of the contact at the corner: what its forces did, against what the energies say.
 
-The history records force, place and energy separately, so that each can be held against the others:
+The history records force, place and energy separately, so that each can be compared with the others:
 
     spring      integral of N dy must be what the spring's energy lost; N is linear in y, and the trapezoidal rule
                 exact whatever the spacing of the rows
@@ -39,9 +39,9 @@ def _contact_work(given: Evidence) -> Evaluation:
 
 
 def _stored(given: Evidence) -> Evaluation:
-    held = given.history["contact_energy"] + given.history["hourglass_energy"]
+    stored = given.history["contact_energy"] + given.history["hourglass_energy"]
     meaning = "largest energy in contact and hourglass control over the energy at the start; customary limit, Radioss"
-    return Evaluation(held.max() / given.history["kinetic_energy"][0], 0.15, meaning)
+    return Evaluation(stored.max() / given.history["kinetic_energy"][0], 0.15, meaning)
 
 
 def _friction(given: Evidence) -> Evaluation | None:

@@ -57,7 +57,7 @@ def _hourglass_share(given: Evidence) -> Evaluation:
     spared = little or given.second is not None
     why = "it stores next to nothing" if little else "the second run tells what it changes"
     meaning = f"largest hourglass energy over the largest strain energy; {how}; {NCHRP}"
-    meaning += f"; not held to it here: {why}" if spared else ""
+    meaning += f"; not required here: {why}" if spared else ""
     return Evaluation(energy.max() / stored, 1.0 if spared else 0.1, meaning)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from postprocess.comparison.comparison import largest
 from tailslap.planning.flexibility import sensitivity
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.verification.check import (
     FINER,
     MORE_DAMPING,
@@ -24,7 +25,7 @@ from tailslap.verification.numerical_error import EXPLAINED, FLOOR, SHARE
 from tailslap.verification.ringing import RINGING
 
 STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
-"""Columns of the energy that the model holds."""
+"""Columns of the energy that the model stores."""
 
 OSCILLATES = 1.25
 """Kinetic energy of the oscillation of an unstressed start, over the elastic energy that it begins without: at most 1
@@ -33,8 +34,8 @@ in a linear model without friction."""
 
 def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
     """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
-    held = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
-    balance = held - history["friction_work"] - history["damping_work"]
+    stored = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
+    balance = stored - history["friction_work"] - history["damping_work"]
     return np.asarray(balance - balance[0])
 
 
@@ -45,8 +46,11 @@ def _reached(given: Evidence) -> Evaluation:
 
 
 def _finite(given: Evidence) -> Evaluation:
-    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in given.history.values())
-    return Evaluation(bad, 0, "entries of the history that are not finite numbers")
+    force = given.fe_plan.plan.force
+    theory = (*stage_two_numbers(given.fe_plan.plan).values(), force.impulse, force.peak_force)
+    results = [*given.history.values(), np.array([*theory, *given.differences.values()], dtype=float)]
+    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
+    return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
 
 
 def _time_step(given: Evidence) -> Evaluation:

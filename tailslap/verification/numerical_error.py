@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem.discretisation.lumpings import LUMPINGS
 from postprocess.comparison.comparison import largest
 from tailslap.planning.flexibility import sensitivity
 
@@ -23,7 +24,7 @@ FLOOR, SHARE = 5e-4, 0.25
 """Numerical error that is allowed whatever the plate, and as a share of what its flexibility changes."""
 
 SWINGS = 0.5
-"""Change of the answer over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
+"""Change of the result over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
 
 SHARP = 0.1
 """Part of the difference from the rigid motion that its numerical error may be and still be told by statics."""
@@ -31,8 +32,8 @@ SHARP = 0.1
 EXPLAINED = 2.0
 """Multiples of the deflection ratio that a difference from the rigid motion may have: it is 0.3 to 2.0 of it."""
 
-HELD = 0.9
-"""Change of the answer over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
+LAG_EFFECT = 0.9
+"""Change of the result over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
 
 FACTOR = 4.0 / 3.0
 """Error over the distance to the second run, of second order between linear elements and half as large ones."""
@@ -41,7 +42,7 @@ FACTOR = 4.0 / 3.0
 @dataclass(frozen=True)
 class SecondRun:
     """A run of the same plate on another mesh with the exact constraint: the mesh in words, and its differences from
-    the rigid motion, empty where it came to no answer."""
+    the rigid motion, empty where it came to no result."""
 
     mesh: str
     difference: Mapping[str, float]
@@ -68,7 +69,7 @@ class NumericalError:
 
     @property
     def allowed(self) -> float:
-        """What the total is held to."""
+        """The limit of the total."""
         return FLOOR + SHARE * self.flexibility
 
 
@@ -76,21 +77,21 @@ def needs_second_run(fe_plan: FePlan, differences: Mapping[str, float], error: N
     """Whether statics does not tell, or not sharply, how far the run may be off."""
     explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.deflection_ratio
     sharp = error.total <= max(FLOOR, SHARP * largest(differences))
-    by_statics = fe_plan.plate.start != "unstressed" and fe_plan.plate.lumping == "exact"
+    by_statics = fe_plan.plate.relieved and not LUMPINGS[fe_plan.plate.lumping].fault
     return not (by_statics and explained and sharp)
 
 
 def numerical_error(
     fe_plan: FePlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
 ) -> NumericalError:
-    """The estimate; differences: from the rigid motion, empty if there is no answer; ringing: friction by ringing."""
-    factor, relieved = sensitivity(fe_plan.plan.start.angle), fe_plan.plate.start != "unstressed"
+    """The estimate; differences: from the rigid motion, empty if there is no result; ringing: friction by ringing."""
+    factor, relieved = sensitivity(fe_plan.plan.start.angle), fe_plan.plate.relieved
     by_statics = factor * max(fe_plan.deflection_ratio, fe_plan.other_deflection_ratio)
     return NumericalError(
         time_step=(1.0 / fe_plan.expected_steps) ** 2,
         mesh=factor * abs(fe_plan.deflection_ratio - fe_plan.other_deflection_ratio),
         contact_spring=factor * fe_plan.spring_share,
-        damping=factor * _held_back(fe_plan) if relieved else _oscillation_lost(fe_plan),
+        damping=factor * _lag_error(fe_plan) if relieved else _oscillation_lost(fe_plan),
         ringing=ringing
         if relieved
         else 0.0,  # an unstressed plate rings by itself, and the second run tells how
@@ -99,10 +100,10 @@ def numerical_error(
     )
 
 
-def _held_back(fe_plan: FePlan) -> float:
-    """What the damping may hold the plate back by, over the way: no more than all that the plate gives."""
+def _lag_error(fe_plan: FePlan) -> float:
+    """The error by the lag of damping, over the way: no more than the whole deflection."""
     lag = fe_plan.damping_lag
-    return HELD * lag / (1.0 + 2.0 * lag / fe_plan.deflection_ratio) if lag else 0.0
+    return LAG_EFFECT * lag / (1.0 + 2.0 * lag / fe_plan.deflection_ratio) if lag else 0.0
 
 
 def _oscillation_lost(fe_plan: FePlan) -> float:
@@ -117,7 +118,7 @@ def _oscillation_lost(fe_plan: FePlan) -> float:
 
 
 def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
-    """Error by the second run; infinite where one of the two has no answer."""
+    """Error by the second run; infinite where one of the two has no result."""
     if not (differences and second.difference):
         return math.inf
     return FACTOR * max(abs(value - second.difference[name]) for name, value in differences.items())

@@ -23,12 +23,12 @@ def verdict_sentence(outcome: Outcome) -> str:
         return "The run did not reach the tail-slap."
     if failed - of_the_reaction - {"agreement with rigid"}:
         return "Not to be relied on: a check of the run failed."
-    words = _comparison(outcome)
+    text = _comparison(outcome)
     if failed & of_the_reaction:
-        words += " The motion is right, but the history of the reaction is not: it rings."
+        text += " The motion is right, but the history of the reaction is not: it rings."
     if "agreement with rigid" in failed:
-        words += " It does not agree with the rigid motion as closely as the scene demands."
-    return words
+        text += " It does not agree with the rigid motion as closely as the scene demands."
+    return text
 
 
 def _comparison(outcome: Outcome) -> str:
@@ -52,14 +52,14 @@ def flutter_sentence(fe_plan: FePlan) -> str:
         return "none: without friction nothing grows"
     if not needed > 0.0:
         return f"harmless: no mode grows by more than exp({growth.harmless:g}) during the run{judged}"
-    words = f"the fastest mode grows by up to exp({growth.exponent:.0f}) during the run{judged}"
+    text = f"the fastest mode grows by up to exp({growth.exponent:.0f}) during the run{judged}"
     if not growth.rate > 0.0:
-        words = f"rounding makes the reaction ring by {100.0 * growth.ripple:.2g} %"
+        text = f"rounding makes the reaction ring by {100.0 * growth.ripple:.2g} %"
     if damping is not None and (damping.rate or 0.0) >= 0.5 * needed:
-        return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {words}"
+        return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {text}"
     if damping_is_open(fe_plan.asked.scene):
-        return f"possible: {words}; the checks watch for it, and a run that rings is made again with damping"
+        return f"possible: {text}; the checks watch for it, and a run that rings is made again with damping"
     return (
-        f'EXPECTED, the run will fail its checks: {words}; damping.kind = "elastic-velocity" with '
+        f'EXPECTED, the run will fail its checks: {text}; damping.kind = "elastic-velocity" with '
         f"damping.rate = {needed:.3g} suppresses it, and so does leaving out damping.kind"
     )

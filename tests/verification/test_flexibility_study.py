@@ -30,9 +30,9 @@ from tailslap.studies.flexibility.measure import (
 from tailslap.studies.flexibility.sweep import (
     STARTS,
     Sweep,
+    corner_support,
     define,
     frequencies,
-    held,
     run_changes,
     three_meshes,
 )
@@ -118,14 +118,14 @@ def test_the_largest_difference_is_seen_in_any_phase() -> None:
 def test_meshes_and_hold() -> None:
     scene = read_scene("paper-table-3")[0]
     assert three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
-    assert held(scene, (10, 3)).patch == 1.0
-    assert held(scene, (10, 3)).constraint == "exact"
-    assert held(scene, (7, 2)).patch == pytest.approx(10.0 / 7.0)  # a tenth, as whole elements
+    assert corner_support(scene, (10, 3)).patch == 1.0
+    assert corner_support(scene, (10, 3)).constraint == "exact"
+    assert corner_support(scene, (7, 2)).patch == pytest.approx(10.0 / 7.0)  # a tenth, as whole elements
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
     assert three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
     own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
     assert three_meshes(own)[0] == (20, 6)  # half of it would have elements longer than the patch
-    assert (held(own, (20, 6)).constraint, held(own, (20, 6)).patch) == ("penalty", 0.6)
+    assert (corner_support(own, (20, 6)).constraint, corner_support(own, (20, 6)).patch) == ("penalty", 0.6)
 
 
 def test_three_starts_whatever_the_scene_has() -> None:

@@ -14,6 +14,7 @@ import pytest
 from postprocess.report.report import report_text, write_report
 from tailslap.command_line import _status
 from tailslap.errors import InputError, Interrupted
+from tailslap.planning.effort import expected_effort
 from tailslap.planning.plan import make_plan
 from tailslap.run import run_scene
 from tailslap.scene.files import read_scene, source_of_text
@@ -24,7 +25,6 @@ from tailslap.studies.stability.against_reference import KINDS, grade
 from tailslap.studies.stability.axes import base_source
 from tailslap.studies.stability.campaign import Campaign, run_campaign
 from tailslap.studies.stability.draw import ELEMENTS, draw, flat, random_cells
-from tailslap.studies.stability.effort import expected_effort
 from tailslap.studies.stability.reference import (
     MAX_ELEMENTS,
     Reference,
@@ -57,7 +57,8 @@ def test_draws_are_scenes_that_can_be_planned_and_afforded(scene: str) -> None:
     own = read_scene(scene)[0]
     base = base_source(own)
     for number in range(20):
-        assert expected_effort(make_plan(*vary(base, draw(own, base, 3, number)))).steps <= 400_000
+        plan = make_plan(*vary(base, draw(own, base, 3, number)))
+        assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
 
 
 def test_a_third_starts_unstressed_and_the_others_share_the_rest() -> None:

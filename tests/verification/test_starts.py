@@ -18,7 +18,8 @@ from fem.explicit.simulate import Stepper, simulate
 from fem.start.finite_strain import internal_forces
 from fem.start.inertia_relief import TooSoftError
 from fem.start.rigid_state import RigidStart, to_global
-from fem.start.start import START_KINDS, start_fields
+from fem.start.start import start_fields
+from fem.start.start_kinds import START_KINDS
 from meshes import plate_mesh
 from tailslap.command_line import WRONG_INPUT, _status
 

@@ -101,7 +101,7 @@ def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
     assert found["corner.friction"].tolist() == [0.2, 0.5]
     assert found["fe.t"][1] == 0.1 + 0.2
     assert math.isnan(found["fe.t"][0])
-    assert found["check.energy_balance"][1] == math.inf
+    assert math.isnan(found["check.energy_balance"][1])  # null in the table: it has finite numbers alone
 
 
 def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:

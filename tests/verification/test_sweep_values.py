@@ -125,7 +125,7 @@ WRONG = [
     (["--vary", "corner.friction=0:0.6:2.5"], "corner.friction", "whole number"),
     (["--vary", "corner.friction=0.3:0.3:4"], "corner.friction", "must differ"),
     (["--vary", "corner.friction=log:0:0.6:4"], "corner.friction", "above 0"),
-    (["--vary", "corner.friction=-0.1:0.6:4"], "corner.friction", "at least 0"),
+    (["--vary", "corner.friction=-0.1:0.6:4"], "corner.friction", "from 0 to"),
     (["--vary", "corner.friction=0.1,,0.2"], "corner.friction", "KEY=VALUES"),
     (["--vary", "corner.friction="], "--vary", "KEY=VALUES"),
     (["--vary", "corner.friction"], "--vary", "KEY=VALUES"),

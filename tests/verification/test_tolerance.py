@@ -82,7 +82,7 @@ def test_soft_plate_is_held_against_its_own_limit() -> None:
 def test_point_on_a_soft_plate_has_no_limit() -> None:
     with pytest.raises(InputError, match=r"no limit of fine meshes.*corner\.patch_length"):
         choice_of("paper-table-3", 1e-3, "plate.youngs_modulus=20 MPa")
-    with pytest.raises(InputError, match=r"moves the answer by up to 4\.\de-06"):
+    with pytest.raises(InputError, match=r"moves the result by up to 4\.\de-06"):
         choice_of("paper-table-3", 1e-6)
 
 

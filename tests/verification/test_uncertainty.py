@@ -312,10 +312,10 @@ def test_given_ranges_take_units_and_replace_the_default() -> None:
 @pytest.mark.parametrize(
     ("ranges", "fixed", "key", "message"),
     [
-        (("impact.friction=-0.1:0.5",), (), "impact.friction", "at least 0"),
-        (("impact.restitution=0.2:1.1",), (), "impact.restitution", "at most 1"),
+        (("impact.friction=-0.1:0.5",), (), "impact.friction", "from 0 to"),
+        (("impact.restitution=0.2:1.1",), (), "impact.restitution", "from 0 to 1"),
         (("impact.speed=20 kg:30 kg",), (), "impact.speed", "the unit does not fit"),
-        (("impact.speed=20:nan",), (), "impact.speed", "a speed above 0 m/s"),
+        (("impact.speed=20:nan",), (), "impact.speed", "a speed from 1e-06 m/s"),
         (("impact.friction=0.5:0.2",), (), "impact.friction", "must be larger"),
         (("impact.friction=0.2:0.2",), (), "impact.friction", "must be larger"),
         (("impact.friction=0.2",), (), "--range", "KEY=LOWER:UPPER"),
@@ -391,7 +391,7 @@ def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str
 
 def test_parts_of_the_record(complete: Spread) -> None:
     """What is held, and how the scene's own force compares."""
-    assert complete.held == ("vehicle.length", "vehicle.width", "vehicle.mass")
+    assert complete.fixed == ("vehicle.length", "vehicle.width", "vehicle.mass")
     forces: Any = np.concatenate([complete.samples.force_a, complete.samples.force_b])
     assert complete.share_below == np.mean(forces < complete.plan.force.peak_force)
     nothing = replace(complete.samples, force_a=np.full_like(complete.samples.force_a, np.nan))

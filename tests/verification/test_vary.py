@@ -71,7 +71,7 @@ def test_changes_are_shown_as_they_could_be_given_again() -> None:
 @pytest.mark.parametrize(
     ("changes", "key", "allowed"),
     [
-        ({"plate.thickness": -1.0}, "plate.thickness", "above 0 m"),
+        ({"plate.thickness": -1.0}, "plate.thickness", "from 1e-06 m to 1e+06 m"),
         ({"plate.colour": 1}, "plate.colour", "no such key"),
         ({"plate.thickness.x": 1}, "plate.thickness.x", "not a table"),
         ({"corner.reaction": "none", "corner.friction": 0.1}, "corner.friction", "no meaning"),

@@ -54,7 +54,7 @@ def table_1_inputs(result: Table1) -> Table:
 
 def table_1_start(result: Table1) -> Table:
     """Stage 1 from either speed, beside the printed start of Stage 2."""
-    rows = [{"from": words, **vars(start)} for words, start in result.starts.items()]
+    rows = [{"from": name, **vars(start)} for name, start in result.starts.items()]
     speed = result.implied_speed
     note = (
         f"Printed: ω_0 = {START.omega:g} rad/s, v_P0 = {START.corner_speed:g} m/s, v_0 sin θ = "

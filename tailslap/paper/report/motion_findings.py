@@ -37,7 +37,7 @@ def speed_finding(table: Table1) -> Finding:
     mph, metric = table.starts["56 mph"], table.starts["90 km/h"]
     return Finding(
         "The start values agree with 56 mph, not with the 90 km/h of Table 1",
-        f"Stage 1 (Eqs 6-33) was computed from both speeds and held against the printed ω_0 = {START.omega:g} rad/s "
+        f"Stage 1 (Eqs 6-33) was computed from both speeds and compared with the printed ω_0 = {START.omega:g} rad/s "
         f"and v_P0 = {START.corner_speed:g} m/s.",
         (
             f"56 mph gives {mph.omega.computed:.4f} rad/s and {mph.corner_speed.computed:.3f} m/s; 90 km/h gives "

@@ -38,12 +38,12 @@ class Point:
 
     @property
     def seconds(self) -> float:
-        """Time to the answer in a process that has all it needs compiled and loaded."""
+        """Time to solution in a process that has all it needs compiled and loaded."""
         return self.setup_s + self.loop_s
 
     @property
     def valid(self) -> bool:
-        """Whether it gave an answer that passed the program's checks."""
+        """Whether it gave a result that passed the program's checks."""
         return not self.refused and not self.failed and math.isfinite(self.error)
 
     @property

@@ -2,11 +2,12 @@
 
 import click
 
+from tailslap.options import Whole
 from tailslap.studies.study import Study
 
 TURNS = click.Option(
     ["--turns"],
-    type=click.IntRange(10, 10_000),
+    type=Whole(10, 10_000),
     default=40,
     show_default=True,
     help="Turns in which all loops are timed, one after the other.",

@@ -42,7 +42,7 @@ class Cost:
     Parameters
     ----------
     part, what, without : str
-        Its name, the keys that make it, and the part that it is held against, "" for none.
+        Its name, the keys that make it, and the part that it is compared with, "" for none.
     update_ns : Spread
         Time of an element update [ns].
     ratio : Ratio or None

@@ -20,7 +20,7 @@ ONE_POINT = "one-point elements"
 
 @dataclass(frozen=True)
 class Part:
-    """A scene with a part; `without` is the name of the one it is held against, "" for none.
+    """A scene with a part; `without` is the name of the one it is compared with, "" for none.
 
     controlled: False where the hourglass control of one-point elements is taken out of the model.
     """

@@ -143,7 +143,7 @@ def sentences(found: Costs) -> list[str]:
         f"the {100 * CONFIDENCE:g} % bootstrap interval of their median. Compiling or loading, {compiling:.2f} s in "
         f"all, is not in them; set-up is the best of {SETUP_TURNS}.",
         "Each part is added alone to the plain scene: internal forces, penalty spring, drift, and the sums of the "
-        "ledger. Hourglass control is held against one-point elements without it, which mean nothing but time.",
+        "ledger. Hourglass control is compared with one-point elements without it, which mean nothing but time.",
         "Threads wait for each other by spinning: on few elements, or on busy cores, they are slower than one.",
         "The bare loop, tailslap/studies/features/bare.py, has no code for friction, damping, dashpot, hourglass "
         f"control, patch or sums; positions are compared after {found.proof.steps} steps.",

@@ -2,11 +2,12 @@
 
 import click
 
+from tailslap.options import Whole
 from tailslap.studies.study import Study
 
 POINTS = click.Option(
     ["--points"],
-    type=click.IntRange(4, 100),
+    type=Whole(4, 100),
     default=16,
     show_default=True,
     help="First frequencies, at even ratios.",
@@ -17,7 +18,7 @@ LOWEST = click.Option(
 HIGHEST = click.Option(
     ["--highest"], default="1 kHz", show_default=True, metavar="FREQUENCY", help="The stiffest plate."
 )
-WORKERS = click.Option(["--workers"], type=click.IntRange(1, 256), help="Processes  [default: one a core]")
+WORKERS = click.Option(["--workers"], type=Whole(1, 256), help="Processes  [default: one a core]")
 
 STUDY = Study(
     name="flexibility",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fem.start.start_kinds import START_KINDS
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.planning.fe_plan import FePlan
@@ -105,7 +106,7 @@ def _runs(sweep: Sweep, fe_plan: FePlan, frequency: float, start: str) -> list[C
 
     A run that would take too long is left out.
     """
-    meshes = sweep.meshes[-1:] if start == "unstressed" else sweep.meshes
+    meshes = sweep.meshes if START_KINDS[start].relieved else sweep.meshes[-1:]
     return [
         run_changes(sweep, frequency, mesh, start)
         if expected_seconds(sweep, fe_plan, frequency, mesh) <= TOO_LONG

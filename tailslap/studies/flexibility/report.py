@@ -104,7 +104,7 @@ def summary(found: FlexibilityResults) -> dict[str, Any]:
         "headline": headline(found),
         "rigid": stage_two_numbers(sweep.plan),
         "own_frequency": sweep.own_frequency,
-        "corner": sweep.held,
+        "corner": sweep.support,
         "meshes": sweep.meshes,
         "levels_v_gy": found.starts,
         "levels_v_gy_any_start": found.band,
@@ -129,9 +129,9 @@ def headline(found: FlexibilityResults) -> str:
 
 def plates(found: FlexibilityResults) -> str:
     """How the plates are modelled, and which failed."""
-    held, (along, across) = found.sweep.held, found.sweep.meshes[-1]
+    support, (along, across) = found.sweep.support, found.sweep.meshes[-1]
     failed = "; ".join(f"{hertz(p.frequency)}: {p.why}" for p in found.points if not p.passed)
     return (
-        f"Numbers are those of {along} x {across} elements, the corner held by the {held.constraint} constraint over "
-        f"{held.patch:g} m{'' if held.own_patch else ', which the study adds'}. Failed: {failed or 'none'}."
+        f"Numbers are those of {along} x {across} elements, the corner with the {support.constraint} constraint over "
+        f"{support.patch:g} m{'' if support.own_patch else ', which the study adds'}. Failed: {failed or 'none'}."
     )

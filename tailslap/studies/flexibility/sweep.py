@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem.start.start_kinds import START_KINDS
 from tailslap.errors import InputError
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.fe_model import MIN_STEPS, plate_density
@@ -49,7 +50,7 @@ class Section(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Held:
+class Support:
     """How the corner is held: constraint and patch length [m], and whether the scene itself says so."""
 
     constraint: str
@@ -67,7 +68,7 @@ class Sweep:
     frequencies: tuple[float, ...]
     meshes: tuple[tuple[int, int], ...]
     element: str
-    held: Held
+    support: Support
     own_frequency: float
     own: Section
 
@@ -96,7 +97,7 @@ def define(plan: Plan, sweep: tuple[float, ...]) -> tuple[Sweep, FePlan]:
     plate, meshes = fe_plan.plate, three_meshes(fe_plan.plan.scene)
     assert plate.youngs_modulus is not None
     own = Section(plate.thickness, plate_density(plan, plate), plate.youngs_modulus)
-    corner = held(plan.scene, meshes[0])
+    corner = corner_support(plan.scene, meshes[0])
     return Sweep(plan, sweep, meshes, plate.element, corner, fe_plan.first_frequency, own), fe_plan
 
 
@@ -115,16 +116,16 @@ def three_meshes(scene: Scene) -> tuple[tuple[int, int], ...]:
     return tuple((n * coarse[0], n * coarse[1]) for n in (1, 2, 4))
 
 
-def held(scene: Scene, coarsest: tuple[int, int]) -> Held:
-    """The scene's hold where it says one, else the exact constraint over a patch of whole elements."""
+def corner_support(scene: Scene, coarsest: tuple[int, int]) -> Support:
+    """The scene's own where it gives one, else the exact constraint over a patch of whole elements."""
     corner, element = scene.corner, scene.vehicle.length / coarsest[0]
     own = bool(corner.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"})
     patch = corner.patch_length or max(1, round(PATCH * scene.vehicle.length / element)) * element
-    return Held(corner.constraint if own else "exact", patch, own, corner.patch_length is not None)
+    return Support(corner.constraint if own else "exact", patch, own, corner.patch_length is not None)
 
 
 def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start: str = STARTS[0]) -> Changes:
-    """What gives the scene this first frequency [Hz], mesh and start, its corner held as the study holds it."""
+    """What gives the scene this first frequency [Hz], mesh and start, its corner supported as in the study."""
     changes: dict[str, Any] = {
         "wall": None,
         "verify": None,  # plates that differ from the rigid body are the subject, and no failure
@@ -133,11 +134,11 @@ def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start
         "plate.elements": elements,
         "plate.element": sweep.element,
         "plate.start": start,
-        "corner.patch_length": sweep.held.patch,
+        "corner.patch_length": sweep.support.patch,
     }
-    if not sweep.held.own_constraint:
-        changes["corner.constraint"] = sweep.held.constraint
-    if start == "unstressed":
+    if not sweep.support.own_constraint:
+        changes["corner.constraint"] = sweep.support.constraint
+    if not START_KINDS[start].relieved:
         changes["time.rows"] = _rows(sweep, frequency)
     return changes
 

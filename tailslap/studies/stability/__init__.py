@@ -1,33 +1,34 @@
 """The study `stability`: where the program is right, refuses, or catches itself, over pairs of axes.
 
-With --random it draws scenes with all axes and choices at once, and holds each against a refined model.
+With --random it draws scenes with all axes and choices at once, and compares each with a refined model.
 """
 
 import click
 
+from tailslap.options import Real, Whole
 from tailslap.studies.study import Study
 
 POINTS = click.Option(
     ["--points"],
-    type=click.IntRange(2, 40),
+    type=Whole(2, 40),
     default=10,
     show_default=True,
     help="Values of each axis: eight axes with ten make 2 800 cells.",
 )
 TOLERANCE = click.Option(
     ["--tolerance"],
-    type=click.FloatRange(1e-9, 0.1),
+    type=Real(1e-9, 0.1),
     default=1e-3,
     show_default=True,
     help="Difference from the rigid motion up to which a cell is right.",
 )
 RANDOM = click.Option(
-    ["--random", "count"], type=click.IntRange(1, 10_000), help="Draw so many scenes at random instead."
+    ["--random", "count"], type=Whole(1, 10_000), help="Draw so many scenes at random instead."
 )
 SEED = click.Option(
-    ["--seed"], type=click.IntRange(0), default=1, show_default=True, help="With --random: which draws."
+    ["--seed"], type=Whole(0), default=1, show_default=True, help="With --random: which draws."
 )
-WORKERS = click.Option(["--workers"], type=click.IntRange(1, 256), help="Processes  [default: one a core]")
+WORKERS = click.Option(["--workers"], type=Whole(1, 256), help="Processes  [default: one a core]")
 
 STUDY = Study(
     name="stability",

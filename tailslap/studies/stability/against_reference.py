@@ -1,4 +1,4 @@
-"""A random cell, held against a refined model of the same plate."""
+"""A random cell, compared with a refined model of the same plate."""
 
 from __future__ import annotations
 

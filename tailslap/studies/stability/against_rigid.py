@@ -1,4 +1,4 @@
-"""A cell of the map, held against the rigid motion; where it differs, refined models must differ likewise."""
+"""A cell of the map, compared with the rigid motion; where it differs, refined models must differ likewise."""
 
 from __future__ import annotations
 

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from tailslap.errors import InputError
+from tailslap.planning.effort import beam_frequency, expected_effort
 from tailslap.planning.plan import make_plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.stability.axes import Cell, base_source
-from tailslap.studies.stability.effort import beam_frequency, expected_effort
 
-MAX_STEPS, MAX_SECONDS = 400_000, 3.0
+MAX_STEPS, MAX_SECONDS = 400_000, 0.5
 """Steps, and seconds of its time loop, that a run may be expected to take."""
 
 MAX_TRIES = 1000
@@ -79,7 +79,8 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
 def _affordable(base: Source, changes: Changes) -> bool:
     """Whether the rigid motion exists, and a run is not too long."""
     try:
-        effort = expected_effort(make_plan(*vary(base, changes)))
+        plan = make_plan(*vary(base, changes))
+        effort = expected_effort(plan.scene, plan.motion.strike.t)
     except InputError:
         return False
     return effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS

@@ -11,17 +11,17 @@ from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
 from tailslap.planning.decide_damping import damping_is_open
+from tailslap.planning.effort import expected_effort
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.run import MORE_DAMPING, Outcome, attempt, rings
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
-from tailslap.studies.stability.effort import expected_effort
 from tailslap.studies.stability.verdict import failed_checks, model_name
 
 FINER, MAX_ELEMENTS = 1.5, 600
 """Times as fine as the cell's mesh, both ways, and elements of which a reference has no more."""
 
-MAX_SECONDS = 20.0
+MAX_SECONDS = 4.0
 """Expected seconds above which a coarser reference is taken."""
 
 FLUTTER_DAMPING = 0.05
@@ -58,7 +58,11 @@ def find_reference(cell: Source, plate: Plate) -> Reference | None:
     ):
         try:
             plan = make_plan(*vary(cell, reference_changes(plate, finer, ratio)))
-            outcome = None if expected_effort(plan).seconds > MAX_SECONDS else _without_ringing(plan)
+            outcome = (
+                None
+                if expected_effort(plan.scene, plan.motion.strike.t).seconds > MAX_SECONDS
+                else _without_ringing(plan)
+            )
         except InputError:
             continue
         if outcome is not None and trustworthy(outcome):

@@ -12,7 +12,7 @@ from postprocess.figures.map_plots import MapAxis, draw_legend, draw_map
 from postprocess.figures.style import Curve
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, words
+from postprocess.report.table import Column, Table, text_table
 from tailslap.report.footer import footer, study_summary
 from tailslap.studies.stability.against_reference import GOOD, WRONG_FROM
 from tailslap.studies.stability.axes import Axis
@@ -145,8 +145,8 @@ def _causes(found: Campaign) -> tuple[Table, Table]:
     alone = Counter(verdict.failed for verdict in found.of_kind(CAUGHT).values())
     caught = [(name, advice([name]), str(n), str(alone[name])) for name, n in found.caught_by.items()]
     refused = [(name, str(n)) for name, n in found.refused_by.items()]
-    checks = words("Check", ADVISED, "Cells", "Alone", rows=caught, texts=2, title="Caught by")
-    return checks, words("Key", "Cells", rows=refused, title="Refused by")
+    checks = text_table("Check", ADVISED, "Cells", "Alone", rows=caught, texts=2, title="Caught by")
+    return checks, text_table("Key", "Cells", rows=refused, title="Refused by")
 
 
 def _maps(found: Campaign) -> tuple[Curve, ...]:

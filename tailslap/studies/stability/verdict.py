@@ -1,4 +1,4 @@
-"""The verdict on a cell: what became of its run, and what that was held against."""
+"""The verdict on a cell: what became of its run, and what that was compared with."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Verdict:
 
 
 def verdict_on(base: Source, changes: Changes, verify: Callable[[Outcome], Verdict]) -> dict[str, Any]:
-    """Run the scene with these changes, and hold it against what `verify` does; a record of the journal."""
+    """Run the scene with these changes, and judge it by `verify`; a record of the journal."""
     began = time.perf_counter()
     try:
         outcome = run_scene(make_plan(*vary(base, changes)))

@@ -2,11 +2,12 @@
 
 import click
 
+from tailslap.options import Whole
 from tailslap.studies.study import Study
 
 SAMPLES = click.Option(
     ["--samples"],
-    type=click.IntRange(1_000, 4_000_000),
+    type=Whole(1_000, 4_000_000),
     default=100_000,
     show_default=True,
     help="Combinations of inputs, at least.",

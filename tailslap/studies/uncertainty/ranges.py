@@ -64,8 +64,12 @@ def study_ranges(plan: Plan, ranges: tuple[str, ...], fixed: tuple[str, ...]) ->
     }
     for text in ranges:
         key, ends = _split(text, used)
+        if key in given and given[key].origin == FROM_USER:
+            raise InputError("--range", text, "its key is given twice; allowed is one --range for each key")
         given[key] = ends
     for key in fixed:
+        if key in given and given[key].origin == FROM_USER:
+            raise InputError("--fix", key, "--range varies it; leave out one of the two")
         if given.pop(key, None) is None:
             raise InputError("--fix", key, f"it does not vary; allowed are {', '.join(given) or 'none'}")
     if not given:

@@ -76,7 +76,7 @@ def summary(found: Spread) -> dict[str, Any]:
         "first_refusal": found.first_refusal or None,
         "peak_force": forces | {"histogram": {"edges": its.edges, "counts": its.counts}},
         "inputs": [vars(item) for item in found.inputs],
-        "held": found.held,
+        "held": found.fixed,
         "cost": {"seconds": found.seconds},
     }
 
@@ -107,16 +107,16 @@ def headline(found: Spread, inputs: list[VariedInput]) -> str:
 
 def _sentences(found: Spread) -> list[str]:
     """What a reader must know beside the numbers."""
-    samples, held = (
+    samples, fixed = (
         found.samples,
-        f"Held at the scene's value: {', '.join(found.held)}; --range varies these too.",
+        f"Fixed at the scene's value: {', '.join(found.fixed)}; --range varies these too.",
     )
     return [
         f"Each input varies evenly over its range, independently of the others. {grouped(samples.force_a.size)} rows "
         f"of Sobol points, scrambled with the seed {SEED}, give {grouped(samples.combinations)} combinations; each is "
         "solved exactly by Stages 1 to 3. The same call gives the same numbers.",
         refusals(found),
-        *([held] if found.held else []),
+        *([fixed] if found.fixed else []),
         "An index is the share of the variance that comes from an input: alone (first order), and with its "
         f"interactions (total). The 95 % intervals are a bootstrap's, of {RESAMPLES} resamples, and err on the wide "
         "side.",

@@ -105,7 +105,7 @@ class Spread:
         return its.edges, its.counts, percentiles, float(self.plan.force.peak_force)
 
     @property
-    def held(self) -> tuple[str, ...]:
+    def fixed(self) -> tuple[str, ...]:
         """Keys of the scene that the force depends on and that did not vary."""
         varied = {item.key for item in self.samples.ranges}
         keys = (row.key for row in scene_inputs(self.plan.scene, self.plan.source))

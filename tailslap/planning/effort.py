@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_mesh import ELEMENTS
-from tailslap.planning.plan import Plan
-from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.schema import Plate, Scene, Vehicle
 
 STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.5, "tri6": 3.5}
 """Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
 
-AFFORDED_PER_SECOND = {"quad4": 1e7, "quad4-reduced": 2e7, "quad9": 3e6, "tri3": 1e7, "tri6": 3e6}
-"""Cells of the mesh that count as updated in a second: no forecast, but part of what a draw's number stands for."""
+OTHER_STEPS = 4.0
+"""The same for an element from outside."""
 
 
 @dataclass(frozen=True)
@@ -24,22 +24,24 @@ class Effort:
     seconds: float
 
 
-def expected_effort(plan: Plan) -> Effort:
-    """Expected effort of a run; an open mesh counts as the program's first, of quadratic elements."""
-    body, plate = plan.body, plan.scene.plate
+def expected_effort(scene: Scene, duration: float) -> Effort:
+    """Effort of a run over this time [s]; an open mesh counts as the program's first, of quadratic elements."""
+    body, plate = scene.vehicle, scene.plate
     assert plate is not None
     element = plate.element if "element" in plate.model_fields_set else "quad9"
     across_all = ELEMENTS * body.width / body.length
     along, across = plate.elements or (math.sqrt(ELEMENTS * body.length / body.width), math.sqrt(across_all))
     short = min(body.length / along, body.width / max(across, 2.0)) * (1.0 - plate.distortion)
-    crossings = plan.motion.strike.t * _wave_speed(plan, plate) / short
-    ratio = (plan.scene.damping.ratio if plan.scene.damping else None) or 0.0
-    steps = max(1000.0, STEPS_A_CROSSING[element] * crossings / (math.hypot(1.0, ratio) - ratio))
-    return Effort(steps, steps * along * across / AFFORDED_PER_SECOND[element])
+    crossings = duration * _wave_speed(body, plate) / short
+    ratio = (scene.damping.ratio if scene.damping else None) or 0.0
+    steps = max(
+        1000.0, STEPS_A_CROSSING.get(element, OTHER_STEPS) * crossings / (math.hypot(1.0, ratio) - ratio)
+    )
+    cells = (max(1, round(along)), max(1, round(across)))
+    return Effort(steps, loop_seconds(element, cells, steps))
 
 
-def _wave_speed(plan: Plan, plate: Plate) -> float:
-    body = plan.body
+def _wave_speed(body: Vehicle, plate: Plate) -> float:
     area = body.length * body.width * plate.thickness
     density = plate.density or body.mass / area
     if plate.youngs_modulus is not None:

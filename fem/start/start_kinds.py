@@ -1,0 +1,85 @@
+"""Kinds of start. Each is one object; adding one is adding it here, or in any file that registers it.
+
+What finds the elastic state is loaded when a plate starts with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.registry import Registry
+
+if TYPE_CHECKING:
+    from fem.discretisation.model import PlateModel
+    from fem.start.rigid_state import RigidStart
+
+
+@dataclass(frozen=True)
+class StartKind:
+    """A kind of start.
+
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    fields : callable
+        Takes model, rigid start, and positions from the corner in the body frame, shape (2, nodes) [m]; returns elastic
+        displacement and rate in that frame, shape (2, nodes) [m], [m/s], gap [m] and its rate [m/s] of the corner, and
+        where they are not the rigid body's, spin [rad/s] and speed of the corner [m/s].
+    text : str
+        For reports: how the plate starts, and what it keeps of the rigid body.
+    relieved : bool
+        Whether it has the elastic state of its acceleration; without it, it oscillates.
+    """
+
+    name: str
+    fields: Callable[[PlateModel, RigidStart, np.ndarray], Any]
+    text: str
+    relieved: bool = True
+
+
+START_KINDS: Registry[StartKind] = Registry("start")
+"""Kinds of start by their names in a scene."""
+
+
+def _inertia_relief(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    from fem.start.inertia_relief import relieved
+
+    return relieved(model, start, body)
+
+
+def _inertia_relief_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    from fem.start.inertia_relief import relieved_with_momenta
+
+    return relieved_with_momenta(model, start, body)
+
+
+def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    return np.zeros_like(body), np.zeros_like(body), 0.0, 0.0
+
+
+for _kind in (
+    StartKind(
+        "inertia-relief",
+        _inertia_relief,
+        "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "
+        "the corner's speed; where it deforms visibly, its centre begins with another momentum than Stage 1 gave",
+    ),
+    StartKind(
+        "inertia-relief-momenta",
+        _inertia_relief_momenta,
+        "in the elastic state of its rigid acceleration (inertia relief), with the linear "
+        "momentum that Stage 1 gave; spin and speed of the corner follow",
+    ),
+    StartKind(
+        "unstressed",
+        _unstressed,
+        "unstressed, with the rigid body's velocities and all its momenta: it oscillates",
+        relieved=False,
+    ),
+):
+    START_KINDS.register(_kind)

@@ -1,0 +1,9 @@
+"""A mass lumping from outside: the diagonal of the consistent matrix, scaled to the mass."""
+
+from __future__ import annotations
+
+from fem import LUMPINGS, Lumping
+from fem.discretisation.mass import scaled_diagonal_masses
+
+LUMPING = Lumping("diagonal", scaled_diagonal_masses, fault="it is that of the scaled diagonal")
+LUMPINGS.register(LUMPING)

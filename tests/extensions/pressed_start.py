@@ -1,0 +1,18 @@
+"""A start from outside: unstrained, but with the corner pressed into its constraint as the reaction asks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem import START_KINDS, StartKind
+from fem.start.statics import statics
+
+
+def fields(model: Any, start: Any, body: np.ndarray) -> Any:
+    return np.zeros_like(body), np.zeros_like(body), statics(model, start).gap, 0.0
+
+
+START = StartKind("pressed", fields, "unstrained, its corner pressed into the constraint", relieved=False)
+START_KINDS.register(START)
