@@ -148,6 +148,17 @@ def test_the_forces_are_what_the_impulses_integrate(case: str) -> None:
     assert absorbed == pytest.approx(float(last.crush_work), rel=1e-9, abs=1e-9 * scale * SPEED)
 
 
+def test_a_plastic_corner_is_held_while_the_other_presses_on_it() -> None:
+    """e = 0: the rear rests at its greatest crush under less than its strength until the front has stopped."""
+    motion = impact(e=0.0)
+    rear, front = motion.strikes[1:3]
+    assert motion.t_end == pytest.approx(rear.end + 0.1)
+    assert rear.end == pytest.approx(front.end, abs=1e-6)
+    r = motion.at(np.linspace(rear.end - 0.015, rear.end - 1e-6, 50))
+    assert np.ptp(r.crush[1]) < 1e-11
+    assert np.all((r.point_normal[1] > 0.0) & (r.point_normal[1] < rear.peak_force))
+
+
 def test_the_record_is_smooth_enough() -> None:
     """Positions between the steps follow the velocities: dense output against Gauss quadrature of itself."""
     motion = impact()
