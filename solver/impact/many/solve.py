@@ -107,7 +107,7 @@ def solve_impacts(
     Notes
     -----
     Leapfrog with a step of 0.02 of the stiffest oscillation's radian. Against `solve_impact` peaks and impulses are
-    within 5e-4, mostly 5e-5 (tests/verification/test_impact_many.py).
+    within 1e-3, mostly 5e-5 (tests/verification/test_impact_many.py).
     """
     given = dict(
         zip(_KEYS, (length, width, mass, speed, angle, stiffness, restitution, friction), strict=True)
