@@ -2,7 +2,8 @@
 
 `properties` says what a model is made from and what is wrong where none can be made, `element_kinds` registers the
 elements, `elements` draws their tables from scikit-fem, `mass` lumps masses with the exact inertia, `stiffness` finds
-the largest stable step, `model` puts them together, and `fields` carries results to nodes for pictures.
+the largest stable step, `model` puts them together, `impact_model` for a whole impact, `wall_model` finds the modes of
+a wall that gives, and `fields` carries results to nodes for pictures.
 """
 
 from fem.lazy import lazily
