@@ -39,6 +39,8 @@ def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
         parts.append(("sides", "no contact.side_stiffness: the four corners alone touch"))
     if scene.damping is None:
         parts.append(("damping", "none is asked for: no damping code in the time loop"))
+    if scene.wall is None:
+        parts.append(("wall", "the scene has no [wall] table: the wall is rigid"))
     if not pictures:
         parts.append(("pictures", "--no-pictures: no animation"))
     return parts

@@ -10,7 +10,14 @@ import numpy as np
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.verification.check import Check
 
-STORED = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy", "crush_energy")
+STORED = (
+    "kinetic_energy",
+    "strain_energy",
+    "hourglass_energy",
+    "contact_energy",
+    "crush_energy",
+    "wall_energy",
+)
 """Columns of the energy that the model holds, or has taken for good."""
 
 FLOOR, SHARE = 2e-3, 0.1

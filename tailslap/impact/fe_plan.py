@@ -12,13 +12,19 @@ from tailslap.impact.plan import ImpactPlan
 from tailslap.impact.rigid_text import sample_interval
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import MAX_STEPS, REFERENCE_MODULUS
-from tailslap.scene.schema import Contact, Plate, Scene
+from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
     import meshio
 
     from fem.discretisation.model import PlateModel
-    from fem.discretisation.properties import ContactProperties, ModelError, PlateProperties, StepProperties
+    from fem.discretisation.properties import (
+        ContactProperties,
+        ModelError,
+        PlateProperties,
+        StepProperties,
+        WallProperties,
+    )
     from fem.explicit.impact_run import FirstTouch
 
 ACROSS = 6
@@ -124,18 +130,21 @@ def impact_model(plan: ImpactPlan, plate: Plate, longest_step: float) -> tuple[P
     try:
         plate = _with_modulus(plan, plate, mesh)
         given = plate_properties(plan, plate)
-        model = build_impact_model(mesh, given, contact_properties(contact), _step(scene, longest_step))
+        wall = wall_properties(plan, scene.wall) if scene.wall else None
+        model = build_impact_model(mesh, given, contact_properties(contact), _step(scene, longest_step), wall)
     except ModelError as error:
-        raise _refusal(scene, plate, error) from None
+        raise refusal(scene, plate, error) from None
     return model, plate
 
 
-def _refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
+def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
     contact, vehicle = scene.contact, scene.vehicle
     given: dict[str, tuple[str, Any]] = {
         "elements": ("plate.elements", list(plate.counts)),
         "patch_length": ("contact.patch_length", contact.patch_length if contact else None),
         "inertia": ("vehicle.yaw_inertia", vehicle.yaw_inertia),
+        "wall.elements": ("wall.elements", scene.wall and list(scene.wall.elements)),
+        "wall.length": ("wall.length", scene.wall and scene.wall.length),
     }
     return InputError(*given[error.wrong], str(error))
 
@@ -168,6 +177,25 @@ def plate_properties(plan: ImpactPlan, plate: Plate) -> PlateProperties:
         material=scene.material.law if scene.material else "st-venant-kirchhoff",
         hourglass=plate.hourglass,
         inertia=Inertia(vehicle.front_distance, vehicle.inertia) if own else None,
+    )
+
+
+def wall_properties(plan: ImpactPlan, wall: Wall) -> WallProperties:
+    """A wall that gives, its middle where the rigid vehicle's strikes have theirs."""
+    from fem.discretisation.properties import WallProperties
+    from meshes import wall_mesh
+
+    places = [strike.position for strike in plan.motion.strikes] or [0.0]
+    start = 0.5 * (min(places) + max(places) - wall.length)
+    assert wall.height is not None
+    assert wall.foundation_stiffness is not None
+    return WallProperties(
+        wall_mesh(start, wall.length, wall.depth, wall.elements),
+        wall.height,
+        wall.density,
+        wall.youngs_modulus,
+        wall.poissons_ratio,
+        wall.foundation_stiffness,
     )
 
 

@@ -23,6 +23,7 @@ PARTS = {
     "contact_energy": "crush, stored",
     "strain_energy": "strain",
     "hourglass_energy": "hourglass control",
+    "wall_energy": "wall",
 }
 """What the motion's energy goes into, by column; works are done on the plate, and count with the other sign."""
 

@@ -16,6 +16,7 @@ OF_A_WHOLE_IMPACT = (
     "plate",
     "material",
     "damping",
+    "wall",
     "time",
     "vehicle.centre_of_mass",
     "vehicle.yaw_inertia",

@@ -23,7 +23,7 @@ from tailslap.impact.figures import (
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
 from tailslap.impact.rigid_text import CURVES
-from tailslap.impact.summary import impact_cost, impact_summary
+from tailslap.impact.summary import impact_cost, impact_summary, wall_numbers
 from tailslap.report.footer import footer
 from tailslap.report.run_report import CHECKS, INPUTS
 from tailslap.scene.inputs import resolved_inputs
@@ -196,6 +196,7 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
         Section("Strikes", tables=[strikes_table(outcome)]),
         Section("Forces on the wall", tables=[peaks_table(outcome), design]),
         Section("The second strike's duration", tables=[durations_table(outcome.fe)]),
+        Section("The wall, which gives", tables=_wall(outcome)),
         Section("The paper's method beside it", tables=_paper(outcome)),
         Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
         Section("Lateral force over time", figures=forces[:1], layout="tall"),
@@ -216,6 +217,22 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
         ),
         Section("Inputs", tables=[Table(INPUTS, inputs)]),
     ]
+
+
+def _wall(outcome: ImpactOutcome) -> list[Table]:
+    """What the wall does; nothing for a rigid one."""
+    found = wall_numbers(outcome)
+    if found is None:
+        return []
+    rows = [
+        ("largest deflection of its face", round(1e3 * found["deflection"], 3), "mm"),
+        ("at", round(found["place"], 2), "m along the wall"),
+        ("at", round(found["t"], 4), "s"),
+        ("largest force of the foundation", round(found["foundation_force"] / 1e3, 1), "kN"),
+        ("largest contact force", round(found["contact_force"] / 1e3, 1), "kN"),
+    ]
+    note = "The rigid vehicle beside it strikes a rigid wall. The inertia of the wall carries what the foundation does not."
+    return [pairs(rows, notes=(note,))]
 
 
 def _paper(outcome: ImpactOutcome) -> list[Table]:

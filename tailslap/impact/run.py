@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from tailslap.errors import InputError
 from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
 from tailslap.impact.checks import impact_checks
-from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan
+from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan, refusal
 from tailslap.impact.outcome import ImpactOutcome, differences
 from tailslap.impact.plan import AFTER_SECOND, LONGEST, ImpactPlan
 from tailslap.progress import announced, progress_bar
@@ -70,6 +70,7 @@ def plain_run(made: tuple[ImpactFePlan, float]) -> ImpactOutcome:
 
 def simulated(fe_plan: ImpactFePlan) -> ImpactRun:
     """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's."""
+    from fem.discretisation.properties import ModelError
     from fem.explicit.impact_run import simulate_impact
 
     scene, until = fe_plan.plan.scene, fe_plan.plan.motion.t_end
@@ -82,15 +83,18 @@ def simulated(fe_plan: ImpactFePlan) -> ImpactRun:
             return now >= BEYOND * until
         return now >= max(until, strikes[1].end + AFTER_SECOND)
 
-    with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
-        return simulate_impact(
-            fe_plan.model,
-            fe_plan.touch,
-            fe_plan.sample,
-            LONGEST if end is None else end,
-            finished if end is None else lambda run: False,
-            lambda now: progress(min(1.0, now / until)),
-        )
+    try:
+        with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
+            return simulate_impact(
+                fe_plan.model,
+                fe_plan.touch,
+                fe_plan.sample,
+                LONGEST if end is None else end,
+                finished if end is None else lambda run: False,
+                lambda now: progress(min(1.0, now / until)),
+            )
+    except ModelError as error:
+        raise refusal(scene, fe_plan.plate, error) from None
 
 
 def _answer(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactAnswer:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 import tailslap
 from tailslap.impact.check_text import omitted_parts
 from tailslap.impact.outcome import ImpactOutcome
@@ -35,6 +37,7 @@ def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
             "highest_frequency": fe_plan.model.highest_frequency,
             "stable_time_step": fe_plan.model.stable_time_step,
         },
+        "wall": wall_numbers(outcome),
         "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
     }
 
@@ -43,6 +46,22 @@ def _beside(outcome: ImpactOutcome) -> dict[str, Any] | None:
     """The paper's method beside the rigid vehicle's impact."""
     beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
     return None if beside is None else asdict(beside)
+
+
+def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
+    """Largest deflection of a wall that gives, where and when, and the foundation's largest force beside the contact's;
+    None for a rigid wall."""
+    if outcome.fe_plan.plan.scene.wall is None:
+        return None
+    h = outcome.run.history
+    k = int(np.argmax(h["wall_deflection"]))
+    return {
+        "deflection": float(h["wall_deflection"][k]),
+        "place": float(h["wall_deflection_place"][k]),
+        "t": float(h["t"][k]),
+        "foundation_force": float(h["force_foundation"].max()),
+        "contact_force": float(h["force_normal"].max()),
+    }
 
 
 def impact_cost(outcome: ImpactOutcome) -> dict[str, float | int]:

@@ -256,11 +256,17 @@ class Time(Table):
 
 
 class Wall(Table):
-    """The rigid wall's mesh."""
+    """The wall's mesh; of a whole impact a wall that gives, on a foundation along it. Material left out: the paper's
+    concrete (Table 2)."""
 
     length: Length
     depth: Length
     elements: ElementCounts
+    height: Length | None = None
+    foundation_stiffness: LayerStiffness | None = None
+    density: Density = 2400.0
+    youngs_modulus: Modulus = 24.82e9
+    poissons_ratio: PoissonsRatio = 0.18
 
 
 class Scene(Table):

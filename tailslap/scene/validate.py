@@ -13,6 +13,8 @@ from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Damping, Scene
 from tailslap.scene.validate_impact import check_impact
 
+OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
+
 
 def validate(data: dict[str, Any]) -> Scene:
     """The scene that these tables describe. Raises InputError for the first thing that is wrong."""
@@ -69,6 +71,10 @@ def _check_corner(scene: Scene) -> None:
         value = value_of(scene, key)
         if value is not None:
             raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")
+    for key in OF_A_WALL_THAT_GIVES:
+        if scene.wall is not None and key in scene.wall.model_fields_set:
+            allowed = "a wall that gives belongs to a whole impact, with [contact]; leave it out"
+            raise InputError(f"wall.{key}", getattr(scene.wall, key), allowed)
     for key in ("friction", "restitution"):
         if scene.impact is not None and getattr(scene.impact, key) is None:
             raise InputError(f"impact.{key}", Missing, "this key is required")

@@ -10,7 +10,6 @@ OF_THE_CORNER = {
     "start": "a whole impact starts at first touch",
     "strike": "a whole impact computes its strikes",
     "verify": "it belongs to a constrained corner",
-    "wall": "the wall of a whole impact is the line Y = 0",
 }
 """Tables that [contact] excludes, and why."""
 
@@ -30,6 +29,10 @@ def check_impact(scene: Scene, contact: Contact) -> None:
         raise InputError("impact.convention", scene.impact.convention, allowed)
     _check_contact(contact)
     _check_plate(scene, contact)
+    for key in ("height", "foundation_stiffness"):
+        if scene.wall is not None and getattr(scene.wall, key) is None:
+            allowed = "the wall of a whole impact gives, and needs it; without [wall] it is rigid"
+            raise InputError(f"wall.{key}", Missing, allowed)
 
 
 def _check_contact(contact: Contact) -> None:
