@@ -101,12 +101,13 @@ def headline(outcome: ImpactOutcome) -> str:
     if failed:
         return f"Not to be relied on: failed {', '.join(failed)}."
     fe, rigid = outcome.fe, outcome.rigid
+    of_wall = " and the wall's" if outcome.fe_plan.plan.scene.wall else ""
     strikes = "; ".join(
         f"{s.corner} {s.peak_force / 1e3:.0f} kN for {1e3 * s.duration:.0f} ms" for s in fe.strikes[:2]
     )
     impulses = [abs(v) for k, v in outcome.difference.items() if k.endswith("impulse")]
     flexible = (
-        f" The plate's flexibility moves the impulses by up to {100 * max(impulses):.2g} %"
+        f" The plate's{of_wall} flexibility moves the impulses by up to {100 * max(impulses):.2g} %"
         if impulses
         else ""
     )
@@ -228,10 +229,11 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
         ("largest deflection of its face", round(1e3 * found["deflection"], 3), "mm"),
         ("at", round(found["place"], 2), "m along the wall"),
         ("at", round(found["t"], 4), "s"),
-        ("largest force of the foundation", round(found["foundation_force"] / 1e3, 1), "kN"),
-        ("largest contact force", round(found["contact_force"] / 1e3, 1), "kN"),
+        ("force of the foundation, 50 ms mean", round(found["foundation_mean_50ms"] / 1e3, 1), "kN"),
+        ("contact force, 50 ms mean", round(found["contact_mean_50ms"] / 1e3, 1), "kN"),
+        ("force of the foundation, largest", round(found["foundation_force"] / 1e3, 1), "kN"),
     ]
-    note = "The rigid vehicle beside it strikes a rigid wall. The inertia of the wall carries what the foundation does not."
+    note = "The rigid vehicle beside it strikes a rigid wall. What the foundation does not carry, the wall's inertia does."
     return [pairs(rows, notes=(note,))]
 
 

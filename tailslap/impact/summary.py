@@ -53,6 +53,8 @@ def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
     None for a rigid wall."""
     if outcome.fe_plan.plan.scene.wall is None:
         return None
+    from postprocess.signals.filters import moving_mean
+
     h = outcome.run.history
     k = int(np.argmax(h["wall_deflection"]))
     return {
@@ -60,7 +62,10 @@ def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
         "place": float(h["wall_deflection_place"][k]),
         "t": float(h["t"][k]),
         "foundation_force": float(h["force_foundation"].max()),
-        "contact_force": float(h["force_normal"].max()),
+        "foundation_mean_50ms": float(
+            moving_mean(h["force_foundation"][1:], outcome.fe.interval, 0.05).max()
+        ),
+        "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
     }
 
 

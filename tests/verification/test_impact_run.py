@@ -19,6 +19,7 @@ from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
+from tailslap.impact.summary import wall_numbers
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 
@@ -231,3 +232,33 @@ def test_the_papers_method_stands_beside() -> None:
     )
     without = planned("impact.friction=", "impact.restitution=")
     assert paper_method(without.scene, outcome.rigid) is None
+
+
+WALL = {
+    "wall.length": "36 m",
+    "wall.depth": "0.3 m",
+    "wall.height": "1 m",
+    "wall.elements": "[60,1]",
+    "wall.foundation_stiffness": "100 MN/m^2",
+}
+
+
+@pytest.mark.long
+def test_a_wall_that_gives_deflects_and_its_foundation_carries_the_force() -> None:
+    """The foundation carries what the contact brings, but for the wall's inertia: impulses agree; the ledger closes."""
+    outcome = ran(*(f"{key}={value}" for key, value in WALL.items()))
+    h, found = outcome.run.history, wall_numbers(outcome)
+    assert found is not None
+    assert 2e-3 < found["deflection"] < 6e-3  # of the size of the peak force over 2 k'/b, 3.3 mm
+    assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.05)
+    initial = 0.5 * outcome.fe_plan.model.mass * 25.034**2
+    assert np.abs(energy_error(outcome)).max() < 1e-4 * initial
+
+
+def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused() -> None:
+    for key in ("wall.height", "wall.foundation_stiffness"):
+        with pytest.raises(InputError) as caught:
+            planned(*(f"{name}={value}" for name, value in WALL.items() if name != key))
+        assert caught.value.key == key
+    with pytest.raises(InputError, match="belongs to a whole impact"):
+        read_scene("mash-tl4-sut", ("wall.height=1 m",))
