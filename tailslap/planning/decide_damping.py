@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tailslap.errors import InputError
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import make_static_model
-from tailslap.planning.flexibility import rigid_start
+from tailslap.planning.flexibility import oscillation_lost, rigid_start
 from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate, Scene
 
@@ -30,9 +30,9 @@ STAND_IN, STAND_INS = 2.0, 2
 OVERDAMPS = 0.5
 """Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
 
-SEEN = 1e-3
-"""Deflection ratio from which on it is seen that an overdamped plate does not follow its loads: below, that is within
-the numerical error that is allowed."""
+SEEN, MISSED = 1e-3, 5e-4
+"""Deflection ratio from which on it is seen that an overdamped plate does not follow its loads, and part of the result
+that an unstressed plate's oscillation may lose: below, damping stays within the numerical error that is allowed."""
 
 HEARD = 0.005
 """Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
@@ -133,17 +133,30 @@ def damping_is_open(scene: Scene) -> bool:
     return scene.damping is None or scene.damping.kind is None
 
 
+def harms(plan: Plan, plate: Plate, model: PlateModel, growth: Growth, deflection_ratio: float) -> bool:
+    """Whether damping against this growth would be seen in the result: it keeps a soft plate from following its loads,
+    and takes an unstressed one's oscillation off."""
+    from fem.start.statics import elastic_energy
+
+    if not growth.rate > 0.0:
+        return False
+    if plate.relieved:
+        return growth.overdamps and deflection_ratio > SEEN
+    energy = elastic_energy(model, rigid_start(plan))
+    return oscillation_lost(plan, energy, model.mass, suppressing_rate(growth)) > MISSED
+
+
 def decide_damping(
-    plan: Plan, growth: Growth, deflection_ratio: float, factor: float = 1.0
+    plan: Plan, growth: Growth, factor: float = 1.0, harmful: bool = False
 ) -> tuple[Plan, tuple[Decision, ...]]:
     """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants.
 
-    A soft plate that this would keep from following its loads is run without it at first (factor 1): what is predicted
-    is the worst that may come, and the checks watch for it.
+    A plate that this would harm is run without it at first (factor 1): what is predicted is the worst that may come,
+    and the checks watch for it.
     """
     if not damping_is_open(plan.scene):
         return plan, ()
-    if factor == 1.0 and growth.overdamps and deflection_ratio > SEEN:
+    if factor == 1.0 and harmful:
         return _undamped(plan, growth)
     least = (growth.harmless or HARMLESS_UNSTRESSED) / plan.motion.strike.t if factor > 1.0 else 0.0
     rate = factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least)
@@ -155,7 +168,7 @@ def _undamped(plan: Plan, growth: Growth) -> tuple[Plan, tuple[Decision, ...]]:
     """Without damping against friction; that against rounding stays, and what the scene gives."""
     if growth.ripple_rate or plan.scene.damping:
         return _damped(plan, growth.ripple_rate, _why_rounding(growth))
-    why = f"{_why(growth)}, but damping enough against that would hold so soft a plate back"
+    why = f"{_why(growth)}, but damping enough against that would be seen in the result"
     decision = Decision("damping.kind", "none", why)
     return with_changes(plan, {decision.key: decision.value}), (decision,)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError, Missing
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
-from tailslap.planning.decide_damping import Growth, decide_damping, predict_growth
+from tailslap.planning.decide_damping import Growth, decide_damping, harms, predict_growth
 from tailslap.planning.decide_mesh import Mesh, decide_mesh
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import demand_steps, fe_input
@@ -144,7 +144,8 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         if constraint_decisions:
             model, growth = _completed(plan, mesh, normal)
     ratio = deflection_ratio(plan, model) if constraint_decisions else mesh.deflection_ratio
-    plan, damping_decisions = decide_damping(plan, growth, ratio, more_damping)
+    harmful = harms(plan, plate, model, growth, ratio)
+    plan, damping_decisions = decide_damping(plan, growth, more_damping, harmful)
     if damping_decisions:
         model = with_elastic_damping(model, fe_input(plan, plate).step)
         demand_steps(plan, plate, model)

@@ -21,9 +21,21 @@ FLAT, STEEP = 0.8, 2.6
 Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
 
 
+SWINGS = 0.5
+"""Change of the result over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
+
+
 def sensitivity(angle: float) -> float:
     """Change of the answer over the deflection ratio, at most, for a start at this angle [rad] by inertia relief."""
     return FLAT + STEEP * angle
+
+
+def oscillation_lost(plan: Plan, energy: float, mass: float, rate: float) -> float:
+    """What damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share of the
+    speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts without."""
+    strike = plan.motion.strike
+    swing = math.sqrt(2.0 * energy / mass) / abs(strike.v_gy)
+    return SWINGS * swing * -math.expm1(-0.5 * rate * strike.t)
 
 
 def rigid_start(plan: Plan) -> RigidStart:

@@ -15,16 +15,13 @@ from typing import TYPE_CHECKING
 
 from fem.discretisation.lumpings import LUMPINGS
 from postprocess.comparison.comparison import largest
-from tailslap.planning.flexibility import sensitivity
+from tailslap.planning.flexibility import oscillation_lost, sensitivity
 
 if TYPE_CHECKING:
     from tailslap.planning.fe_plan import FePlan
 
 FLOOR, SHARE = 5e-4, 0.25
 """Numerical error that is allowed whatever the plate, and as a share of what its flexibility changes."""
-
-SWINGS = 0.5
-"""Change of the result over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
 
 SHARP = 0.1
 """Part of the difference from the rigid motion that its numerical error may be and still be told by statics."""
@@ -107,14 +104,11 @@ def _lag_error(fe_plan: FePlan) -> float:
 
 
 def _oscillation_lost(fe_plan: FePlan) -> float:
-    """What the damping takes off an unstressed plate's oscillation until the strike, as a share of the speed of its
-    centre: that oscillation has the energy of the elastic state that the plate starts without."""
-    damping = fe_plan.model.loop.elastic_damping
+    """What the damping takes off an unstressed plate's oscillation."""
+    damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
-    strike = fe_plan.plan.motion.strike
-    swing = math.sqrt(2.0 * fe_plan.elastic_energy / fe_plan.model.mass) / abs(strike.v_gy)
-    return SWINGS * swing * -math.expm1(-0.5 * damping.rate * strike.t)
+    return oscillation_lost(fe_plan.plan, fe_plan.elastic_energy, mass, damping.rate)
 
 
 def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
