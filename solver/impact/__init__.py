@@ -9,7 +9,8 @@ integrates one impact from event to event, `solve_impacts` many at once with a f
 from solver.impact.contact import CORNERS, ContactPoints, WallContact, contact_points
 from solver.impact.crush_law import CrushLaw
 from solver.impact.many import Impacts, solve_impacts
-from solver.impact.motion import ImpactMotion, ImpactRecord, solve_impact
+from solver.impact.motion import ImpactMotion, solve_impact
+from solver.impact.record import ImpactRecord
 from solver.impact.strike import Strike, strikes_of
 from solver.impact.vehicle import ImpactState, ImpactVehicle, first_touch
 

@@ -92,7 +92,7 @@ def test_a_sliding_block_turns_round_under_a_greater_force() -> None:
     assert y[3] == pytest.approx((push + mu * 1e4) / BLOCK.mass, rel=1e-9)
 
 
-@pytest.mark.parametrize("e", [0.5, 1.0])
+@pytest.mark.parametrize("e", [0.3, 0.5])
 def test_a_bouncing_mass(e: float) -> None:
     """t1 = sqrt(2 h/g), then 2 v/g with v to e v; from the second bounce on its own dent it loses no more."""
     g, h = 10.0, 5.0

@@ -103,12 +103,12 @@ def test_an_initial_force_and_an_upright_line() -> None:
 
 def test_a_smaller_step_comes_closer(monkeypatch: pytest.MonkeyPatch) -> None:
     """Second order: the error of the peak falls by four with half the step."""
-    from solver.impact import batch
+    from solver.impact.many import leapfrog
 
     peak = exact(TRUCK).strikes[1].peak_force
     errors = []
     for phase in (0.08, 0.04):
-        monkeypatch.setattr(batch, "PHASE", phase)
+        monkeypatch.setattr(leapfrog, "PHASE", phase)
         errors.append(abs(float(solve_impacts(**TRUCK).peak_force[1]) / peak - 1.0))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from solver.elementary import Array, Number, number
 from solver.errors import Gate, Rule
 from solver.impact import rules
-from solver.impact.batch import LEAST_RESTITUTION, Batch, Moving, Pushed, pushed, step_of, stepped
-from solver.impact.strike import JOINED
+from solver.impact.many.count import Strikes, counted, no_strikes
+from solver.impact.many.leapfrog import LEAST_RESTITUTION, Batch, Moving, Pushed, pushed, step_of, stepped
 from solver.rules import LENGTH, MASS, WIDTH
 
 WINDOW = 0.05  # s
@@ -47,20 +47,6 @@ class Impacts:
     impulse: Array
     raw_peak: Array
     mean_50ms: Array
-
-
-class _Strikes(NamedTuple):
-    """What has been counted: (2, n) by strike, (4, n) by corner."""
-
-    corner: Array
-    start: Array
-    end: Array
-    peak: Array
-    impulse: Array
-    slot: Array  # of each corner's latest strike; -1: none yet
-    last: Array  # when each corner was last pressed on
-    number: Array
-    raw: Array
 
 
 def solve_impacts(
@@ -183,10 +169,10 @@ def _start(
     return batch, Moving(zero, centre * s + b * c, angle, speed * c, -speed * s, zero, np.zeros_like(along))
 
 
-def _march(batch: Batch, at: Moving, after_second: float, longest: float) -> tuple[_Strikes, Array, Array]:
+def _march(batch: Batch, at: Moving, after_second: float, longest: float) -> tuple[Strikes, Array, Array]:
     """All steps: the strikes, and times and normal impulses at the steps, shape (steps + 1, n)."""
     n = at.t.size
-    strikes, p = _none(n), pushed(batch, at)
+    strikes, p = no_strikes(n), pushed(batch, at)
     start, times, impulses = at.v_y, [at.t], [np.zeros(n)]
     for _ in range(_MOST_STEPS):
         over = _over(batch, at, p, strikes, after_second, longest)
@@ -195,48 +181,18 @@ def _march(batch: Batch, at: Moving, after_second: float, longest: float) -> tup
         h = np.where(over, 0.0, step_of(batch, at, p))
         before = p.normal
         at, p = stepped(batch, at, p, h)
-        strikes = _counted(strikes, at.t, h, before, p)
+        strikes = counted(strikes, at.t, h, before, p)
         times.append(at.t)
         impulses.append(batch.mass * (at.v_y - start))
     return strikes, np.array(times), np.array(impulses)
 
 
 def _over(
-    batch: Batch, at: Moving, p: Pushed, strikes: _Strikes, after_second: float, longest: float
+    batch: Batch, at: Moving, p: Pushed, strikes: Strikes, after_second: float, longest: float
 ) -> Array:
     second = (strikes.number >= 2) & (at.t >= strikes.end.max(axis=0, initial=0.0) + after_second)
     off = (at.v_y > 0.0) & (at.y >= batch.reach) & (p.normal <= 0.0).all(axis=0)
     return second | off | (at.t >= longest)
-
-
-def _none(n: int) -> _Strikes:
-    nothing, nowhere, zero = np.zeros((2, n)), np.full((4, n), -1.0), np.zeros(n)
-    return _Strikes(nothing - 1.0, nothing, nothing, nothing, nothing, nowhere, nowhere, zero, zero)
-
-
-def _copies(strikes: _Strikes) -> _Strikes:
-    return _Strikes(*(value.copy() for value in strikes))
-
-
-def _counted(strikes: _Strikes, t: Array, h: Array, before: Array, p: Pushed) -> _Strikes:
-    """The strikes after a step."""
-    corner, start, end, peak, impulse, slot, last, number, raw = _copies(strikes)
-    for i in range(4):
-        pressed = (before[i] > 0.0) | (p.normal[i] > 0.0)
-        if not pressed.any():
-            continue
-        new = pressed & (h > 0.0) & ((slot[i] < 0.0) | (t - h - last[i] >= JOINED))
-        slot[i] = np.where(new, number, slot[i])
-        number += new
-        last[i] = np.where(pressed & (h > 0.0), t, last[i])
-        for k in range(2):
-            mine = pressed & (slot[i] == k)
-            corner[k], start[k] = np.where(new & mine, i, corner[k]), np.where(new & mine, t - h, start[k])
-            end[k] = np.where(mine & (h > 0.0), t, end[k])
-            peak[k] = np.where(mine, np.maximum(peak[k], p.normal[i]), peak[k])
-            impulse[k] += np.where(mine, 0.5 * h * (before[i] + p.normal[i]), 0.0)
-    raw = np.maximum(raw, p.normal.sum(axis=0))
-    return _Strikes(corner, start, end, peak, impulse, slot, last, number, raw)
 
 
 def _greatest_mean(t: Array, impulse: Array) -> float:
@@ -246,7 +202,7 @@ def _greatest_mean(t: Array, impulse: Array) -> float:
     return float(max(ahead.max(), behind.max())) / WINDOW
 
 
-def _shaped(shape: tuple[int, ...], strikes: _Strikes, mean: Array) -> Impacts:
+def _shaped(shape: tuple[int, ...], strikes: Strikes, mean: Array) -> Impacts:
     there = strikes.corner >= 0.0
     fields = (strikes.start, strikes.end - strikes.start, strikes.peak, strikes.impulse)
     start, duration, peak, impulse = (np.where(there, value, np.nan).reshape(2, *shape) for value in fields)
