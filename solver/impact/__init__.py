@@ -8,7 +8,9 @@ integrates one impact from event to event, `solve_impacts` many at once with a f
 
 from solver.impact.contact import CORNERS, ContactPoints, WallContact, contact_points
 from solver.impact.crush_law import CrushLaw
-from solver.impact.motion import ImpactMotion, ImpactRecord, solve_impact
+from solver.impact.many import Impacts, solve_impacts
+from solver.impact.motion import ImpactMotion, solve_impact
+from solver.impact.record import ImpactRecord
 from solver.impact.strike import Strike, strikes_of
 from solver.impact.vehicle import ImpactState, ImpactVehicle, first_touch
 
@@ -20,10 +22,12 @@ __all__ = [
     "ImpactRecord",
     "ImpactState",
     "ImpactVehicle",
+    "Impacts",
     "Strike",
     "WallContact",
     "contact_points",
     "first_touch",
     "solve_impact",
+    "solve_impacts",
     "strikes_of",
 ]

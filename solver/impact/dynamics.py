@@ -6,6 +6,7 @@ work of the normal forces on the crush). A point at (x, y) from the centre of ma
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,7 +15,8 @@ import numpy as np
 
 from solver.elementary import Array
 from solver.impact.contact import ContactPoints
-from solver.impact.modes import Modes, Pressed, pressed_points
+from solver.impact.friction import within_limits
+from solver.impact.modes import Modes, Pressed, pressed_points, touch_crush
 
 SIZE = 11
 
@@ -95,6 +97,15 @@ class Dynamics:
         forces = Forces(normal, p.friction[:, None] * normal)
         return self._with_constraints(y[5], at, forces) if p.stuck.size or p.held.size else forces
 
+    def recorded_forces(self, y: Array, at: Kinematics) -> Forces:
+        """The same, none that pulls or passes its limit of friction by rounding."""
+        normal, tangential = self.forces(y, at)
+        normal, stuck = np.maximum(normal, 0.0), self.pressed.stuck
+        if stuck.size:
+            limit = np.maximum(self.mu * normal[stuck], 1e-300)
+            tangential[stuck] = within_limits(at.y[stuck], limit, tangential[stuck])
+        return Forces(normal, tangential)
+
     def accelerations(self, at: Kinematics, forces: Forces) -> Array:
         """Of the centre of mass along X and Y, and about it, shape (3, n)."""
         normal, tangential = forces
@@ -105,15 +116,35 @@ class Dynamics:
         """y', for SciPy."""
         out = np.zeros(SIZE)
         out[:3] = y[3], y[4], -y[5]
-        if self.pressed.points.size:
-            state = y[:, None]
-            at = self.kinematics(state)
-            normal, tangential = forces = self.forces(state, at)
-            out[3:6] = self.accelerations(at, forces)[:, 0]
-            out[6:8] = out[3] * self.mass, out[4] * self.mass
-            out[8] = self.inertia * out[5] + y[0] * out[7] - y[1] * out[6]
-            out[9:] = (tangential * at.v_x).sum(), (normal * at.rate).sum()
+        p = self.pressed
+        if p.points.size:
+            at = self._kinematics_now(y)
+            normal = p.offset + p.slope * at.crush
+            tangential = p.friction * normal
+            if p.stuck.size or p.held.size:
+                normal, tangential = (force[:, 0] for force in self.forces(y[:, None], _columns_of(at)))
+            force_x, force_y = float(tangential.sum()), float(normal.sum())
+            torque = float(at.x @ normal - at.y @ tangential)
+            out[3:6] = force_x / self.mass, force_y / self.mass, torque / self.inertia
+            out[6:9] = force_x, force_y, torque + y[0] * force_y - y[1] * force_x
+            out[9:] = tangential @ at.v_x, normal @ at.rate
         return out
+
+    def _kinematics_now(self, y: Array) -> Kinematics:
+        """Of the touching points at one state: arrays (touching points,)."""
+        p, c, s = self.pressed, math.cos(y[2]), math.sin(y[2])
+        r_x, r_y = p.along * c + p.across * s, p.across * c - p.along * s
+        return Kinematics(r_x, r_y, -(r_y + y[1]), y[3] - y[5] * r_y, -(y[4] + y[5] * r_x))
+
+    @cached_property
+    def touch(self) -> Array:
+        """Crush at which each point is pressed again, or leaves, shape (points,) [m]."""
+        return touch_crush(self.points, self.modes.max_crush)
+
+    @cached_property
+    def corners(self) -> frozenset[int]:
+        """The corners that are pressed on."""
+        return frozenset(self.points.corner[self.pressed.points].tolist())
 
     @cached_property
     def _inertias(self) -> Array:
@@ -131,6 +162,10 @@ class Dynamics:
         tangential[p.held] += p.friction[p.held, None] * found[unknown:]
         tangential[p.stuck] += found[:unknown]
         return Forces(normal, tangential)
+
+
+def _columns_of(at: Kinematics) -> Kinematics:
+    return Kinematics(*(value[:, None] for value in at))
 
 
 def _rows(at: Kinematics, p: Pressed) -> Array:

@@ -12,7 +12,7 @@ from solver.elementary import Array
 from solver.impact.crush_law import virgin_force
 from solver.impact.dynamics import Dynamics, Kinematics, kinematics
 from solver.impact.friction import stick_margin
-from solver.impact.modes import FREE, HELD, LINE, LOADING, Integers, touch_crush
+from solver.impact.modes import FREE, HELD, LINE, LOADING, Integers
 
 Dense = Callable[[Array], Array]
 NEAR, SLOW = 1e-13, 1e-12  # m, m/s: how far a margin may pass 0
@@ -65,7 +65,7 @@ def margins(dynamics: Dynamics, y: Array) -> Array:
     """Of the states y (11, n), in the order of `watch`: shape (margins, n)."""
     points, modes, p = dynamics.points, dynamics.modes, dynamics.pressed
     at = kinematics(points.along, points.across, y)
-    most, touch = modes.max_crush[:, None], touch_crush(points, modes.max_crush)[:, None]
+    most, touch = modes.max_crush[:, None], dynamics.touch[:, None]
     free, loading, line = (modes.crush == mode for mode in (FREE, LOADING, LINE))
     sliding = p.points[p.friction != 0.0]
     parts = [

@@ -124,3 +124,19 @@ def released(y: Array, limit: Array, force: Array) -> Array:
         return np.full(force.size, -np.sign(force.sum()))
     lever = y - y[int(np.argmin(sides))]
     return -np.sign(lever) * np.sign(lever @ force)
+
+
+def within_limits(y: Array, limit: Array, force: Array) -> Array:
+    """Friction of stuck points (k, n) with the same sums and moments, and none above its limit.
+
+    Of three or more stuck points it is not unique; where the least forces pass a limit, others carry the rest.
+    """
+    from scipy.optimize import lsq_linear
+
+    out = np.clip(force, -limit, limit)
+    for i in np.flatnonzero((np.abs(force) > limit * (1.0 + 1e-9)).any(axis=0)):
+        size = np.abs(y[:, i]).max()
+        equal = np.vstack([np.ones_like(y[:, i]), y[:, i] / size]) * limit[:, i]
+        found = lsq_linear(equal, equal @ (force[:, i] / limit[:, i]), (-1.0, 1.0), method="bvls")
+        out[:, i] = found.x * limit[:, i]
+    return out

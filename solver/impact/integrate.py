@@ -59,7 +59,7 @@ class Span(NamedTuple):
     event: Event | None
 
 
-def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float) -> Span:
+def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float, atol: Array) -> Span:
     """From (t, y) to the next event, or to the latest instant."""
     from scipy.integrate import DOP853
 
@@ -68,7 +68,7 @@ def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float) -> Spa
     spin = abs(y[5])
     flying = dynamics.pressed.points.size == 0
     limit = min(latest - t, _TURN / spin) if spin and flying else latest - t
-    options = {"rtol": RTOL, "atol": ATOL * _scales(dynamics, y), "max_step": limit}
+    options = {"rtol": RTOL, "atol": atol, "max_step": limit}
     stepper = DOP853(dynamics.rates, t, y, latest, first_step=limit if flying else None, **options)
     while stepper.status == "running":
         before, t_0 = stepper.y.copy(), float(stepper.t)
@@ -76,19 +76,19 @@ def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float) -> Spa
         dense = stepper.dense_output()
         event = first_event(dynamics, watched, (t_0, float(stepper.t)), dense)
         if event is not None:
-            more, last = _to_event(dynamics, t_0, before, event)
+            more, last = _to_event(dynamics, t_0, before, event, atol)
             return Span(t, event.t, dynamics, pieces + more, last, event)
         pieces.append(Piece(t_0, float(stepper.t), dense, dynamics))
     return Span(t, float(stepper.t), dynamics, pieces, stepper.y, None)
 
 
-def _to_event(dynamics: Dynamics, t: float, y: Array, event: Event) -> tuple[list[Piece], Array]:
+def _to_event(dynamics: Dynamics, t: float, y: Array, event: Event, atol: Array) -> tuple[list[Piece], Array]:
     """The last step once more, to the event: a step is more accurate than its dense output."""
     from scipy.integrate import DOP853
 
     if event.t - t <= 1e-14 * max(1.0, t):
         return [], y
-    options = {"rtol": RTOL, "atol": ATOL * _scales(dynamics, y), "first_step": event.t - t}
+    options = {"rtol": RTOL, "atol": atol, "first_step": event.t - t}
     stepper, pieces = DOP853(dynamics.rates, t, y, event.t, **options), []
     while stepper.status == "running":
         start = float(stepper.t)
@@ -104,12 +104,11 @@ def _demand(met: bool, t: float) -> None:
 
 
 def _scales(dynamics: Dynamics, y: Array) -> Array:
-    """Of the eleven unknowns: one metre and the speed."""
-    m, v = dynamics.mass, math.hypot(y[3], y[4]) + abs(y[5])
-    size = np.abs(dynamics.points.along).max()
-    v = max(v, 1e-6)
+    """Of the eleven unknowns, from the speed at the start."""
+    m, size = dynamics.mass, np.abs(dynamics.points.along).max()
+    v = math.hypot(y[3], y[4]) + size * abs(y[5]) or 1.0
     turn = v / size
-    return np.array([1.0, 1.0, 1.0, v, v, turn, m * v, m * v, m * v * size, m * v * v, m * v * v])
+    return np.array([size, size, 1.0, v, v, turn, m * v, m * v, m * v * size, m * v * v, m * v * v])
 
 
 Latest = Callable[[list[Span], float, Array, Dynamics], float]  # spans so far, then t, state and dynamics now
@@ -118,9 +117,9 @@ Latest = Callable[[list[Span], float, Array, Dynamics], float]  # spans so far, 
 def integrate(dynamics: Dynamics, y: Array, latest: Latest) -> list[Span]:
     """The motion from time 0 to what `latest` says after every event."""
     spans: list[Span] = []
-    t, crowd = 0.0, 0
+    t, crowd, atol = 0.0, 0, ATOL * _scales(dynamics, y)
     while (end := latest(spans, t, y, dynamics)) > t:
-        span = integrate_span(dynamics, t, y, end)
+        span = integrate_span(dynamics, t, y, end, atol)
         spans.append(span)
         crowd = crowd + 1 if span.end - t < _SAME else 0
         t, y = span.end, span.y

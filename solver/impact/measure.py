@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +21,8 @@ def intervals(spans: Sequence[Span]) -> list[Interval]:
     """When each corner's points were pressed on, joined, in order of time."""
     parts = []
     for span in spans:
-        corners = span.dynamics.points.corner[span.dynamics.pressed.points]
         if span.end > span.start:
-            parts += [Interval(int(corner), span.start, span.end) for corner in np.unique(corners)]
+            parts += [Interval(corner, span.start, span.end) for corner in span.dynamics.corners]
     return joined(parts)
 
 
@@ -66,11 +66,17 @@ def _by_corner(piece: Piece, values: Array) -> Array:
 def _forces(piece: Piece, t: Array) -> tuple[Array, Kinematics, Forces]:
     y = piece.dense(t)
     at = piece.dynamics.kinematics(y)
-    return y, at, piece.dynamics.forces(y, at)
+    return y, at, piece.dynamics.recorded_forces(y, at)
+
+
+@cache
+def _gauss() -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    return nodes, weights
 
 
 def _sums(piece: Piece) -> _Sums:
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = _gauss()
     width = piece.end - piece.start
     t = np.concatenate([piece.start + width * (1.0 + nodes) / 2.0, [piece.start, piece.end]])
     y, at, (normal, tangential) = _forces(piece, t)

@@ -13,72 +13,12 @@ from solver.elementary import Array, number
 from solver.errors import Gate
 from solver.impact import rules
 from solver.impact.contact import ContactPoints, WallContact
-from solver.impact.crush_law import energy_taken, stored_energy
-from solver.impact.dynamics import Dynamics, kinematics
+from solver.impact.dynamics import Dynamics
 from solver.impact.integrate import Piece, Span, at_start, integrate
 from solver.impact.measure import intervals, strikes_of_motion
-from solver.impact.modes import LOADING
+from solver.impact.record import ImpactRecord, evaluated, record_of
 from solver.impact.strike import Strike
 from solver.impact.vehicle import ImpactState, ImpactVehicle
-
-
-@dataclass(frozen=True)
-class ImpactRecord:
-    """The impact at given instants; arrays of the shape of the instants, those of points with the points first.
-
-    Attributes
-    ----------
-    t : ndarray
-        Time since the start [s], of any shape.
-    x_g, y_g : ndarray
-        Centre of mass [m], shape of t.
-    theta : ndarray
-        Between the wall side and the wall [rad], shape of t.
-    omega : ndarray
-        [rad/s], positive where it closes the angle, shape of t.
-    v_gx, v_gy : ndarray
-        [m/s], shape of t.
-    force_normal, force_tangential : ndarray
-        Of the wall on the vehicle along +Y and +X [N], shape of t.
-    impulse_normal, impulse_tangential : ndarray
-        Their integrals [N s], shape of t.
-    impulse_angular : ndarray
-        Integral of their moment about X = Y = 0 [N m s], shape of t.
-    kinetic_energy : ndarray
-        [J], shape of t.
-    crush_energy_stored, crush_energy_lost : ndarray
-        What unloading would give back, and what it would not, of the energy taken up by the crush [J], shape of t.
-    crush_work : ndarray
-        Integral of the power of the normal forces on the crush [J], shape of t: stored and lost together.
-    friction_work : ndarray
-        Done on the vehicle, 0 or less [J], shape of t.
-    crush, max_crush : ndarray
-        Of every point, and the greatest so far [m], shape (points, ...).
-    point_normal, point_tangential : ndarray
-        Forces of every point on the vehicle [N], shape (points, ...).
-    """
-
-    t: Array
-    x_g: Array
-    y_g: Array
-    theta: Array
-    omega: Array
-    v_gx: Array
-    v_gy: Array
-    force_normal: Array
-    force_tangential: Array
-    impulse_normal: Array
-    impulse_tangential: Array
-    impulse_angular: Array
-    kinetic_energy: Array
-    crush_energy_stored: Array
-    crush_energy_lost: Array
-    crush_work: Array
-    friction_work: Array
-    crush: Array
-    max_crush: Array
-    point_normal: Array
-    point_tangential: Array
 
 
 @dataclass(frozen=True)
@@ -140,37 +80,9 @@ class ImpactMotion:
         out = np.zeros((15, flat.size)), np.zeros((4, self.points.along.size, flat.size))
         for k in np.unique(index):
             here = index == k
-            out[0][:, here], out[1][:, :, here] = _evaluated(self._pieces[k], flat[here])
+            out[0][:, here], out[1][:, :, here] = evaluated(self._pieces[k], flat[here])
         values, by_point = out[0].reshape(15, *t.shape), out[1].reshape(4, -1, *t.shape)
-        return _record(self.vehicle, t, values, by_point)
-
-
-def _record(vehicle: ImpactVehicle, t: Array, values: Array, by_point: Array) -> ImpactRecord:
-    x_g, y_g, theta, v_gx, v_gy, omega, j_x, j_y, h, friction, crush, *rest = values
-    normal, tangential, stored, lost = rest
-    kinetic = 0.5 * (vehicle.mass * (v_gx**2 + v_gy**2) + vehicle.inertia * omega**2)
-    motion = t, x_g, y_g, theta, omega, v_gx, v_gy
-    return ImpactRecord(
-        *motion, normal, tangential, j_y, j_x, h, kinetic, stored, lost, crush, friction, *by_point
-    )
-
-
-def _evaluated(piece: Piece, t: Array) -> tuple[Array, Array]:
-    """State, sums of forces and energies, shape (15, n); crush, greatest crush and forces, shape (4, points, n)."""
-    dynamics, y = piece.dynamics, piece.dense(t)
-    points, modes, pressed = dynamics.points, dynamics.modes, dynamics.pressed.points
-    crush = kinematics(points.along, points.across, y).crush
-    most = np.where((modes.crush == LOADING)[:, None], crush, modes.max_crush[:, None])
-    by_point = np.stack([crush, most, np.zeros_like(crush), np.zeros_like(crush)])
-    forces = dynamics.forces(y, dynamics.kinematics(y))
-    by_point[2, pressed], by_point[3, pressed] = np.maximum(forces.normal, 0.0), forces.tangential
-    wide = points._replace(**{name: getattr(points, name)[:, None] for name in _LAW})
-    stored = stored_energy(wide, crush, most).sum(axis=0)
-    lost = ((1.0 - wide.restitution**2) * energy_taken(wide, most)).sum(axis=0)
-    return np.vstack([y, by_point[2].sum(axis=0), by_point[3].sum(axis=0), stored, lost]), by_point
-
-
-_LAW = ("stiffness", "initial_force", "restitution")
+        return record_of(self.vehicle, t, values, by_point)
 
 
 def solve_impact(
@@ -192,7 +104,7 @@ def solve_impact(
     state : ImpactState
         At the start, outside the wall or touching it.
     end : float or None
-        How far to follow the motion [s]; None: `after_second` after the second strike, and where there is none, until
+        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
         nothing can touch any more.
     after_second : float
         [s].
@@ -238,11 +150,10 @@ def solve_impact(
 def _open_end(
     vehicle: ImpactVehicle, spans: list[Span], t: float, y: Array, dynamics: Dynamics, after_second: float
 ) -> float:
-    """The end after the second strike; without one, when no corner can reach the wall any more."""
-    touching = set(dynamics.points.corner[dynamics.pressed.points].tolist())
+    """The end after the first two strikes; without a second, when no corner can reach the wall any more."""
     strikes = intervals(spans)[:2]
-    if len(strikes) == 2 and not any(s.end == t and s.corner in touching for s in strikes):
-        return strikes[1].end + after_second
+    if len(strikes) == 2 and not any(s.end == t and s.corner in dynamics.corners for s in strikes):
+        return max(strike.end for strike in strikes) + after_second
     if y[4] <= 0.0:
         return math.inf
     return t + max(vehicle.reach - float(y[1]), 0.0) / float(y[4])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -70,15 +70,16 @@ class Interval(NamedTuple):
     end: float
 
 
-def joined(intervals: list[Interval]) -> list[Interval]:
-    """Intervals of one corner, those closer than 1 ms as one, in order of time."""
-    out: list[Interval] = []
-    for interval in sorted(intervals):
-        if out and out[-1].corner == interval.corner and interval.start - out[-1].end < JOINED:
-            out[-1] = out[-1]._replace(end=max(interval.end, out[-1].end))
+def joined(intervals: Iterable[Interval]) -> list[Interval]:
+    """Intervals given in order of time, those of one corner that are closer than 1 ms as one; in order of start."""
+    out: dict[int, list[Interval]] = {}
+    for interval in intervals:
+        earlier = out.setdefault(interval.corner, [])
+        if earlier and interval.start - earlier[-1].end < JOINED:
+            earlier[-1] = Interval(interval.corner, earlier[-1].start, interval.end)
         else:
-            out.append(interval)
-    return sorted(out, key=lambda interval: interval.start)
+            earlier.append(interval)
+    return sorted((i for found in out.values() for i in found), key=lambda interval: interval.start)
 
 
 def strikes_of(

@@ -28,12 +28,14 @@ EQUATION = re.compile(r"\bEqs? \d")
 
 
 def modules() -> Iterator[ModuleType]:
-    """The five packages, and the sub-packages of `fem` and `postprocess`."""
+    """The five packages, and the sub-packages of `solver`, `fem` and `postprocess`."""
     for name in ("solver", "meshes", "fem", "postprocess", "tailslap"):
         package = importlib.import_module(name)
         yield package
         for found in (
-            pkgutil.iter_modules(package.__path__, f"{name}.") if name in ("fem", "postprocess") else ()
+            pkgutil.iter_modules(package.__path__, f"{name}.")
+            if name in ("solver", "fem", "postprocess")
+            else ()
         ):
             if found.ispkg:
                 yield importlib.import_module(found.name)

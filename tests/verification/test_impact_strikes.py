@@ -1,0 +1,107 @@
+"""Verification: strikes from sampled forces, by the rule of the rigid impact."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from solver.elementary import Array
+from solver.impact import (
+    CORNERS,
+    CrushLaw,
+    ImpactMotion,
+    ImpactVehicle,
+    WallContact,
+    first_touch,
+    solve_impact,
+    strikes_of,
+)
+
+pytestmark = pytest.mark.verification
+
+
+def half_sine(t: Array, start: float, duration: float, peak: float) -> Array:
+    """Means of a half sine over the intervals between the instants."""
+    phase = np.clip((t - start) / duration, 0.0, 1.0)
+    impulse = peak * duration / math.pi * (1.0 - np.cos(math.pi * phase))
+    return np.diff(impulse) / np.diff(t)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.77])
+def test_a_half_sine(shift: float) -> None:
+    """Impulse exact; start and end far below a sample; the peak of the third order."""
+    dt = 1e-3
+    t = np.arange(0.0, 0.3, dt)
+    start, duration = 0.05 + shift * dt, 0.08
+    (strike,) = strikes_of(t, {"rear": half_sine(t, start, duration, 5e5)})
+    assert strike.corner == "rear"
+    assert strike.impulse == pytest.approx(2.0 / math.pi * 5e5 * duration, rel=1e-12)
+    assert strike.start == pytest.approx(start, abs=1e-6)
+    assert strike.duration == pytest.approx(duration, abs=2e-6)
+    assert strike.peak_force == pytest.approx(5e5, rel=1e-6)
+    assert math.isnan(strike.point_of_attack)
+    assert math.isnan(strike.impulse_tangential)
+
+
+def test_a_jump_is_found_within_a_sample() -> None:
+    t = np.linspace(0.0, 0.1, 101)
+    force = np.where((t[:-1] > 0.0205) & (t[:-1] < 0.0595), 3e5, 0.0)
+    (strike,) = strikes_of(t, {"front": force})
+    assert (strike.start, strike.end) == pytest.approx((0.021, 0.060), abs=1e-9)
+    assert strike.peak_force == pytest.approx(3e5)
+
+
+def test_intervals_closer_than_a_millisecond_are_one_strike() -> None:
+    t = np.arange(0.0, 0.1, 2e-4)
+    force = np.zeros(t.size - 1)
+    force[100:200] = force[204:260] = 1e5  # 0.8 ms apart
+    assert len(strikes_of(t, {"front": force})) == 1
+    force[200:206] = 0.0  # 1.2 ms
+    assert len(strikes_of(t, {"front": force})) == 2
+
+
+def test_uneven_samples_and_means_beside_the_force() -> None:
+    t = np.sort(np.random.default_rng(1).uniform(0.0, 0.2, 400))
+    force = half_sine(t, 0.02, 0.1, 2e5)
+    station = np.linspace(0.0, 10.0, force.size)
+    strikes = strikes_of(
+        t,
+        {"front": force, "rear": 0.0 * force},
+        {"front": -0.4 * force},
+        {"front": station},
+        {"front": t[1:]},
+    )
+    (strike,) = strikes
+    push = force * np.diff(t)
+    assert strike.impulse_tangential == pytest.approx(-0.4 * strike.impulse)
+    assert strike.point_of_attack == pytest.approx(station @ push / push.sum())
+    assert strike.position == pytest.approx(t[1:] @ push / push.sum())
+
+
+def test_one_sample_alone() -> None:
+    (strike,) = strikes_of(np.array([0.0, 1.0, 2.0, 3.0]), {"rear": np.array([0.0, 7.0, 0.0])})
+    assert (strike.start, strike.end, strike.impulse, strike.peak_force) == (1.0, 2.0, 7.0, 7.0)
+
+
+def truck() -> ImpactMotion:
+    vehicle = ImpactVehicle(10.0, 2.438, 9979.0)
+    state = first_touch(vehicle, math.radians(15.0), 56 * 0.44704)
+    return solve_impact(vehicle, WallContact(CrushLaw(2e6, 0.0, 0.22), 0.47), state)
+
+
+def test_the_rigid_impact_sampled() -> None:
+    """Means of the exact forces over half a millisecond give the exact strikes."""
+    motion = truck()
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)
+    inside = (t[:-1, None] + t[1:, None]) / 2.0 + np.diff(t)[:, None] / 2.0 * nodes
+    force = motion.at(inside).point_normal[:2] @ weights / 2.0
+    sampled = strikes_of(t, dict(zip(CORNERS, force, strict=False)))
+    assert [strike.corner for strike in sampled] == [strike.corner for strike in motion.strikes]
+    for one, exact in zip(sampled[:2], motion.strikes[:2], strict=True):
+        assert one.impulse == pytest.approx(exact.impulse, rel=1e-4)  # 12 points across a kink
+        assert one.start == pytest.approx(exact.start, abs=1e-5)
+        assert one.duration == pytest.approx(exact.duration, abs=2e-5)
+        assert one.peak_force == pytest.approx(exact.peak_force, rel=2e-3)  # the peak is a kink
