@@ -19,7 +19,9 @@ from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
 
 def main() -> None:
     """Fuzz with so many examples."""
-    count, number = (int(text) for text in (*sys.argv[1:], "200000", "1")[:2]) if sys.argv[1:] else (200_000, 1)
+    count, number = (
+        (int(text) for text in (*sys.argv[1:], "200000", "1")[:2]) if sys.argv[1:] else (200_000, 1)
+    )
 
     @seed(number)
     @settings(fuzz, max_examples=count, derandomize=False)

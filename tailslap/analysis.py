@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from postprocess.report.report import Report
 
 
+CORNER, WHOLE_IMPACT = "a constrained corner", "a whole impact"
+"""Names of the two."""
+
+
 @dataclass(frozen=True)
 class Analysis:
     """A calculation.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tailslap.analysis import Analysis
+from tailslap.analysis import CORNER, Analysis
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import rigid_answer, rigid_lines
 
@@ -45,7 +45,7 @@ def _columns(plan: Plan) -> dict[str, Any]:
 
 
 SLIDING = Analysis(
-    name="a constrained corner",
+    name=CORNER,
     make_plan=make_plan,
     rigid_numbers=rigid_answer,
     rigid_lines=rigid_lines,

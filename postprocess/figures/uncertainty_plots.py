@@ -42,12 +42,12 @@ def draw_histogram(
         return drawn(figure, "histogram", caption, "Distribution")
 
 
-def draw_sensitivity(inputs: Sequence[Any]) -> Curve:
+def draw_sensitivity(inputs: Sequence[Any], of: str = "the peak force", name: str = "sensitivity") -> Curve:
     """Bars of the first-order and total indices of inputs, the first on top, with their intervals.
 
     Each input has `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`.
     """
-    caption = "Share of the variance of the peak force that comes from each input, and its 95 % interval"
+    caption = f"Share of the variance of {of} that comes from each input, and its 95 % interval"
     with style():
         figure, axes = _axes(0.27, 0.16, 0.69, 0.74)
         places = np.arange(len(inputs))[::-1]
@@ -63,7 +63,7 @@ def draw_sensitivity(inputs: Sequence[Any]) -> Curve:
         axes.set_xlabel("Sobol index")
         figure.text(0.27, 0.935, "━ alone", color=DARK, fontweight="bold")
         figure.text(0.43, 0.935, "━ with interactions", color="#6f95bb", fontweight="bold")
-        return drawn(figure, "sensitivity", caption, "Sensitivity")
+        return drawn(figure, name, caption, "Sensitivity")
 
 
 def _axes(left: float, low: float, width: float, height: float) -> tuple["Figure", "Axes"]:

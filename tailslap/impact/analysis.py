@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tailslap.analysis import Analysis
+from tailslap.analysis import WHOLE_IMPACT, Analysis
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_lines, rigid_numbers
 
@@ -39,7 +39,7 @@ def _columns(plan: ImpactPlan) -> dict[str, Any]:
 
 
 IMPACT = Analysis(
-    name="a whole impact",
+    name=WHOLE_IMPACT,
     make_plan=make_impact_plan,
     rigid_numbers=rigid_numbers,
     rigid_lines=rigid_lines,

@@ -92,7 +92,7 @@ def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
     """
     from fem.explicit.impact_run import FirstTouch
 
-    plate, decisions = _chosen(plan.scene)
+    plate, decisions = chosen_plate(plan.scene)
     motion, touch = plan.motion, plan.touch
     sample = sample_interval(motion)
     model, plate = impact_model(plan, plate, sample)
@@ -105,7 +105,8 @@ def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
     return ImpactFePlan(plan, plate, decisions, model, first, sample)
 
 
-def _chosen(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
+def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
+    """The plate with elements, and what was decided of it."""
     plate, vehicle = scene.plate, scene.vehicle
     assert plate is not None
     if plate.elements is not None:

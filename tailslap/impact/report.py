@@ -233,7 +233,9 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
         ("contact force, 50 ms mean", round(found["contact_mean_50ms"] / 1e3, 1), "kN"),
         ("force of the foundation, largest", round(found["foundation_force"] / 1e3, 1), "kN"),
     ]
-    note = "The rigid vehicle strikes a rigid wall. What the foundation does not carry, the wall's inertia does."
+    note = (
+        "The rigid vehicle strikes a rigid wall. What the foundation does not carry, the wall's inertia does."
+    )
     return [pairs(rows, notes=(note,))]
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import tailslap
 
 if TYPE_CHECKING:
+    from tailslap.impact.plan import ImpactPlan
     from tailslap.planning.plan import Plan
 
 
@@ -16,6 +17,6 @@ def footer(files: str = "") -> str:
     return f"tailslap {tailslap.__version__}.{beside}"
 
 
-def study_summary(study: str, plan: Plan) -> dict[str, Any]:
+def study_summary(study: str, plan: Plan | ImpactPlan) -> dict[str, Any]:
     """How the summary of a study begins."""
     return {"study": study, "scene": plan.scene.name, "version": tailslap.__version__}

@@ -38,6 +38,9 @@ class Impacts:
         Of the total normal force until the end [N].
     mean_50ms : ndarray, shape (...)
         Greatest mean of the total normal force over 50 ms [N].
+    mean_force : ndarray, shape (rows, ...)
+        Total normal force [N], each row the mean since the even instant before, the first from first touch on; no rows
+        where no interval was asked for.
     """
 
     corner: NDArray[np.int64]
@@ -47,6 +50,7 @@ class Impacts:
     impulse: Array
     raw_peak: Array
     mean_50ms: Array
+    mean_force: Array
 
 
 def solve_impacts(
@@ -64,6 +68,7 @@ def solve_impacts(
     yaw_inertia: Number | None = None,
     after_second: float = 0.1,
     longest: float = 5.0,
+    interval: float | None = None,
 ) -> Impacts:
     """Whole impacts of rigid vehicles whose corners alone touch; arguments broadcast.
 
@@ -93,6 +98,8 @@ def solve_impacts(
         Each ends so long after its second strike [s].
     longest : float
         And after this at the latest [s].
+    interval : float or None
+        Between the rows of the force history [s]; None: there is none.
 
     Returns
     -------
@@ -116,7 +123,7 @@ def solve_impacts(
     batch, at = _start(**values)
     strikes, t, impulse = _march(batch, at, after_second, longest)
     mean = np.array([_greatest_mean(t[:, i], impulse[:, i]) for i in range(t.shape[1])])
-    return _shaped(shape, strikes, mean)
+    return _shaped(shape, strikes, mean, _sampled(t, impulse, interval, longest))
 
 
 _KEYS = ("length", "width", "mass", "speed", "angle", "stiffness", "restitution", "friction")
@@ -202,9 +209,19 @@ def _greatest_mean(t: Array, impulse: Array) -> float:
     return float(max(ahead.max(), behind.max())) / WINDOW
 
 
-def _shaped(shape: tuple[int, ...], strikes: Strikes, mean: Array) -> Impacts:
+def _sampled(t: Array, impulse: Array, interval: float | None, longest: float) -> Array:
+    """Mean forces over even intervals, shape (rows, n), from the impulses at the steps; after its end each has none."""
+    if interval is None:
+        return np.zeros((0, t.shape[1]))
+    instants = interval * np.arange(math.ceil(min(t[-1].max(), longest) / interval) + 1)
+    sampled = [np.interp(instants, own, pushed) for own, pushed in zip(t.T, impulse.T, strict=True)]
+    return np.diff(np.transpose(sampled), axis=0) / interval
+
+
+def _shaped(shape: tuple[int, ...], strikes: Strikes, mean: Array, force: Array) -> Impacts:
     there = strikes.corner >= 0.0
     fields = (strikes.start, strikes.end - strikes.start, strikes.peak, strikes.impulse)
     start, duration, peak, impulse = (np.where(there, value, np.nan).reshape(2, *shape) for value in fields)
     corner = strikes.corner.astype(int).reshape(2, *shape)
-    return Impacts(corner, start, duration, peak, impulse, strikes.raw.reshape(shape), mean.reshape(shape))
+    raw, history = strikes.raw.reshape(shape), force.reshape(len(force), *shape)
+    return Impacts(corner, start, duration, peak, impulse, raw, mean.reshape(shape), history)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -10,7 +11,7 @@ from tailslap.planning.plan import Plan
 from tailslap.scene.inputs import SceneInput, scene_inputs
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source, parse_value, vary
-from tailslap.studies.uncertainty.tolerances import default_limits
+from tailslap.studies.uncertainty.tolerances import Limits, default_limits
 
 STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitution")
 START = ("start.angle", "start.omega", "start.corner_speed")
@@ -55,11 +56,23 @@ def study_ranges(plan: Plan, ranges: tuple[str, ...], fixed: tuple[str, ...]) ->
 
     ranges: of the form KEY=LOWER:UPPER; fixed: keys that do not vary. Raises InputError.
     """
-    scene = plan.scene
-    used = used_keys(scene)
+    return ranges_of(plan, used_keys(plan.scene), default_limits(plan.scene), ranges, fixed)
+
+
+def ranges_of(
+    plan: Any,
+    used: tuple[str, ...],
+    limits: Mapping[str, Limits],
+    ranges: tuple[str, ...],
+    fixed: tuple[str, ...],
+) -> tuple[Range, ...]:
+    """The ranges for a plan with scene and source, in the order of the keys that may vary; others as `study_ranges`.
+
+    used: the keys that may vary; limits: the ranges of those that vary by default.
+    """
     given = {
         key: _Ends(lower, upper, f"{lower!r}:{upper!r}", origin)
-        for key, (lower, upper, origin) in default_limits(scene).items()
+        for key, (lower, upper, origin) in limits.items()
         if key in used
     }
     for text in ranges:
@@ -74,7 +87,7 @@ def study_ranges(plan: Plan, ranges: tuple[str, ...], fixed: tuple[str, ...]) ->
             raise InputError("--fix", key, f"it does not vary; allowed are {', '.join(given) or 'none'}")
     if not given:
         raise InputError("--fix", ", ".join(fixed), "then nothing varies; allowed is to leave one free")
-    return tuple(_range(plan, key, given[key]) for key in KEYS if key in given)
+    return tuple(_range(plan, key, given[key]) for key in used if key in given)
 
 
 def used_keys(scene: Scene) -> tuple[str, ...]:
@@ -103,7 +116,7 @@ def _split(text: str, used: tuple[str, ...]) -> tuple[str, _Ends]:
     return key, _Ends(parse_value(lower), parse_value(upper), f"{lower}:{upper}", FROM_USER)
 
 
-def _range(plan: Plan, key: str, ends: _Ends) -> Range:
+def _range(plan: Any, key: str, ends: _Ends) -> Range:
     """The range, its ends read as the scene would read them, with its units and bounds."""
     try:
         lower, upper = (_row(*vary(plan.source, {key: end}), key) for end in ends[:2])

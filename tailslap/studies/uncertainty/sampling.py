@@ -62,7 +62,7 @@ class Samples:
 def draw(scene: Scene, ranges: tuple[Range, ...], at_least: int) -> Samples:
     """Sobol points, scrambled by `SEED`, as many as give `at_least` combinations: a power of two of rows."""
     rows = 1 << max(1, int(np.ceil(np.log2(at_least / (len(ranges) + 2)))))
-    a, b = _points(ranges, rows)
+    a, b = points(ranges, rows)
     keys = [item.key for item in ranges]
     with progress_bar("combinations") as progress:
         forces = [
@@ -88,12 +88,12 @@ def _forces(
     return peak_forces(scene, dict(zip(keys, table, strict=True)))
 
 
-def _points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
+def points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
     """Both tables of inputs, each of shape (inputs, rows): halves of one sequence in twice the dimensions."""
     from scipy.stats import qmc
 
     random = np.random.default_rng(SEED)
-    points = qmc.Sobol(2 * len(ranges), scramble=True, bits=64, seed=random).random(rows).T
+    drawn = qmc.Sobol(2 * len(ranges), scramble=True, bits=64, seed=random).random(rows).T
     lower, upper = (np.array([[getattr(item, end)] for item in ranges]) for end in ("lower", "upper"))
-    a, b = (lower + (upper - lower) * half for half in np.split(points, 2))
+    a, b = (lower + (upper - lower) * half for half in np.split(drawn, 2))
     return a, b

@@ -79,15 +79,7 @@ class Spread:
     @property
     def inputs(self) -> tuple[VariedInput, ...]:
         """Ranges and indices, in the order of the scene."""
-        found, items = self.indices, self.samples.ranges
-        first, total = (np.transpose(ends).tolist() for ends in (found.first_interval, found.total_interval))
-        return tuple(
-            VariedInput(
-                *(item.key, item.lower, item.upper, item.unit, item.origin, item.given),
-                *(float(found.first[i]), tuple(first[i]), float(found.total[i]), tuple(total[i])),
-            )
-            for i, item in enumerate(items)
-        )
+        return varied_inputs(self.samples.ranges, self.indices)
 
     @property
     def columns(self) -> dict[str, Array]:
@@ -115,6 +107,18 @@ class Spread:
     def share_below(self) -> float:
         """Share of the combinations whose force is below that of the scene's own values."""
         return float(np.mean(self.samples.known < self.plan.force.peak_force))
+
+
+def varied_inputs(ranges: tuple[Range, ...], found: Indices) -> tuple[VariedInput, ...]:
+    """Ranges and indices of the same inputs as one record each."""
+    first, total = (np.transpose(ends).tolist() for ends in (found.first_interval, found.total_interval))
+    return tuple(
+        VariedInput(
+            *(item.key, item.lower, item.upper, item.unit, item.origin, item.given),
+            *(float(found.first[i]), tuple(first[i]), float(found.total[i]), tuple(total[i])),
+        )
+        for i, item in enumerate(ranges)
+    )
 
 
 def study_spread(call: Call, samples: int, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> Spread:
