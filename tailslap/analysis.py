@@ -7,11 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from postprocess.comparison.comparison import Compared
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
+
+
+CORNER, WHOLE_IMPACT = "a constrained corner", "a whole impact"
+"""Names of the two."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,11 @@ class Analysis:
         (plan, folder, tolerance, pictures) -> the report of a run.
     columns : callable
         plan -> columns of a run for the table of a sweep.
+    column_kinds : callable
+        scene -> columns that this table has whatever its rows, the checks' beside, and the type of their values; raises
+        InputError for a scene that cannot be swept.
+    compared : Compared
+        What its pictures and its page show of FE and rigid vehicle.
     """
 
     name: str
@@ -41,3 +51,5 @@ class Analysis:
     check_lines: Callable[[Any], list[str]]
     run_report: Callable[[Any, Path, float | None, bool], Report]
     columns: Callable[[Any], dict[str, Any]]
+    column_kinds: Callable[[Scene], dict[str, type]]
+    compared: Compared

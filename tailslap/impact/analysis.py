@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tailslap.analysis import Analysis
+from postprocess.comparison.comparison import STRIKES
+from tailslap.analysis import WHOLE_IMPACT, Analysis
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_lines, rigid_numbers
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -38,12 +40,20 @@ def _columns(plan: ImpactPlan) -> dict[str, Any]:
     return impact_columns(plan)
 
 
+def _column_kinds(scene: Scene) -> dict[str, type]:
+    from tailslap.impact.columns import impact_column_kinds
+
+    return impact_column_kinds(scene)
+
+
 IMPACT = Analysis(
-    name="a whole impact",
+    name=WHOLE_IMPACT,
     make_plan=make_impact_plan,
     rigid_numbers=rigid_numbers,
     rigid_lines=rigid_lines,
     check_lines=_check_lines,
     run_report=_run_report,
     columns=_columns,
+    column_kinds=_column_kinds,
+    compared=STRIKES,
 )

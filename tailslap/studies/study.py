@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tailslap.analysis import CORNER, Analysis
+from tailslap.errors import InputError, Missing, Verbatim
+
 if TYPE_CHECKING:
     from postprocess.report.report import Report
-    from tailslap.planning.plan import Plan
 
 
 @dataclass(frozen=True)
 class Call:
-    """A study as it was asked for: the scene's name and changes, the plan, the result folder's place."""
+    """A study as it was asked for: the scene's name and changes, its analysis' plan, the result folder's place."""
 
     name: str
     changes: tuple[str, ...]
-    plan: Plan
+    plan: Any
     place: Path
 
 
@@ -44,6 +46,8 @@ class Study:
         Whether the scene must have the table [plate].
     folder : callable, optional
         Takes the options and returns how the name of the default result folder ends; without it, in the study's name.
+    analyses : tuple of str
+        Names of the analyses whose scenes it makes sense for.
     """
 
     name: str
@@ -53,6 +57,7 @@ class Study:
     options: tuple[click.Option, ...] = ()
     needs_plate: bool = True
     folder: Callable[[Mapping[str, Any]], str] | None = None
+    analyses: tuple[str, ...] = (CORNER,)
 
 
 def study_command(study: Study) -> click.Command:
@@ -80,13 +85,16 @@ def study_command(study: Study) -> click.Command:
 
 def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, options: dict[str, Any]) -> int:
     """Compute, fill the result folder, say what was found; 1 if the study failed."""
+    from tailslap.analyses import analysis_of
     from tailslap.planning.fe_plan import needed_plate
-    from tailslap.planning.plan import make_plan
     from tailslap.report.deliver import deliver
     from tailslap.results.result_folder import demand_place
     from tailslap.scene.files import read_scene
 
-    plan = make_plan(*read_scene(name, changes))
+    scene, source = read_scene(name, changes)
+    analysis = analysis_of(scene)
+    _demand_analysis(study, analysis)
+    plan = analysis.make_plan(scene, source)
     if study.needs_plate:
         needed_plate(plan.scene)
     ending = study.folder(options) if study.folder else study.name
@@ -94,6 +102,17 @@ def _run(study: Study, name: str, changes: tuple[str, ...], out: Path | None, op
     demand_place(place)
     found = _named(study.compute)(Call(name, changes, plan, place), **options)
     return deliver(place, lambda folder: _named(study.report)(found))
+
+
+def _demand_analysis(study: Study, analysis: Analysis) -> None:
+    """Raise InputError where the study makes no sense for the scene."""
+    if analysis.name in study.analyses:
+        return
+    given, allowed = (Missing, "with") if analysis.name == CORNER else (Verbatim("a table"), "without")
+    wanted = (
+        f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {analysis.name}"
+    )
+    raise InputError("contact", given, f"{wanted}; allowed is a scene {allowed} this table")
 
 
 def _named(function: Callable[..., Any] | str) -> Callable[..., Any]:
