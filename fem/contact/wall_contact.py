@@ -1,6 +1,6 @@
-"""Points of the boundary in unilateral contact with the wall's line Y = 0; compiled.
+"""Points of the boundary in unilateral contact with the wall's face, Y = 0 while it is at rest; compiled.
 
-depth       d = -y of a point; the deepest it ever was is kept
+depth       d of a point behind the face, -y if the wall is rigid; the deepest it ever was is kept
 normal      N by the contact law
 stopping    the force that would end this step with the point at rest along the wall
 tangential  R by the friction law: the stopping force, cut to mu N; so a point sticks or slides, and nothing between
@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import by_law, compiled
+from fem.compiled import by_law, compiled, inlined
 from fem.contact.corner import friction_force
+from fem.contact.surface import move, press, resist, tilted, under
 from fem.contact.unilateral import CONTACT_LAWS
 
 
@@ -36,7 +37,7 @@ class ContactState(NamedTuple):
     """What contact keeps of each point, each of shape (points,).
 
     deepest: greatest depth, as the law takes it [m]; normal, tangential: impulse of the wall on it [N s]; pushing,
-    sliding: normal and tangential force [N], and mean: depth as the law takes it [m], of the last step: workspace.
+    sliding: force across and along the wall [N], and mean: depth as the law takes it [m], of the last step: workspace.
     """
 
     deepest: np.ndarray
@@ -83,31 +84,48 @@ def pull_of(force, mass, contact, i):
     return total
 
 
+@inlined
+def approach(positions, velocities, contact, wall, moving, origin, i):
+    """The wall's face under point i; the point's depth behind it [m], its speed away from it and along it [m/s]."""
+    face = under(wall, moving, contact, i, positions, origin)
+    slip = point_mean(velocities[0], contact, i) - face.rate_x
+    opening = point_mean(velocities[1], contact, i) - face.rate_y - tilted(wall, face, slip)
+    return face, face.sink - point_mean(positions[1], contact, i), opening, slip
+
+
 @compiled
-def push_back(positions, velocities, mass, time_step, contact, kept, force):
-    """Add the wall's forces on all points to `force`, which must hold the others, and note them in `kept`."""
+def push_back(positions, velocities, mass, time_step, contact, kept, wall, moving, origin, force):
+    """Add the wall's forces on all points to `force`, which must hold the others, and note them in `kept`.
+
+    What a point and the wall's nodes beside it weigh bears the step together: that is what keeps light nodes stable.
+    """
+    resist(wall, moving)
     for i in range(contact.mobility.size):
-        depth, inertia = -point_mean(positions[1], contact, i), 1.0 / (contact.mobility[i] * time_step**2)
-        rate, slip = point_mean(velocities[1], contact, i), point_mean(velocities[0], contact, i)
-        before = depth + time_step * rate
-        free = depth - time_step * (rate + time_step * pull_of(force[1], mass, contact, i))
+        face, depth, opening, slip = approach(positions, velocities, contact, wall, moving, origin, i)
+        inertia = 1.0 / ((contact.mobility[i] + face.give_y) * time_step**2)
+        along = pull_of(force[0], mass, contact, i) - face.pull_x
+        away = pull_of(force[1], mass, contact, i) - face.pull_y - tilted(wall, face, along)
+        before = depth + time_step * opening
+        free = depth - time_step * (opening + time_step * away)
         normal = contact_force(contact.law, i, before, free, kept.deepest[i], inertia)
-        stopping = -(slip / time_step + pull_of(force[0], mass, contact, i)) / contact.mobility[i]
-        tangential = friction_force(contact.friction, normal, stopping)
+        tilt = tilted(wall, face, normal)
+        stopping = tilt - (slip / time_step + along) / (contact.mobility[i] + face.give_x)
+        tangential = friction_force(contact.friction, normal, stopping) - tilt
         kept.pushing[i], kept.sliding[i] = normal, tangential
         kept.mean[i] = 0.5 * (before + free - normal / inertia)
+        press(wall, moving, face, tangential, normal)
         for k in range(contact.first[i], contact.first[i + 1]):
             force[0, contact.nodes[k]] += contact.weights[k] * tangential
             force[1, contact.nodes[k]] += contact.weights[k] * normal
 
 
 @compiled
-def add_contact(positions, velocities, mass, time_step, contact, kept, sums, origin, force):
-    """Add the wall's forces to `force`, and what they do to the points' state and to the sums.
+def add_contact(positions, velocities, mass, time_step, contact, kept, wall, moving, sums, origin, force):
+    """Add the wall's forces to `force`, what they do to the points' state and to the sums, and move the wall on.
 
     sums: friction work [J] and moment of the impulse about the wall's frame [N m s], in the places of `ImpactState`.
     """
-    push_back(positions, velocities, mass, time_step, contact, kept, force)
+    push_back(positions, velocities, mass, time_step, contact, kept, wall, moving, origin, force)
     for i in range(contact.mobility.size):
         kept.deepest[i] = max(kept.deepest[i], kept.mean[i])
         normal, tangential = kept.pushing[i], kept.sliding[i]
@@ -115,7 +133,9 @@ def add_contact(positions, velocities, mass, time_step, contact, kept, sums, ori
             continue
         kept.normal[i] += time_step * normal
         kept.tangential[i] += time_step * tangential
-        slip = point_mean(velocities[0], contact, i) + 0.5 * time_step * pull_of(force[0], mass, contact, i)
-        sums[0] += time_step * tangential * slip
+        face, _, _, slip = approach(positions, velocities, contact, wall, moving, origin, i)
+        slip += 0.5 * time_step * (pull_of(force[0], mass, contact, i) - face.pull_x)
+        sums[0] += time_step * (tangential + tilted(wall, face, normal)) * slip
         x, y = point_mean(positions[0], contact, i) + origin, point_mean(positions[1], contact, i)
         sums[2] += time_step * (x * normal - y * tangential)
+    move(wall, moving, time_step)

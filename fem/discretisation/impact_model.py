@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fem.constitutive.materials import MATERIALS
 from fem.contact.boundary import wall_contact
 from fem.discretisation.model import PlateModel, assemble, carried_span, plate_viscosity, with_elastic_damping
-from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties
+from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties, WallProperties
 from fem.discretisation.stiffness import Spectrum, stiffness_matrix
 from fem.explicit.impact_loop import ImpactLoop
 
@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 
 def build_impact_model(
-    mesh: meshio.Mesh, plate: PlateProperties, contact: ContactProperties, step: StepProperties
+    mesh: meshio.Mesh,
+    plate: PlateProperties,
+    contact: ContactProperties,
+    step: StepProperties,
+    wall: WallProperties | None = None,
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
@@ -31,6 +35,8 @@ def build_impact_model(
         How its boundary touches the wall.
     step : StepProperties
         Time step and damping.
+    wall : WallProperties or None
+        One that gives; None for a rigid one.
 
     Returns
     -------
@@ -40,10 +46,10 @@ def build_impact_model(
     Raises
     ------
     ModelError
-        Where the mesh cannot carry the inertia, or has too few nodes for the patch of a corner.
+        Where the mesh cannot carry the inertia, or has too few nodes for the patch of a corner; where the wall has no
+        foundation or too many elements.
     """
     d, moduli, masses, stiffness, hourglass = assemble(mesh, plate)
-    wall = wall_contact(d, masses, plate, contact)
     spectrum = Spectrum(
         stiffness, masses, [0.0 * stiffness]
     )  # contact does not bound the step: fem.contact.unilateral
@@ -54,13 +60,19 @@ def build_impact_model(
         table=d.table,
         material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
         mass=masses,
-        contact=wall,
+        contact=wall_contact(d, masses, plate, contact),
         viscosity=viscosity,
         hourglass=hourglass,
         elastic_damping=None,
         time_step=math.nan,
         span=carried_span(d),
+        wall=None,
     )
     undamped = spectrum.stable_time_step(frequency, damping)
     model = PlateModel(d, stiffness, frequency, undamped, math.nan, loop, moduli, plate.thickness)
-    return with_elastic_damping(model, step)
+    model = with_elastic_damping(model, step)
+    if wall is None:
+        return model
+    from fem.discretisation.wall_model import with_wall
+
+    return with_wall(model, wall, step)

@@ -13,7 +13,8 @@ class ModelError(ValueError):
     Parameters
     ----------
     wrong : str
-        The property at fault, "elements", "patch_length" or "inertia"; also an attribute.
+        The property at fault, "elements", "patch_length" or "inertia", or one of the wall's: "wall.length",
+        "wall.elements" or "wall.foundation_stiffness"; also an attribute.
     why : str
         The message.
     """
@@ -134,6 +135,36 @@ class ContactProperties:
     side_stiffness: float = 0.0
     penalty_scale: float = 1.0
     patch_length: float = 0.0
+
+
+@dataclass(frozen=True)
+class WallProperties:
+    """A wall that gives, on a foundation all along it; its ends are free.
+
+    Attributes
+    ----------
+    mesh : meshio.Mesh
+        Of quadrilaterals, with the group "wall_face": the wall in Y <= 0, its face Y = 0, X counted from the place of
+        the first touch. Its elements have nine nodes.
+    thickness : float
+        Its height above the deck [m].
+    density : float
+        [kg/m^3].
+    youngs_modulus : float
+        [Pa].
+    poissons_ratio : float
+        [-].
+    foundation_stiffness : float
+        Force across the wall on a length of it, over its displacement [N/m per m]; the same along the wall, so that
+        friction does not carry it off. Spread over the depth in proportion to the mass.
+    """
+
+    mesh: Any
+    thickness: float
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    foundation_stiffness: float
 
 
 @dataclass(frozen=True)

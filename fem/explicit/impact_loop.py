@@ -7,10 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.compiled import compiled, implements
+from fem.contact.surface import held_by, tilted
 from fem.contact.wall_contact import (
     ContactState,
     WallContact,
     add_contact,
+    approach,
     lost_energy,
     point_mean,
     push_back,
@@ -35,13 +37,15 @@ class ImpactLoop(NamedTuple):
     elastic_damping: Any
     time_step: float
     span: float  # [m], by which the origin follows the plate along the wall
+    wall: Any  # ElasticWall; None for a rigid one
 
 
 class ImpactState(NamedTuple):
     """Where the plate is, and what has been summed up on the way.
 
     positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work done on the plate
-    [J]; moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point.
+    [J]; moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point. wall: a
+    `WallMotion`; None for a rigid one.
     """
 
     positions: np.ndarray
@@ -49,6 +53,7 @@ class ImpactState(NamedTuple):
     sums: np.ndarray
     origin: np.ndarray
     contact: ContactState
+    wall: Any
 
 
 class ImpactMeasures(NamedTuple):
@@ -74,6 +79,12 @@ class ImpactMeasures(NamedTuple):
         Of the wall on the plate since the start [N s], and about the wall's frame [N m s].
     angular_momentum : float
         Of the plate about the wall's frame [kg m^2/s].
+    wall_energy : float
+        Kinetic and elastic, of the wall and its foundation [J]; with all below, 0 for a rigid wall.
+    wall_deflection, wall_deflection_place : float
+        The largest of the wall's face [m], and where along the wall it is [m].
+    foundation_impulse : float
+        Of the foundation on the wall since the start, towards the plate [N s].
     """
 
     x_g: float
@@ -94,11 +105,16 @@ class ImpactMeasures(NamedTuple):
     tangential_impulse: float
     moment_impulse: float
     angular_momentum: float
+    wall_energy: float
+    wall_deflection: float
+    wall_deflection_place: float
+    foundation_impulse: float
 
 
 class Rows(NamedTuple):
     """Where records go, a row an instant: values, shape (rows, fields of `ImpactMeasures`); normal and tangential
-    impulse [N s], depth and the place along the wall [m] of each contact point, each of shape (rows, points)."""
+    impulse [N s], depth behind the face and place along the wall [m] of each contact point, each of shape (rows,
+    points)."""
 
     values: np.ndarray
     normal: np.ndarray
@@ -116,6 +132,8 @@ def _react_by_contact(loop, state, lost, force):
         loop.time_step,
         loop.contact,
         state.contact,
+        loop.wall,
+        state.wall,
         state.sums,
         state.origin[0],
         force,
@@ -152,19 +170,20 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
     damping_power = damp(
         loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, np.empty(SUMS), force
     )
-    contact, kept = loop.contact, state.contact
+    contact, kept, wall, moving = loop.contact, state.contact, loop.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
     normals = tangentials = stored = lost = 0.0
-    push_back(positions, velocities, loop.mass, loop.time_step, contact, kept, force)
+    push_back(positions, velocities, loop.mass, loop.time_step, contact, kept, wall, moving, origin, force)
     for i in range(contact.mobility.size):
         normal, tangential = kept.pushing[i], kept.sliding[i]
-        x, depth = origin + point_mean(positions[0], contact, i), -point_mean(positions[1], contact, i)
+        face, depth, opening, slip = approach(positions, velocities, contact, wall, moving, origin, i)
+        x, y = origin + point_mean(positions[0], contact, i), point_mean(positions[1], contact, i)
         deepest = max(kept.deepest[i], depth)
-        before = depth + loop.time_step * point_mean(velocities[1], contact, i)
+        before = depth + loop.time_step * opening
         stored += stored_energy(contact.law, i, before, depth, deepest, normal)
         lost += lost_energy(contact.law, i, deepest)
-        friction += half * tangential * point_mean(velocities[0], contact, i)
-        moment += half * (x * normal + depth * tangential)
+        friction += half * (tangential + tilted(wall, face, normal)) * slip
+        moment += half * (x * normal - y * tangential)
         rows.normal[row, i] = kept.normal[i] + half * normal
         rows.tangential[row, i] = kept.tangential[i] + half * tangential
         rows.depth[row, i] = depth
@@ -174,6 +193,7 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
     theta, omega, v_x, v_y, kinetic, vibration, c_x, c_y = motion(
         positions, velocities, force, loop, reference
     )
+    wall_energy, deflection, place, foundation = held_by(wall, moving, half)
     hourglass_energy = 0.0
     if hourglass is not None:
         hourglass_energy = energy_of_hourglass(positions, loop.table, hourglass)
@@ -196,6 +216,10 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
         tangential_impulse=tangentials,
         moment_impulse=moment,
         angular_momentum=_angular_momentum(positions, velocities, force, loop, origin),
+        wall_energy=wall_energy,
+        wall_deflection=deflection,
+        wall_deflection_place=place,
+        foundation_impulse=foundation,
     )
 
 

@@ -6,12 +6,14 @@ import time
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fem.compiled import has_code, one_process_compiles
 from fem.contact.wall_contact import ContactState
 from fem.discretisation.model import PlateModel
+from fem.discretisation.properties import ModelError
 from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
 from fem.explicit.simulate import LOOKS, Stepper
 from fem.stability.deformed import deformed_frequency
@@ -47,13 +49,13 @@ class ImpactRun:
     ----------
     history : dict of ndarray, shape (rows,)
         By name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall on the
-        plate, each the mean since the row before.
+        plate, each the mean since the row before, and force_foundation, of the foundation on a wall that gives.
     points : ndarray, shape (2, contact points)
         Places in the body frame [m]; a corner that crushes and has a layer is there twice.
     normal, tangential : ndarray, shape (rows, contact points)
         Force on each, likewise [N].
     depth, place : ndarray, shape (rows, contact points)
-        Behind the wall's line, and along the wall [m].
+        Behind the wall's face, and along the wall [m].
     steps : int
         Time steps taken.
     time_loop_s : float
@@ -91,8 +93,20 @@ class ImpactStepper(Stepper):
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
         return ImpactState(
-            np.ascontiguousarray(arm), np.ascontiguousarray(velocities), np.zeros(3), np.zeros(1), contact
+            np.ascontiguousarray(arm),
+            np.ascontiguousarray(velocities),
+            np.zeros(3),
+            np.zeros(1),
+            contact,
+            self._wall_at_rest(),
         )
+
+    def _wall_at_rest(self) -> Any:
+        if self.loop.wall is None:
+            return None
+        from fem.contact.elastic_wall import at_rest
+
+        return at_rest(self.loop.wall)
 
     @property
     def points(self) -> np.ndarray:
@@ -154,6 +168,11 @@ def simulate_impact(
     -------
     ImpactRun
         It ends early where numbers leave the finite.
+
+    Raises
+    ------
+    ModelError
+        Where the plate presses on a wall that gives beyond its end.
     """
     stepper, time_step = ImpactStepper(model), model.loop.time_step
     stride = max(1, round(sample / time_step))
@@ -164,6 +183,7 @@ def simulate_impact(
         done = sum(len(chunk.values) for chunk in chunks) - 1
         chunks.append(stepper.record(state, stride, min(CHUNK, total - done)))
         seen.append(state.positions.copy())
+        _check_length(state)
         run = _run(stepper, chunks, stride, time.perf_counter() - began)
         progress(float(run.history["t"][-1]))
         if finished(run) or len(run.history["t"]) > total:
@@ -172,6 +192,14 @@ def simulate_impact(
     finite = [positions for positions in looked if np.isfinite(positions).all()]
     frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
     return _run(stepper, chunks, stride, run.time_loop_s, frequency)
+
+
+def _check_length(state: ImpactState) -> None:
+    if state.wall is not None and state.wall.beyond[0] > 0.0:
+        raise ModelError(
+            "wall.length",
+            f"the plate presses {state.wall.beyond[0]:.3g} m beyond the wall's end; make it longer",
+        )
 
 
 def _run(
@@ -187,5 +215,6 @@ def _run(
         np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)
     )
     history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
+    history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
     steps = stride * (len(values) - 1)
     return ImpactRun(history, stepper.points, push, drag, depth, place, steps, seconds, frequency)
