@@ -1,7 +1,9 @@
-"""The constrained corner: its constraint, the friction law, and the side that supports it.
+"""Contact with the wall: the constrained corner, and in a whole impact the boundary of a plate that is only pushed.
 
 `constraints` and `friction` register laws as plain functions; `corner` calls them in the compiled step, on the node or
-the support patch of nodes that `support_patch` weights.
+the support patch of nodes that `support_patch` weights. `unilateral` registers the laws of an impact, `boundary` lists
+the points that may touch and `wall_contact` reacts on them; `surface` is what these ask of the wall, which is rigid
+unless it is an `elastic_wall`.
 """
 
 from fem.lazy import lazily

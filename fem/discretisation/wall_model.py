@@ -17,7 +17,7 @@ from fem.discretisation.stiffness import stiffness_matrix
 
 FOLLOWED = 40.0
 """Times w_0, up to which the step follows the wall's modes whatever the plate's is: those of a beam that are above have
-1e-3 of its deflection under a point force, (w_0/w)^(3/2) / 3.3; the wall's, the dent under the force with them, 1e-2."""
+1e-3 of its deflection under a point force, (w_0/w)^(3/2) / 3.3; with the dent under the force it is 1e-2."""
 
 MOST = 4000
 """Unknowns of a wall, whose modes are found all at once."""
