@@ -34,8 +34,8 @@ class StiffnessCase:
 
     omega: after the first strike; released: its end. rear_start, rear_duration, rear_peak, rear_impulse: of the rear
     corner's strike; closing: the rear corner's speed into the wall at its start; share: impulse over (1 + e) m closing.
-    read: by curve, the second strike's duration from valley to valley. gap: how far the crushed front corner is from the wall at
-    most before the rear one strikes; back: when it touches again, NaN if it does not.
+    read: by curve, the second strike's duration from valley to valley. gap: how far the crushed front corner is from
+    the wall at most before the rear one strikes; back: when it touches again, NaN if it does not.
     """
 
     stiffness: float
