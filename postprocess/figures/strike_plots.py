@@ -27,7 +27,7 @@ LOOKS: tuple[dict[str, Any], ...] = (
 """Of the quantities of one panel, in their order."""
 
 WIDTH, COLUMNS = 9.6, 4
-MEASURED, PROJECTED, FAILED = "#2a9d63", "#8d6bb5", "#c4161c"
+MEASURED, PROJECTED = "#2a9d63", "#8d6bb5"
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def draw_plates(frequencies: Sequence[float], passed: Sequence[bool], panels: Se
             for strike, values in panel.values.items():
                 shown, colour = np.array(values, dtype=float), COLOURS[strike]
                 axes.plot(f[good], shown[good], color=colour, marker="o", markersize=4.0, label=NAMES[strike])
-                axes.plot(f[~good], shown[~good], "x", color=FAILED)
+                axes.plot(f[~good], shown[~good], "x", color=colour)
                 axes.axhline(panel.rigid[strike], color=colour, linewidth=1.0, linestyle="--")
             axes.set_xscale("log")
             axes.set_xticks(f, [f"{each:g}" for each in f])

@@ -13,6 +13,7 @@ from tailslap.paper.method import printed_motion
 from tailslap.paper.restitution import Restitution, restitutions
 from tailslap.paper.table_1 import Table1, table_1
 from tailslap.paper.table_3 import Table3, table_3
+from tailslap.paper.whole_impact import WholeImpact, whole_impact
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Reaction:
 class Review:
     """Everything the paper prints on the truck, computed; SI throughout.
 
-    row_b: row b of Tables 4 and 5 with its test's own speed and angle.
+    row_b: row b of Tables 4 and 5 with its test's own speed and angle. whole_impact: that of Table 1's truck.
     """
 
     table_1: Table1
@@ -43,12 +44,14 @@ class Review:
     earlier: EarlierMethods
     reaction: Reaction
     restitution: dict[str, Restitution]
+    whole_impact: WholeImpact
 
 
 def review_paper() -> Review:
-    """Compute all of it; some tens of milliseconds."""
+    """Compute all of it; under a second."""
     forces = (table_4(), table_5(), row_b_known())
-    return Review(table_1(), table_3(), figures(), *forces, earlier_methods(), _reaction(), restitutions())
+    stages = (earlier_methods(), _reaction(), restitutions())
+    return Review(table_1(), table_3(), figures(), *forces, *stages, whole_impact())
 
 
 def _reaction() -> Reaction:

@@ -134,8 +134,9 @@ def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp
 
 
 def test_nothing_heavy_is_imported(tmp_path: Path) -> None:
-    """matplotlib and jinja2, for the page, and no mesh, FE or picture library."""
-    assert imported("paper", "--json", cwd=tmp_path) == {"matplotlib", "jinja2"}
+    """matplotlib and jinja2, for the page, SciPy, for the whole impact, and no mesh, FE or picture library."""
+    scipy = {"scipy.integrate", "scipy.optimize", "scipy.sparse"}
+    assert imported("paper", "--json", cwd=tmp_path) == {"matplotlib", "jinja2", *scipy}
     assert {path.name for path in (tmp_path / "results" / "paper").iterdir()} == FILES
 
 
@@ -182,7 +183,7 @@ def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path: Path) 
     assert {path.name for path in place.iterdir()} == FILES | {"notes.txt"}
 
 
-@pytest.mark.parametrize("number", range(7))
+@pytest.mark.parametrize("number", range(11))
 def test_the_commands_of_a_finding_repeat_it(number: int, capsys: pytest.CaptureFixture[str]) -> None:
     """Each runs as it is printed, and says the finding's figures, by the scene's way, not the paper's tables'."""
     result = review_paper()
@@ -202,7 +203,8 @@ def test_the_commands_of_a_finding_repeat_it(number: int, capsys: pytest.Capture
 def expected(result: Review) -> tuple[tuple[float, ...], ...]:
     """What the commands of each finding must say, in the units of `tailslap rigid`."""
     table, starts, cases = result.table_3, result.table_1.starts, result.restitution
-    row_d = result.table_4[3]
+    row_d, whole = result.table_4[3], result.whole_impact
+    middle = whole.cases[1]
     return (
         tuple(
             cell.computed for column in (table.analytical, table.analytical_15) for cell in column.values()
@@ -213,6 +215,10 @@ def expected(result: Review) -> tuple[tuple[float, ...], ...]:
         tuple(case.peak_force / 1e3 for case in cases.values()),
         tuple(cell.computed / 1e3 for cell in row_d.peak),
         (result.row_b[0].peak[0].computed / 1e3,),
+        (whole.nearly_rigid, *whole.omegas.values()),
+        (middle.gap,),
+        (whole.share, whole.share_friction),
+        tuple(case.rear_duration for case in whole.cases),
     )
 
 

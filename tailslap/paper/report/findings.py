@@ -5,6 +5,12 @@ from __future__ import annotations
 from postprocess.report.page import Finding
 from tailslap.paper.printed import ABAQUS
 from tailslap.paper.report.force_findings import factors_finding, ratios_finding, restitution_finding
+from tailslap.paper.report.impact_findings import (
+    duration_finding,
+    mass_finding,
+    push_finding,
+    rebound_finding,
+)
 from tailslap.paper.report.motion_findings import (
     abaqus_finding,
     analytical_finding,
@@ -15,7 +21,7 @@ from tailslap.paper.review import Review
 
 
 def findings(result: Review) -> tuple[Finding, ...]:
-    """In the order of the paper's results, that of restitution before the forces it changes."""
+    """In the order of the paper's results, that of restitution before the forces it changes; the whole impact last."""
     return (
         analytical_finding(result.table_3),
         speed_finding(result.table_1),
@@ -24,6 +30,10 @@ def findings(result: Review) -> tuple[Finding, ...]:
         restitution_finding(result.restitution),
         ratios_finding(result.table_4, result.table_5),
         factors_finding(result.table_4, result.table_5, result.row_b[0]),
+        rebound_finding(result.whole_impact),
+        push_finding(result.whole_impact, result.reaction),
+        mass_finding(result.whole_impact),
+        duration_finding(result.whole_impact),
     )
 
 
