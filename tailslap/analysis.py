@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from postprocess.comparison.comparison import Compared
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source
 
@@ -38,6 +39,11 @@ class Analysis:
         plan -> how long the motion lasts that a run integrates [s].
     columns : callable
         plan -> columns of a run for the table of a sweep.
+    column_kinds : callable
+        scene -> columns that this table has whatever its rows, the checks' beside, and the type of their values; raises
+        InputError for a scene that cannot be swept.
+    compared : Compared
+        What its pictures and its page show of FE and rigid vehicle.
     """
 
     name: str
@@ -48,3 +54,5 @@ class Analysis:
     run_report: Callable[[Any, Path, float | None, bool], Report]
     duration: Callable[[Any], float]
     columns: Callable[[Any], dict[str, Any]]
+    column_kinds: Callable[[Scene], dict[str, type]]
+    compared: Compared

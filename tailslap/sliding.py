@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from postprocess.comparison.comparison import TAIL_SLAP
 from tailslap.analysis import CORNER, Analysis
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import rigid_answer, rigid_lines
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -39,9 +41,17 @@ def _run_report(plan: Plan, folder: Path, tolerance: float | None, pictures: boo
 
 def _columns(plan: Plan) -> dict[str, Any]:
     from tailslap.run import run_scene
-    from tailslap.sweep.row import outcome_columns
+    from tailslap.sweep.corner_columns import outcome_columns
 
     return outcome_columns(run_scene(plan))
+
+
+def _column_kinds(scene: Scene) -> dict[str, type]:
+    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.sweep.corner_columns import corner_column_kinds
+
+    needed_plate(scene)
+    return corner_column_kinds(scene)
 
 
 SLIDING = Analysis(
@@ -53,4 +63,6 @@ SLIDING = Analysis(
     run_report=_run_report,
     duration=lambda plan: plan.motion.strike.t,
     columns=_columns,
+    column_kinds=_column_kinds,
+    compared=TAIL_SLAP,
 )

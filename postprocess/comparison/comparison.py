@@ -51,6 +51,35 @@ QUANTITIES = MappingProxyType(
 
 KEYS = tuple(QUANTITIES)
 
+
+@dataclass(frozen=True)
+class Compared:
+    """What is compared of FE and rigid vehicle: quantities by key, the one that a map shows, where they are taken."""
+
+    quantities: Mapping[str, Quantity]
+    mapped: str
+    where: str
+
+
+TAIL_SLAP = Compared(QUANTITIES, "v_gy", "at the tail-slap")
+"""Of the constrained corner."""
+
+STRIKES = Compared(
+    {
+        quantity.key: quantity
+        for quantity in (
+            Quantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),
+            Quantity("strike_1.impulse", "First strike's impulse", "J₁", "N s"),
+            Quantity("strike_2.mean_50ms", "Second strike's peak, 50 ms mean", "F₂, 50 ms", "N"),
+            Quantity("strike_2.impulse", "Second strike's impulse", "J₂", "N s"),
+            Quantity("strike_2.duration", "Second strike's duration", "Δt₂", "s"),
+        )
+    },
+    "strike_2.mean_50ms",
+    "of both strikes",
+)
+"""Of a whole impact."""
+
 PAPER_SOURCE = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307, Table 3"
 
 # The paper prints the magnitude of v_GY; here it carries this program's sign, negative towards the wall.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.comparison.comparison import KEYS, QUANTITIES
+from postprocess.comparison.comparison import TAIL_SLAP, Compared
 from postprocess.figures.style import FE, RIGID, Curve, drawn, style
 
 if TYPE_CHECKING:
@@ -48,23 +48,38 @@ class Varied:
 
 @dataclass(frozen=True)
 class SweepRows:
-    """All rows: keys, statuses and, by the names of `comparison.KEYS`, both solutions and their differences."""
+    """All rows: keys, statuses and, by the names of what is compared, both solutions and their differences; those of
+    the rigid vehicle alone have neither FE values nor differences."""
 
     varied: tuple[Varied, ...]
     status: Values
     fe: Mapping[str, Values]
     rigid: Mapping[str, Values]
     difference: Mapping[str, Values]
+    compared: Compared = TAIL_SLAP
 
     @property
     def worst(self) -> Values:
-        """Largest of the five differences, shape (rows,); NaN where there are none."""
-        return np.asarray(np.max(np.abs([self.difference[key] for key in KEYS]), axis=0))
+        """Largest of the differences, shape (rows,); NaN where there are none."""
+        if not self.difference:
+            return np.full(self.status.shape, np.nan)
+        return np.asarray(np.max(np.abs([self.difference[key] for key in self.compared.quantities]), axis=0))
+
+    @property
+    def best(self) -> Mapping[str, Values]:
+        """What the best of the models gives: FE, or the rigid vehicle where it is alone."""
+        return self.fe or self.rigid
+
+    @property
+    def some(self) -> bool:
+        """Whether any row has a result to draw."""
+        known = self.worst if self.fe else self.rigid[self.compared.mapped]
+        return bool(np.isfinite(known).any())
 
 
 def draw_sweep(rows: SweepRows) -> tuple[Curve, ...]:
     """All plots that these rows allow: of keys that are numbers, those against each; two make maps, three parallels."""
-    if not np.isfinite(rows.worst).any():
+    if not rows.some:
         return ()
     numbers = [item for item in rows.varied if item.numeric]
     curves = [draw_against(rows, item) for item in numbers]
@@ -76,8 +91,9 @@ def draw_sweep(rows: SweepRows) -> tuple[Curve, ...]:
 
 
 def draw_against(rows: SweepRows, item: Varied) -> Curve:
-    """The five results and their largest difference against one key; a line where it is the only one."""
-    caption = f"Results at the tail-slap against {item.key}: rigid solution and FE run of the same rows"
+    """The results and their largest difference against one key; a line where it is the only one."""
+    models = "rigid solution and FE run of the same rows" if rows.fe else "rigid vehicle"
+    caption = f"Results {rows.compared.where} against {item.key}: {models}"
     name = "against-" + item.key.replace(".", "-").replace("_", "-")
     order = np.argsort(item.values, kind="stable")
     x, failed, worst = item.values[order], rows.status[order] == "failed", rows.worst[order]
@@ -86,13 +102,15 @@ def draw_against(rows: SweepRows, item: Varied) -> Curve:
     lines = points | {"linestyle": "-" if len(rows.varied) == 1 else "none"}
     with style():
         figure, panels = _panels(2, 3, 5.4)
-        for key, axes in zip(KEYS, panels, strict=False):
-            fe = rows.fe[key][order]
+        for (key, quantity), axes in zip(rows.compared.quantities.items(), panels, strict=False):
             axes.plot(x, rows.rigid[key][order], color=RIGID, ms=5.0, lw=3.0, label="rigid, exact", **lines)
+            axes.set_ylabel(quantity.label)
+            if not rows.fe:
+                continue
+            fe = rows.fe[key][order]
             axes.plot(x, fe, color=FE, ms=2.2, lw=1.0, label="FE", **lines)
             if failed.any():
                 axes.plot(x[failed], fe[failed], color=FAILED, ms=2.2, label="FE, a check failed", **points)
-            axes.set_ylabel(QUANTITIES[key].label)
         for chosen, colour in ((known & ~failed, FE), (known & failed, FAILED)):
             panels[5].plot(x[chosen], worst[chosen], color=colour, ms=2.5, **points)
         panels[5].set(yscale="log", ylabel="largest difference")
@@ -102,16 +120,19 @@ def draw_against(rows: SweepRows, item: Varied) -> Curve:
             axes.margins(x=0.03)
         for axes in panels[3:]:
             axes.set_xlabel(item.label)
+        panels[5].set_visible(bool(rows.fe))
         _legend(figure, panels[0])
         return drawn(figure, name, caption, f"Against {item.key}")
 
 
 def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
-    """v_GY, the largest difference and the status over two keys."""
+    """One of the results, the largest difference and the status over two keys; without the second, of one model."""
     from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 
+    shown, model = rows.compared.quantities[rows.compared.mapped], "FE" if rows.fe else "rigid"
+    between = "largest difference FE/rigid - 1, " if rows.fe else ""
     keys = f"{across.key} and {up.key}"
-    caption = f"Over {keys}: v_GY by FE, largest difference FE/rigid - 1, and what became of each run"
+    caption = f"Over {keys}: {shown.symbol} by {model}, {between}and what became of each run"
     worst = np.where(rows.worst > 0.0, rows.worst, np.nan)
     status = np.array([list(STATUS_COLOURS).index(one) for one in rows.status], dtype=float)
     colours = {
@@ -119,13 +140,13 @@ def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
         "norm": BoundaryNorm(np.arange(5) - 0.5, 4),
     }
     with style():
-        figure, panels = _panels(1, 3, 3.3)
-        speeds = _cover(panels[0], across, up, rows.fe["v_gy"], cmap="viridis")
-        differences = _cover(panels[1], across, up, worst, cmap="viridis", norm=LogNorm())
-        statuses = _cover(panels[2], across, up, status, **colours)
-        titles = ("v_GY, FE [m/s]", "largest difference", "status")
-        for axes, shown, title in zip(panels, (speeds, differences, statuses), titles, strict=True):
-            bar = figure.colorbar(shown, ax=axes)
+        figure, panels = _panels(1, 3 if rows.fe else 2, 3.3)
+        covers = {f"{shown.symbol}, {model} [{shown.unit}]": (rows.best[shown.key], {"cmap": "viridis"})}
+        if rows.fe:
+            covers["largest difference"] = (worst, {"cmap": "viridis", "norm": LogNorm()})
+        covers["status"] = (status, colours)
+        for axes, (title, (values, coloured)) in zip(panels, covers.items(), strict=True):
+            bar = figure.colorbar(_cover(axes, across, up, values, **coloured), ax=axes)
             axes.set_title(title, fontsize=9.0)
             axes.set_xscale("log" if across.logarithmic else "linear")
             axes.set_yscale("log" if up.logarithmic else "linear")
@@ -146,11 +167,17 @@ def draw_parallels(rows: SweepRows) -> Curve:
         "Each line is a row: its inputs, what FE gives, and the largest difference from the rigid solution of the same "
         "row, which colours the line (dark: small); red: a check failed. Behind it, in orange, that rigid solution"
     )
+    if not rows.fe:
+        caption = "Each line is a row: its inputs, and what the rigid vehicle gives; the last scale colours the line"
     inputs = [_scale(item.label, item.values, item.logarithmic) for item in rows.varied]
     both = [
-        _scale(QUANTITIES[key].label, np.concatenate((rows.fe[key], rows.rigid[key])), False) for key in KEYS
+        _scale(quantity.label, np.concatenate((rows.best[key], rows.rigid[key])), False)
+        for key, quantity in rows.compared.quantities.items()
     ]
     worst = _scale("difference", np.where(rows.worst > 0.0, rows.worst, np.nan), True)
+    if not rows.fe:
+        worst = both[list(rows.compared.quantities).index(rows.compared.mapped)]
+        worst = _Scale(worst.label, worst.heights[: len(rows.status)], worst.ticks)
     fe, rigid = np.split(np.array([scale.heights for scale in both]), 2, axis=1)
     heights = np.vstack([[scale.heights for scale in inputs], fe, worst.heights])
     known, scales = np.isfinite(heights).all(axis=0), (*inputs, *both, worst)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from postprocess.comparison.comparison import STRIKES
 from tailslap.analysis import WHOLE_IMPACT, Analysis
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_lines, rigid_numbers
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -38,6 +40,12 @@ def _columns(plan: ImpactPlan) -> dict[str, Any]:
     return impact_columns(plan)
 
 
+def _column_kinds(scene: Scene) -> dict[str, type]:
+    from tailslap.impact.columns import impact_column_kinds
+
+    return impact_column_kinds(scene)
+
+
 IMPACT = Analysis(
     name=WHOLE_IMPACT,
     make_plan=make_impact_plan,
@@ -47,4 +55,6 @@ IMPACT = Analysis(
     run_report=_run_report,
     duration=lambda plan: plan.motion.t_end,
     columns=_columns,
+    column_kinds=_column_kinds,
+    compared=STRIKES,
 )

@@ -4,12 +4,33 @@ from __future__ import annotations
 
 from typing import Any
 
-from tailslap.impact.answers import ImpactAnswer
+from solver.impact import Strike
+from tailslap.impact.answers import END, ImpactAnswer, strike_numbers
+from tailslap.impact.outcome import COMPARED
 from tailslap.impact.plan import ImpactPlan
-from tailslap.impact.rigid_text import rigid_impact
+from tailslap.impact.rigid_text import CURVES, rigid_impact
+from tailslap.scene.schema import Scene
 
 STRIKES = (1, 2)
-VALUES = ("start", "duration", "peak_force", "impulse")
+VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
+SPENT = {"cost.steps": int, "cost.time_step": float}
+
+
+def impact_column_kinds(scene: Scene) -> dict[str, type]:
+    """Columns that the table of a sweep has whatever its rows, checks beside, and the type of their values."""
+    models = ("rigid",) if scene.plate is None else ("rigid", "fe")
+    kinds: dict[str, type] = {}
+    for model in models:
+        kinds[f"{model}.strikes"] = int
+        for k in STRIKES:
+            kinds[f"{model}.strike_{k}.corner"] = str
+            kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
+        kinds |= {f"{model}.peak.{name}": float for name in CURVES}
+        kinds |= {f"{model}.end.{name}": float for name in END}
+    if scene.plate is None:
+        return kinds
+    names = [f"difference.strike_{k}.{name}" for k in STRIKES for name in COMPARED]
+    return {**kinds, **dict.fromkeys([*names, "numerical_error"], float), **SPENT}
 
 
 def answer_columns(model: str, answer: ImpactAnswer) -> dict[str, Any]:
@@ -17,9 +38,17 @@ def answer_columns(model: str, answer: ImpactAnswer) -> dict[str, Any]:
     row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes)}
     for k, strike in zip(STRIKES, answer.strikes, strict=False):
         row[f"{model}.strike_{k}.corner"] = strike.corner
-        row |= {f"{model}.strike_{k}.{name}": float(getattr(strike, name)) for name in VALUES}
+        values = {"mean_50ms": _mean_peak(answer, strike), **strike_numbers(strike)}
+        row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
     row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
+
+
+def _mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
+    """Largest 50 ms mean of the lateral force [N] about an instant of the strike."""
+    t, mean = answer.history["t"][1:], answer.lateral["mean_50ms"]
+    during = (t >= strike.start) & (t - answer.interval <= strike.end)
+    return float(mean[during].max())
 
 
 def impact_columns(plan: ImpactPlan) -> dict[str, Any]:

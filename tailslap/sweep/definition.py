@@ -6,14 +6,16 @@ import functools
 import hashlib
 import json
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 import tailslap
+from postprocess.comparison.comparison import TAIL_SLAP, Compared
+from tailslap.analyses import analysis_of
 from tailslap.errors import InputError
-from tailslap.planning.fe_plan import needed_plate
 from tailslap.scene.files import scene_text, source_of_text
 from tailslap.scene.inputs import scene_inputs
 from tailslap.scene.schema import Scene
@@ -28,7 +30,8 @@ Given = tuple[str, Span | Choices]
 @dataclass(frozen=True)
 class Definition:
     """A sweep of a scene's text; `changes` and `given` are the --set and --vary options as typed, `source` is the
-    scene with the former put in, `sample` the number of samples, None for a grid."""
+    scene with the former put in, `sample` the number of samples, None for a grid; `kinds` and `compared` are what its
+    calculation tells of a run, see `tailslap.analysis`."""
 
     scene: str
     text: str
@@ -38,6 +41,8 @@ class Definition:
     variations: tuple[Variation, ...]
     sample: int | None
     seed: int
+    kinds: Mapping[str, type] = field(default_factory=dict)
+    compared: Compared = TAIL_SLAP
 
     @property
     def runs(self) -> int:
@@ -88,7 +93,8 @@ def make_definition(
     _refuse_too_many(given)
     first = {key: parse_value(_first(values)) for key, values in given}
     scene = _scene(source, first)
-    needed_plate(scene)
+    analysis = analysis_of(scene)
+    kinds = analysis.column_kinds(scene)
 
     def read(key: str, value: str) -> tuple[Any, str]:
         scene = _scene(source, {**first, key: parse_value(value)})
@@ -105,7 +111,8 @@ def make_definition(
         variations = [
             sample_variation(*item, *rest) for item, *rest in zip(given, readers, shares, strict=True)
         ]
-    return Definition(scene.name, text, changes, source, varied, tuple(variations), sample, seed)
+    fixed = (scene.name, text, changes, source, varied, tuple(variations), sample, seed)
+    return Definition(*fixed, kinds, analysis.compared)
 
 
 def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.comparison import KEYS, QUANTITIES
+from postprocess.comparison.comparison import Quantity
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.files.summary import write_summary
 from postprocess.report.page import Page, Section, write_page
@@ -36,6 +36,11 @@ SPREAD = (
     Column("most", "FE, most", form=".5g"),
     Column("difference", "Largest FE/rigid - 1", form="+.2e", style="strong"),
     Column("run", "in run", form="d"),
+)
+RIGID_SPREAD = (
+    Column("quantity.label", ""),
+    Column("least", "Rigid, least", form=".5g"),
+    Column("most", "Rigid, most", form=".5g"),
 )
 NOT_PASSED = (
     Column("run", "Run"),
@@ -70,18 +75,20 @@ def sweep_text(sweep: Sweep, place: Path) -> str:
 def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
     """The page; reasons: of each row that did not pass, shape (rows,)."""
     definition, curves = sweep.definition, draw_sweep(rows)
+    spread, where = SPREAD if rows.fe else RIGID_SPREAD, rows.compared.where.capitalize()
     varied = [
         {"key": item.key, "values": values_words(item), "count": len(set(item.settings))}
         for item in definition.variations
     ]
     changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)
     return Page(
-        kicker="Sweep: many runs of one scene, each beside its exact rigid solution",
+        kicker="Sweep: many runs of one scene, "
+        + ("each beside its exact rigid solution" if rows.fe else "of the rigid vehicle"),
         title=definition.scene,
         headline=headline(sweep, rows),
         sections=(
             Section("What varies", tables=(Table(VARIED, varied),)),
-            Section("At the tail-slap, runs that passed", tables=(Table(SPREAD, spreads(rows)),)),
+            Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
             *(Section(curve.group, figures=(curve,)) for curve in curves),
             Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
             Section("What was computed, and what it means", sentences=_sentences(sweep)),
@@ -102,23 +109,31 @@ def summary(sweep: Sweep, rows: SweepRows) -> dict[str, Any]:
         "passed": sweep.failures == 0,
         "runs": sweep.definition.runs,
         "statuses": dict(sweep.statuses),
-        "largest_difference": {item["quantity"].key: item["difference"] for item in spreads(rows)},
+        "largest_difference": {i["quantity"].key: i["difference"] for i in spreads(rows) if rows.fe},
         "effort": {**vars(effort), "runs_a_second": effort.rate, "overhead_a_run_s": effort.overhead_s},
         "definition": {name: value for name, value in definition.items() if name != "text"},
     }
 
 
 def spreads(rows: SweepRows) -> list[dict[str, Any]]:
-    """Of each compared quantity over the rows that passed: least and largest FE value, largest difference, its run."""
-    passed = np.flatnonzero(rows.status == PASSED)
-    return [_spread(rows, key, passed) for key in KEYS] if passed.size else []
+    """Of each compared quantity over the rows that passed and have it: least and largest value, of FE where there is
+    FE, largest difference, its run."""
+    return [found for quantity in rows.compared.quantities.values() if (found := _spread(rows, quantity))]
 
 
-def _spread(rows: SweepRows, key: str, passed: np.ndarray) -> dict[str, Any]:
-    difference, fe = rows.difference[key][passed], rows.fe[key][passed]
-    worst = int(np.argmax(np.abs(difference)))
-    ends = {"least": float(fe.min()), "most": float(fe.max()), "difference": float(difference[worst])}
-    return {"quantity": QUANTITIES[key], **ends, "run": int(passed[worst])}
+def _spread(rows: SweepRows, quantity: Quantity) -> dict[str, Any]:
+    values = rows.best[quantity.key]
+    passed = np.flatnonzero((rows.status == PASSED) & np.isfinite(values))
+    if not passed.size:
+        return {}
+    found = {"quantity": quantity, "least": float(values[passed].min()), "most": float(values[passed].max())}
+    if not rows.fe:
+        return found
+    difference = rows.difference[quantity.key][passed]
+    if not np.isfinite(difference).any():
+        return {**found, "difference": math.nan, "run": int(passed[0])}
+    worst = int(np.nanargmax(np.abs(difference)))
+    return {**found, "difference": float(difference[worst]), "run": int(passed[worst])}
 
 
 def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
@@ -142,12 +157,18 @@ def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) ->
 
 
 def _rows(definition: Definition, table: Path) -> SweepRows:
-    groups = ("fe", "rigid", "difference")
-    keys = [item.key for item in definition.variations]
-    columns = read_columns(table, ["status", *keys, *(f"{group}.{key}" for group in groups for key in KEYS)])
-    fe, rigid, difference = ({key: columns[f"{group}.{key}"] for key in KEYS} for group in groups)
+    compared, keys = definition.compared, [item.key for item in definition.variations]
+    groups = {
+        group: {key: f"{group}.{key}" for key in compared.quantities if f"{group}.{key}" in definition.kinds}
+        for group in ("fe", "rigid", "difference")
+    }
+    names = [name for group in groups.values() for name in group.values()]
+    columns = read_columns(table, ["status", *keys, *names])
+    fe, rigid, difference = ({key: columns[name] for key, name in groups[group].items()} for group in groups)
     varied = tuple(_varied(item, columns[item.key]) for item in definition.variations)
-    return SweepRows(varied, columns["status"], fe, rigid, difference)
+    if len(difference) < len(fe):
+        difference = {key: fe[key] / rigid[key] - 1.0 for key in fe}
+    return SweepRows(varied, columns["status"], fe, rigid, difference, compared)
 
 
 def _varied(item: Variation, values: np.ndarray) -> Varied:
@@ -165,7 +186,7 @@ def counts(sweep: Sweep) -> str:
 def headline(sweep: Sweep, rows: SweepRows) -> str:
     """The result in two sentences."""
     said = f"{sweep.definition.runs} runs: {counts(sweep)}."
-    good = rows.worst[rows.status == PASSED]
+    good = rows.worst[(rows.status == PASSED) & np.isfinite(rows.worst)]
     if not good.size:
         return said
     return (
@@ -183,8 +204,11 @@ def _sentences(sweep: Sweep) -> list[str]:
     )
     said = [
         latin if definition.sample else "The runs are all combinations of the values.",
-        "Every row has the exact rigid solution of its own inputs, its differences, and the values of all checks.",
     ]
+    if any(name.startswith("fe.") for name in definition.kinds):
+        said.append(
+            "Every row has the exact rigid solution of its own inputs, its differences, and values of all checks."
+        )
     if sweep.statuses[REFUSED]:
         said.append("Refused: the rigid-body theory has no solution for these inputs, or they make no model.")
     if sweep.statuses[FAILED]:

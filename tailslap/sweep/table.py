@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.comparison.comparison import KEYS
 from postprocess.files.summary import plain
 from tailslap.results.manifest import listed_file
 from tailslap.sweep.definition import Definition
@@ -58,9 +57,9 @@ def _schema(definition: Definition, checks: list[str]) -> pa.Schema:
     real, whole, text = pa.float64(), pa.int64(), pa.string()
     columns: dict[str, Any] = {"run": whole, "status": text, "reason": text}
     columns |= {item.key: _kind(item) for item in definition.variations}
-    columns |= {f"{group}.{key}": real for group in ("rigid", "fe", "difference") for key in KEYS}
-    columns |= {"rigid.peak_force": real, "deflection_ratio": real} | dict.fromkeys(checks, real)
-    columns |= {"cost.elements": whole, "cost.nodes": whole, "cost.steps": whole, "cost.time_step": real}
+    types = {name: {float: real, int: whole, str: text}[kind] for name, kind in definition.kinds.items()}
+    columns |= {name: kind for name, kind in types.items() if not name.startswith("cost.")}
+    columns |= dict.fromkeys(checks, real) | types
     columns |= dict.fromkeys(TIMES, real) | dict.fromkeys(versions(), text)
     return pa.schema(list(columns.items()))
 

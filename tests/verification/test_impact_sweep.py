@@ -1,0 +1,119 @@
+"""Verification: a sweep of whole impacts; a row is what the scene's calculation gives, the page shows the strikes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postprocess.comparison.comparison import STRIKES
+from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
+from tailslap.analyses import analysis_of
+from tailslap.errors import InputError
+from tailslap.scene.files import source_of_text
+from tailslap.scene.vary import vary
+from tailslap.sweep.definition import make_definition
+from tailslap.sweep.perform import perform
+from tailslap.sweep.report import spreads
+from tailslap.sweep.row import compute_row
+from tailslap.sweep.table import _schema, read_columns
+
+pytestmark = pytest.mark.verification
+
+RIGID = """name = "rigid"
+vehicle = {length = 10, width = 2.438, mass = 9979}
+impact = {speed = 25, angle = 0.26}
+contact = {stiffness = 2e6, restitution = 0.22, friction = 0.47}
+"""
+PLATE = "plate = {thickness = 0.053, youngs_modulus = 2e11, poissons_ratio = 0.3, elements = [8, 2]}\n"
+
+
+def scene_file(folder: Path, text: str) -> str:
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return str(path)
+
+
+def test_a_row_is_what_the_rigid_vehicle_gives() -> None:
+    source = source_of_text(RIGID, "rigid")
+    row = compute_row(3, source, {"contact.stiffness": 3e6})
+    plan = analysis_of(vary(source, {})[0]).make_plan(*vary(source, {"contact.stiffness": 3e6}))
+    first, second = plan.motion.strikes[:2]
+    assert (row["run"], row["status"], row["rigid.strike_2.corner"]) == (3, "passed", "rear")
+    assert row["rigid.strike_1.impulse"] == first.impulse
+    assert row["rigid.strike_2.duration"] == second.duration
+    assert 0.0 < row["rigid.strike_1.mean_50ms"] < first.peak_force
+    overall = max(row[f"rigid.strike_{k}.mean_50ms"] for k in (1, 2))
+    assert overall == pytest.approx(row["rigid.peak.mean_50ms"], rel=1e-12)
+    assert compute_row(0, source, {"contact.restitution": 2.0})["status"] == "refused"
+
+
+def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
+    """No FE columns; its page has the strikes of the rigid vehicle; the same call makes nothing anew."""
+    varied = ("contact.stiffness=1e6,4e6", "contact.restitution=0,2")
+    definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
+    done = perform(definition, tmp_path / "sweep", workers=1)
+    assert (done.statuses["passed"], done.effort.runs) == (2, 2)
+    found = read_columns(tmp_path / "sweep" / "sweep.parquet", ["run", "rigid.strike_1.peak_force"])
+    assert found["rigid.strike_1.peak_force"][1] / found["rigid.strike_1.peak_force"][0] == pytest.approx(
+        2.0, rel=0.1
+    )
+    assert not [name for name in _schema(definition, []).names if name.startswith(("fe.", "difference."))]
+    page = (tmp_path / "sweep" / "report.html").read_text()
+    assert "Of both strikes" in page
+    assert "Rigid, least" in page
+    assert perform(definition, tmp_path / "sweep").effort.runs == 0
+    with pytest.raises(InputError, match=r"contact\.restitution"):
+        make_definition(scene_file(tmp_path, RIGID), (), varied, None, 1)
+
+
+def test_columns_of_both_calculations(tmp_path: Path) -> None:
+    """The corner keeps its columns, whatever its rows; an impact with a plate has both models' strikes."""
+    corner = _schema(
+        make_definition("paper-table-3", (), ("plate.thickness=1,2",), None, 1), ["check.x"]
+    ).names
+    assert corner[:5] == ["run", "status", "reason", "plate.thickness", "rigid.t"]
+    assert corner[18:22] == ["difference.slide", "rigid.peak_force", "deflection_ratio", "check.x"]
+    assert corner[22:26] == ["cost.elements", "cost.nodes", "cost.steps", "cost.time_step"]
+    impact = make_definition(scene_file(tmp_path, RIGID + PLATE), (), ("contact.friction=0,1",), None, 1)
+    names = _schema(impact, []).names
+    assert {"fe.strike_2.mean_50ms", "difference.strike_2.impulse", "numerical_error"} <= set(names)
+
+
+def test_a_corner_without_a_plate_is_no_sweep() -> None:
+    with pytest.raises(InputError, match="plate"):
+        make_definition("paper-table-3", ("plate=",), ("corner.friction=0,1",), None, 1)
+
+
+def rows(fe: bool) -> SweepRows:
+    a, b = (
+        Varied(key, "", np.array(values), False)
+        for key, values in (("a.x", [1, 1, 2, 2]), ("b.y", [1, 2, 1, 2]))
+    )
+    rigid = {key: np.linspace(1.0, 2.0, 4) for key in STRIKES.quantities}
+    error = {key: np.geomspace(1e-6, 1e-3, 4) for key in rigid}
+    flexible = {key: rigid[key] * (1.0 + error[key]) for key in rigid}
+    status = np.full(4, "passed", dtype=object)
+    return SweepRows((a, b), status, flexible if fe else {}, rigid, error if fe else {}, STRIKES)
+
+
+def test_pictures_of_impacts() -> None:
+    """Of both models: seven panels' worth of FE; of the rigid vehicle alone, no word of FE."""
+    names = ["against-a-x", "against-b-y", "maps"]
+    both, alone = draw_sweep(rows(True)), draw_sweep(rows(False))
+    assert [curve.name for curve in both] == [curve.name for curve in alone] == names
+    assert all("FE" not in curve.caption for curve in alone)
+    assert "F₂, 50 ms by FE" in both[2].caption
+    assert draw_sweep(replace(rows(False), rigid=dict.fromkeys(STRIKES.quantities, np.full(4, np.nan)))) == ()
+
+
+def test_spreads_leave_out_what_a_row_lacks() -> None:
+    """An impact without a second strike has none of its quantities."""
+    some = rows(False)
+    some.rigid["strike_2.impulse"][0] = math.nan
+    found = {item["quantity"].key: item for item in spreads(some)}
+    assert found["strike_2.impulse"]["least"] == some.rigid["strike_2.impulse"][1]
+    assert "difference" not in found["strike_1.impulse"]
