@@ -5,22 +5,19 @@ With --random it draws scenes with all axes and choices at once, and compares ea
 
 import click
 
+from tailslap.analysis import CORNER, WHOLE_IMPACT
 from tailslap.options import Real, Whole
 from tailslap.studies.study import Study
 
 POINTS = click.Option(
     ["--points"],
     type=Whole(2, 40),
-    default=10,
-    show_default=True,
-    help="Values of each axis: eight axes with ten make 2 800 cells.",
+    help="Values of each axis: eight axes with ten make 2 800 cells  [default: 10; of a whole impact 6]",
 )
 TOLERANCE = click.Option(
     ["--tolerance"],
     type=Real(1e-9, 0.1),
-    default=1e-3,
-    show_default=True,
-    help="Difference from the rigid motion up to which a cell is right.",
+    help="Difference from the rigid motion up to which a cell is right  [default: 1e-3; of a whole impact 1e-2]",
 )
 RANDOM = click.Option(
     ["--random", "count"], type=Whole(1, 10_000), help="Draw so many scenes at random instead."
@@ -36,5 +33,6 @@ STUDY = Study(
     compute="tailslap.studies.stability.campaign:run_campaign",
     report="tailslap.studies.stability.report:stability_report",
     options=(POINTS, TOLERANCE, RANDOM, SEED, WORKERS),
+    analyses=(CORNER, WHOLE_IMPACT),
     folder=lambda options: "random" if options["count"] else "stability",
 )

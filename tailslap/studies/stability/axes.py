@@ -50,13 +50,13 @@ def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
         return tuple(np.linspace(low, high, points).tolist())
 
     axes = [
-        Axis("stiffness", "E over the scene's", ratios(1e-4, 1e4), _stiffness),
+        Axis("stiffness", "E over the scene's", ratios(1e-4, 1e4), change_stiffness),
         Axis("penalty", "corner.penalty_scale", ratios(1e-3, 1e4), _penalty),
         Axis("friction", "corner.friction", even(0.0, 2.0), _friction),
-        Axis("speed", "speeds over the scene's", ratios(1e-2, 1e1), _speed),
-        Axis("angle", "angle [deg]", ratios(1.0, 80.0), _angle),
-        Axis("slenderness", "width over length", ratios(0.01, 1.0), _slenderness),
-        Axis("time step", "time.safety_factor", even(0.5, 1.2), _time_step),
+        Axis("speed", "speeds over the scene's", ratios(1e-2, 1e1), change_speed),
+        Axis("angle", "angle [deg]", ratios(1.0, 80.0), change_angle),
+        Axis("slenderness", "width over length", ratios(0.01, 1.0), change_slenderness),
+        Axis("time step", "time.safety_factor", even(0.5, 1.2), change_time_step),
         Axis("damping", "damping.ratio", (0.0, *ratios(3e-3, 1.0, points - 1)), _damping),
     ]
     absent = {"friction"} if scene.corner.frictionless else set()
@@ -91,7 +91,8 @@ def base_source(scene: Scene) -> Source:
     return vary(Source.of(scene), {"wall": None})[1]
 
 
-def _stiffness(scene: Scene, factor: float) -> Changes:
+def change_stiffness(scene: Scene, factor: float) -> Changes:
+    """Young's modulus, or what the first frequency makes it, over the scene's."""
     plate = scene.plate
     assert plate is not None
     if plate.first_frequency is not None:
@@ -108,7 +109,8 @@ def _friction(scene: Scene, value: float) -> Changes:
     return {"corner.friction": value}
 
 
-def _speed(scene: Scene, factor: float) -> Changes:
+def change_speed(scene: Scene, factor: float) -> Changes:
+    """All speeds of the start over the scene's."""
     start, changes = scene.start, {}
     if scene.impact:
         changes["impact.speed"] = scene.impact.speed * factor
@@ -119,17 +121,20 @@ def _speed(scene: Scene, factor: float) -> Changes:
     return changes
 
 
-def _angle(scene: Scene, degrees: float) -> Changes:
+def change_angle(scene: Scene, degrees: float) -> Changes:
+    """The angle at the start [deg]."""
     angles = {"impact.angle": scene.impact, "start.angle": scene.start}
     given = [key for key, table in angles.items() if table and table.angle is not None]
     return dict.fromkeys(given, math.radians(degrees))
 
 
-def _slenderness(scene: Scene, ratio: float) -> Changes:
+def change_slenderness(scene: Scene, ratio: float) -> Changes:
+    """Width over length."""
     return {"vehicle.width": ratio * scene.vehicle.length}
 
 
-def _time_step(scene: Scene, factor: float) -> Changes:
+def change_time_step(scene: Scene, factor: float) -> Changes:
+    """Share of the stable time step."""
     return {"time.safety_factor": factor}
 
 

@@ -9,14 +9,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from tailslap.errors import InputError
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
-from tailslap.planning.plan import Plan
 from tailslap.studies.stability import against_reference, against_rigid
 from tailslap.studies.stability.axes import Axis, Cell, base_source, cell_key, map_cells, stability_axes
 from tailslap.studies.stability.draw import random_cells
-from tailslap.studies.stability.verdict import CAUGHT, REFUSED, WRONG, Verdict, verdict_on
+from tailslap.studies.stability.impact_axes import impact_axes
+from tailslap.studies.stability.verdict import CAUGHT, CORNERS, REFUSED, WRONG, Verdict, verdict_on
 from tailslap.studies.study import Call
+
+DEFAULTS, IMPACT_DEFAULTS = (10, 1e-3), (6, 1e-2)
+"""Values of each axis, and tolerance, of a constrained corner and of a whole impact."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class Campaign:
 
     Parameters
     ----------
-    plan : Plan
+    plan : Plan or ImpactPlan
         The scene that they come from.
     axes : tuple of Axis
         Of the map; none where the cells are drawn at random.
@@ -39,7 +43,7 @@ class Campaign:
         Wall-clock time that it took [s].
     """
 
-    plan: Plan
+    plan: Any
     axes: tuple[Axis, ...]
     settings: Mapping[str, float]
     kinds: Mapping[str, str]
@@ -84,13 +88,24 @@ class Campaign:
 
 
 def run_campaign(
-    call: Call, points: int, tolerance: float, count: int | None, seed: int, workers: int | None
+    call: Call,
+    points: int | None,
+    tolerance: float | None,
+    count: int | None,
+    seed: int,
+    workers: int | None,
 ) -> Campaign:
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
     began, scene = time.perf_counter(), call.plan.scene
-    axes = () if count else stability_axes(scene, points)
+    impact = scene.contact is not None
+    if impact and count:
+        raise InputError("--random", count, "a whole impact has the map alone; leave it out")
+    default = IMPACT_DEFAULTS if impact else DEFAULTS
+    points, tolerance = points or default[0], tolerance or default[1]
+    axes = () if count else (impact_axes if impact else stability_axes)(scene, points)
     verify: Callable[..., Verdict]
     settings: dict[str, Any]
+    calculation = CORNERS
     if count:
         cells, kinds, verify = (
             random_cells(scene, seed, count),
@@ -101,11 +116,16 @@ def run_campaign(
     else:
         cells, kinds = map_cells(scene, axes), against_rigid.KINDS
         verify = partial(against_rigid.against_rigid, tolerance=tolerance)
+        if impact:
+            from tailslap.studies.stability import impact_against_rigid
+
+            verify = partial(impact_against_rigid.impact_against_rigid, tolerance=tolerance)
+            calculation = impact_against_rigid.IMPACTS
         settings = {"points": points, "tolerance": tolerance}
     with Journal(
         call.place, {"study": "stability", "scene": base_source(scene).given, **settings}
     ) as journal:
-        parts = {cell.key: (cell.base, cell.changes, verify) for cell in cells}
+        parts = {cell.key: (cell.base, cell.changes, verify, calculation) for cell in cells}
         run_parts(verdict_on, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
         verdicts = {cell.key: Verdict(**journal.records[cell.key]) for cell in cells}
     seconds = time.perf_counter() - began

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
@@ -60,11 +60,32 @@ class Verdict:
         return self.failed or self.reason
 
 
-def verdict_on(base: Source, changes: Changes, verify: Callable[[Outcome], Verdict]) -> dict[str, Any]:
+class Calculation(NamedTuple):
+    """How a cell is run: what makes its outcome of a scene and changes, and the error that the outcome claims."""
+
+    run: Callable[[Source, Changes], Any]
+    error: Callable[[Any], float]
+
+
+def _run_corner(base: Source, changes: Changes) -> Outcome:
+    return run_scene(make_plan(*vary(base, changes)))
+
+
+def _total_error(outcome: Outcome) -> float:
+    return outcome.error.total
+
+
+CORNERS = Calculation(_run_corner, _total_error)
+"""How a cell with a constrained corner is run."""
+
+
+def verdict_on(
+    base: Source, changes: Changes, verify: Callable[[Any], Verdict], calculation: Calculation = CORNERS
+) -> dict[str, Any]:
     """Run the scene with these changes, and judge it by `verify`; a record of the journal."""
     began = time.perf_counter()
     try:
-        outcome = run_scene(make_plan(*vary(base, changes)))
+        outcome = calculation.run(base, changes)
     except InputError as error:
         return asdict(Verdict(REFUSED, reason=str(error)))
     except Exception as error:  # whatever it is, a program that breaks has not refused
@@ -74,17 +95,17 @@ def verdict_on(base: Source, changes: Changes, verify: Callable[[Outcome], Verdi
         verdict = verify(outcome)
     except Exception as error:  # the reference breaks, and with it the program
         verdict = Verdict(WRONG, reason=f"reference broke: {type(error).__name__}: {error}")
-    estimate, steps = outcome.error.total, outcome.run.steps
+    estimate, steps = calculation.error(outcome), outcome.run.steps
     return asdict(replace(verdict, error=estimate, model=model_name(outcome), steps=steps, seconds=seconds))
 
 
-def model_name(outcome: Outcome) -> str:
+def model_name(outcome: Any) -> str:
     """Elements of a run, like "quad9 20 x 6"."""
     plate = outcome.fe_plan.plate
     return f"{plate.element} {plate.counts[0]} x {plate.counts[1]}"
 
 
-def failed_checks(outcome: Outcome) -> tuple[str, ...]:
+def failed_checks(outcome: Any) -> tuple[str, ...]:
     """Names of the checks that failed."""
     return tuple(check.name for check in outcome.checks if not check.passed)
 
