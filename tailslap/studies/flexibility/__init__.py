@@ -2,6 +2,7 @@
 
 import click
 
+from tailslap.analysis import CORNER, WHOLE_IMPACT
 from tailslap.options import Whole
 from tailslap.studies.study import Study
 
@@ -13,7 +14,7 @@ POINTS = click.Option(
     help="First frequencies, at even ratios.",
 )
 LOWEST = click.Option(
-    ["--lowest"], default="0.1 Hz", show_default=True, metavar="FREQUENCY", help="The softest plate."
+    ["--lowest"], metavar="FREQUENCY", help="The softest plate  [default: 0.1 Hz; of a whole impact 2 Hz]"
 )
 HIGHEST = click.Option(
     ["--highest"], default="1 kHz", show_default=True, metavar="FREQUENCY", help="The stiffest plate."
@@ -25,5 +26,6 @@ STUDY = Study(
     summary="Rigid to soft plates: how far the five quantities, reaction and stored energy are from the rigid values.",
     compute="tailslap.studies.flexibility.campaign:study_flexibility",
     report="tailslap.studies.flexibility.report:flexibility_report",
+    analyses=(CORNER, WHOLE_IMPACT),
     options=(POINTS, LOWEST, HIGHEST, WORKERS),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fem.start.start_kinds import START_KINDS
 from tailslap.execution.journal import Journal
@@ -35,6 +35,12 @@ from tailslap.studies.flexibility.sweep import (
     thickness_places,
 )
 from tailslap.studies.study import Call
+
+if TYPE_CHECKING:
+    from tailslap.studies.flexibility.impacts import ImpactFlexibility
+
+LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
+"""The softest plate of a constrained corner and of a whole impact."""
 
 LEVELS = (1e-3, 1e-2, 5e-2, 1e-1)
 """Differences for which the lowest first frequency is sought."""
@@ -66,10 +72,14 @@ class FlexibilityResults:
 
 
 def study_flexibility(
-    call: Call, points: int, lowest: str, highest: str, workers: int | None
-) -> FlexibilityResults:
+    call: Call, points: int, lowest: str | None, highest: str, workers: int | None
+) -> FlexibilityResults | ImpactFlexibility:
     """The study as the command line asks for it."""
-    return campaign(call.plan, frequencies(lowest, highest, points), call.place, workers)
+    if call.plan.scene.contact is not None:
+        from tailslap.studies.flexibility.impacts import impact_flexibility
+
+        return impact_flexibility(call, frequencies(lowest or IMPACT_LOWEST, highest, points), workers)
+    return campaign(call.plan, frequencies(lowest or LOWEST, highest, points), call.place, workers)
 
 
 def campaign(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from postprocess.report.numbers import known
 from postprocess.report.page import Page, Section
@@ -17,6 +17,9 @@ from tailslap.studies.flexibility.levels import hertz
 from tailslap.studies.flexibility.measure import KEPT
 from tailslap.studies.flexibility.points import MEASURED
 from tailslap.studies.flexibility.sweep import STARTS
+
+if TYPE_CHECKING:
+    from tailslap.studies.flexibility.impacts import ImpactFlexibility
 
 MAIN = LEVELS.index(1e-2)
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
@@ -54,8 +57,12 @@ READING = (
 )
 
 
-def flexibility_report(found: FlexibilityResults) -> Report:
+def flexibility_report(found: FlexibilityResults | ImpactFlexibility) -> Report:
     """Page, summary, points, and what the terminal says."""
+    if not isinstance(found, FlexibilityResults):
+        from tailslap.studies.flexibility.impact_report import impact_flexibility_report
+
+        return impact_flexibility_report(found)
     three, five, reaction, stored, modes = figures(found)
     starts = found.starts | {"any of the three": found.band}
     rows = [{"what": START_NAMES.get(name, name), "levels": its} for name, its in starts.items()]
