@@ -23,6 +23,10 @@ STORED = (
 FLOOR, SHARE = 2e-3, 0.1
 """Mesh error that every run may have, and its share of the difference from the rigid vehicle."""
 
+WEDGE = 1.0 / (0.5 * math.pi + 1.0) + 1.0 / (0.5 * math.pi - 1.0)
+"""Displacement of a force on the corner of a plate, at 45 deg to its sides, times E t over force and logarithm of the
+distance (Timoshenko and Goodier, Theory of Elasticity, on a force at the point of a wedge)."""
+
 LOSS = 2e-2
 """Energy, over the initial, that exact contact may take: what its nodes bring on touching."""
 
@@ -111,12 +115,29 @@ def _strikes(outcome: ImpactOutcome) -> Check:
 
 def _mesh(outcome: ImpactOutcome) -> Check:
     worst = max(map(abs, outcome.mesh_error.values()), default=math.nan)
-    allowed = FLOOR + SHARE * max(map(abs, outcome.difference.values()), default=1.0)
     meaning = (
         "what richer elements change in impulse, peak and duration of the first two strikes: "
         f"{FLOOR:g} and {100 * SHARE:g} % of what flexibility changes are allowed; refine plate.elements"
     )
-    return Check.at_most("mesh", worst, allowed, meaning)
+    return Check.at_most("mesh", worst, _allowed(outcome), meaning)
+
+
+def _allowed(outcome: ImpactOutcome) -> float:
+    return FLOOR + SHARE * max(map(abs, outcome.difference.values()), default=1.0)
+
+
+def _point(outcome: ImpactOutcome) -> Check:
+    plan, plate = outcome.fe_plan.plan, outcome.fe_plan.plate
+    contact, modulus = plan.scene.contact, plate.youngs_modulus
+    assert contact is not None
+    assert modulus is not None
+    stiffness = 0.0 if contact.patch_length else contact.stiffness or 0.0
+    softened = stiffness * WEDGE * math.log(2.0) / (modulus * plate.thickness)
+    meaning = (
+        "half of what elements half as large take off the stiffness of crush and plate; a corner's force acts on a "
+        "point, whose compliance has no limit; give contact.patch_length"
+    )
+    return Check.at_most("point contact", 0.5 * softened, _allowed(outcome), meaning)
 
 
 def _sampling(outcome: ImpactOutcome) -> Check:
@@ -136,6 +157,7 @@ CHECKS: tuple[Callable[[ImpactOutcome], Check], ...] = (
     _strikes,
     _sampling,
     _mesh,
+    _point,
 )
 """In the order in which they are told."""
 

@@ -11,6 +11,7 @@ from typing import Any
 import tailslap
 from tailslap.analyses import analysis_of
 from tailslap.errors import InputError
+from tailslap.planning.affordable import demand_affordable
 from tailslap.scene.vary import Changes, Source, vary
 
 PASSED, FAILED, REFUSED, ERROR = STATUSES = ("passed", "failed", "refused", "error")
@@ -43,7 +44,6 @@ def killing_row(run: Any) -> dict[str, Any]:
 
 def _columns(source: Source, changes: Changes) -> dict[str, Any]:
     """What the calculation that the scene asks for tells of its run."""
-    from tailslap.planning.affordable import demand_affordable
 
     scene, given = vary(source, changes)
     analysis = analysis_of(scene)

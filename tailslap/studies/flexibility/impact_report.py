@@ -26,12 +26,18 @@ WORDS = {
     for k, which in ((1, "first"), (2, "second"))
     for name, word in (("impulse", "impulse"), ("peak_force", "peak"), ("duration", "duration"))
 }
+PLAIN = {name: name.replace(".", "_") for name in NAMES}
 GOOD = (
     Column("what", "off by at most"),
     *columns({f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(IMPACT_LEVELS)}, form=str),
 )
 POINTS = [
-    Column(f"difference.{name}", WORDS[name], form=SIZE, below=Column(f"error.{name}", "", form=SIZE))
+    Column(
+        f"difference.{PLAIN[name]}",
+        WORDS[name],
+        form=SIZE,
+        below=Column(f"error.{PLAIN[name]}", "", form=SIZE),
+    )
     for name in NAMES
 ]
 READING = (
@@ -47,7 +53,7 @@ def impact_flexibility_report(found: ImpactFlexibility) -> Report:
     good = Table(GOOD, rows, "The rigid vehicle is good down to a first frequency of")
     marks = {i: "failed" for i, point in enumerate(found.points) if not point.passed}
     all_points = Table(
-        (F1, *POINTS, Column("why", "checks failed")), found.points, "Every plate", marks=marks
+        (F1, *POINTS, Column("why", "checks failed")), _rows(found), "Every plate", marks=marks
     )
     page = Page(
         kicker="Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",
@@ -64,6 +70,19 @@ def impact_flexibility_report(found: ImpactFlexibility) -> Report:
     cost = f"Cost:   {len(found.points)} plates in {found.seconds:.0f} s"
     tables = {"points.csv": listed([point.row for point in found.points])}
     return Report(page, summary(found), (page.headline, good, said(found), cost), tables)
+
+
+def _rows(found: ImpactFlexibility) -> list[dict[str, Any]]:
+    """The points, their numbers by names without a dot, which a column would take for a record's."""
+    return [
+        {
+            "frequency": point.frequency,
+            "why": point.why,
+            "difference": {PLAIN[name]: point.difference[name] for name in NAMES},
+            "error": {PLAIN[name]: point.error[name] for name in NAMES},
+        }
+        for point in found.points
+    ]
 
 
 def headline(found: ImpactFlexibility) -> str:

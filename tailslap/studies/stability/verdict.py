@@ -82,7 +82,7 @@ CORNERS = Calculation(_run_corner, _total_error)
 def verdict_on(
     base: Source, changes: Changes, verify: Callable[[Any], Verdict], calculation: Calculation = CORNERS
 ) -> dict[str, Any]:
-    """Run the scene with these changes, and hold it against what `verify` does; a record of the journal."""
+    """Run the scene with these changes, and judge it by `verify`; a record of the journal."""
     began = time.perf_counter()
     try:
         outcome = calculation.run(base, changes)

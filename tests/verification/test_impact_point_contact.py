@@ -1,0 +1,44 @@
+"""Verification: the check that a corner's force on a node of a soft plate has no limit as the mesh is refined."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tailslap.impact.checks import FLOOR, SHARE, WEDGE, _point
+
+pytestmark = pytest.mark.verification
+
+
+def outcome(
+    modulus: float, patch: float | None = None, stiffness: float | None = 2e6, off: float = 0.0
+) -> Any:
+    contact = SimpleNamespace(stiffness=stiffness, patch_length=patch)
+    plan = SimpleNamespace(scene=SimpleNamespace(contact=contact))
+    plate = SimpleNamespace(youngs_modulus=modulus, thickness=0.05)
+    return SimpleNamespace(
+        fe_plan=SimpleNamespace(plan=plan, plate=plate), difference={"strike_1.impulse": off}
+    )
+
+
+def test_the_wedge_s_constant() -> None:
+    """Half the sum of both components' constants of a right-angled wedge, each 2/(pi/2 +- 1)."""
+    along, across = 2.0 / (0.5 * math.pi + 1.0), 2.0 / (0.5 * math.pi - 1.0)
+    assert pytest.approx(0.5 * (along + across), rel=1e-15) == WEDGE
+
+
+def test_a_point_on_a_soft_plate_fails() -> None:
+    """E t = 1e7 N/m against k = 2e6 N/m: half of 0.2 WEDGE log 2 = 0.148."""
+    check = _point(outcome(2e8))
+    assert check.value == pytest.approx(0.1 * WEDGE * math.log(2.0), rel=1e-12)
+    assert (check.limit, check.passed) == (FLOOR, False)
+    assert _point(outcome(2e8, off=0.2)).limit == pytest.approx(FLOOR + 0.2 * SHARE)
+
+
+def test_what_has_a_limit_passes() -> None:
+    assert _point(outcome(2e11)).passed
+    assert _point(outcome(2e8, patch=1.0)).value == 0.0
+    assert _point(outcome(2e8, stiffness=None)).value == 0.0
