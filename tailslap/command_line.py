@@ -219,8 +219,11 @@ def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
     """The calculation that the scene asks for, and its plan."""
     from tailslap.analyses import analysis_of
     from tailslap.scene.files import read_scene
+    from tailslap.scene.plausible import remarks
 
     scene, source = read_scene(name, changes)
+    for remark in remarks(source):
+        click.echo(f"tailslap: remark: {remark}", err=True)
     analysis = analysis_of(scene)
     return analysis, analysis.make_plan(scene, source)
 

@@ -89,12 +89,14 @@ def test_a_whole_impact_goes_on_with_the_same_bits() -> None:
 def loaded(place: Path, definition: dict[str, Any], resume: bool, count: int = 1) -> list[int | None]:
     """Sizes of what the first runs of a command find, which is then interrupted."""
     found: list[Arrays | None] = []
-    try:
+
+    def interrupted_command() -> None:
         with checkpointed(place, definition, resume):
-            found += [next_checkpoint().load() for _ in range(count)]
+            found.extend(next_checkpoint().load() for _ in range(count))
             raise KeyboardInterrupt
-    except Interrupted as said:
-        assert "--resume" in str(said)
+
+    with pytest.raises(Interrupted, match="--resume"):
+        interrupted_command()
     return [None if each is None else each["x"].size for each in found]
 
 
