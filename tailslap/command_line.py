@@ -85,14 +85,20 @@ def commands() -> None:
     type=Real(0.0, 1.0, min_open=True, max_open=True),
     help="Pick the cheapest mesh and constraint for this relative error.",
 )
-def run(analysis: Analysis, plan: Any, out: Path | None, no_pictures: bool, tolerance: float | None) -> int:
+@click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
+def run(
+    analysis: Analysis, plan: Any, out: Path | None, no_pictures: bool, tolerance: float | None, resume: bool
+) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
+    from tailslap.execution.checkpoints import checkpointed
     from tailslap.report.deliver import deliver
 
     def report(folder: Path) -> Report:
         return analysis.run_report(plan, folder, tolerance, not no_pictures)
 
-    return deliver(out or Path("results") / plan.scene.name, report)
+    place = out or Path("results") / plan.scene.name
+    with checkpointed(place, {"scene": plan.source.given, "tolerance": tolerance}, resume):
+        return deliver(place, report)
 
 
 @commands.command()
@@ -213,8 +219,11 @@ def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
     """The calculation that the scene asks for, and its plan."""
     from tailslap.analyses import analysis_of
     from tailslap.scene.files import read_scene
+    from tailslap.scene.plausible import remarks
 
     scene, source = read_scene(name, changes)
+    for remark in remarks(source):
+        click.echo(f"tailslap: remark: {remark}", err=True)
     analysis = analysis_of(scene)
     return analysis, analysis.make_plan(scene, source)
 

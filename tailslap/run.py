@@ -12,6 +12,7 @@ import numpy as np
 from postprocess.comparison.comparison import relative_difference
 from postprocess.comparison.metrics import Metrics
 from tailslap.errors import InputError
+from tailslap.execution.checkpoints import next_checkpoint
 from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
@@ -164,6 +165,7 @@ def _simulated(fe_plan: FePlan) -> Run:
                 threads=scene.time.threads,
                 progress=progress,
                 corrupted=lambda row: friction_by_ringing(fe_plan, row) > CORRUPTED,
+                checkpoint=next_checkpoint(),
             )
     except TooSoftError:
         why = "the plate is too soft to be in equilibrium under its reaction"

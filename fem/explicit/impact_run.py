@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from fem.compiled import has_code, one_process_compiles
 from fem.contact.wall_contact import ContactState
 from fem.discretisation.model import PlateModel
 from fem.discretisation.properties import ModelError
+from fem.explicit.checkpoint import Arrays, Checkpoint, NoCheckpoint, packed, unpacked
 from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
 from fem.explicit.simulate import LOOKS, Stepper
 from fem.stability.deformed import deformed_frequency
@@ -146,6 +147,7 @@ def simulate_impact(
     latest: float,
     finished: Callable[[ImpactRun], bool] = lambda run: False,
     progress: Callable[[float], None] = lambda share: None,
+    checkpoint: Checkpoint | None = None,
 ) -> ImpactRun:
     """Run from the first touch until the latest instant, or until it is finished.
 
@@ -163,6 +165,8 @@ def simulate_impact(
         Asked now and then whether what there is so far is enough.
     progress : callable
         Told the time that is done [s].
+    checkpoint : Checkpoint, optional
+        Keeps the run's state now and then; one that has kept it lets the run go on, with the same bits.
 
     Returns
     -------
@@ -177,8 +181,12 @@ def simulate_impact(
     stepper, time_step = ImpactStepper(model), model.loop.time_step
     stride = max(1, round(sample / time_step))
     total = max(1, -int(-latest // (stride * time_step)))
-    began, state = time.perf_counter(), stepper.at_touch(touch)
+    began, checkpoint = time.perf_counter(), checkpoint or NoCheckpoint()
+    state = stepper.at_touch(touch)
     chunks, seen = [stepper.record(state, 0, 1)], [state.positions.copy()]
+    if (kept := checkpoint.load()) is not None:
+        state, chunks, seen = _resumed(kept, state, chunks[0])
+    run = _run(stepper, chunks, stride, 0.0)
     while sum(len(chunk.values) for chunk in chunks) <= total and np.isfinite(chunks[-1].values).all():
         done = sum(len(chunk.values) for chunk in chunks) - 1
         chunks.append(stepper.record(state, stride, min(CHUNK, total - done)))
@@ -188,6 +196,7 @@ def simulate_impact(
         progress(float(run.history["t"][-1]))
         if finished(run) or len(run.history["t"]) > total:
             break
+        checkpoint.save(functools.partial(_kept, state, chunks, seen))
     looked = [seen[k] for k in np.unique(np.linspace(0, len(seen) - 1, LOOKS).astype(int))]
     finite = [positions for positions in looked if np.isfinite(positions).all()]
     frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
@@ -200,6 +209,19 @@ def _check_length(state: ImpactState) -> None:
             "wall.length",
             f"the plate presses {state.wall.beyond[0]:.3g} m beyond the wall's end; make it longer",
         )
+
+
+def _kept(state: ImpactState, chunks: list[Rows], seen: list[np.ndarray]) -> dict[str, np.ndarray]:
+    """What the loop needs to go on; the state is of this instant, for the loop advances it in place."""
+    rows = Rows(*(np.concatenate(parts) for parts in zip(*chunks, strict=True)))
+    return packed("state", state) | packed("rows", rows) | {"seen": np.array(seen)}
+
+
+def _resumed(
+    kept: Arrays, state: ImpactState, rows: Rows
+) -> tuple[ImpactState, list[Rows], list[np.ndarray]]:
+    """The same again; state and rows: any others of this model."""
+    return unpacked("state", state, kept), [unpacked("rows", rows, kept)], list(kept["seen"])
 
 
 def _run(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
@@ -13,6 +14,7 @@ import numpy as np
 from fem.compiled import has_code, one_process_compiles
 from fem.contact.corner import add_corner_reaction
 from fem.discretisation.model import PlateModel
+from fem.explicit.checkpoint import Arrays, Checkpoint, NoCheckpoint
 from fem.explicit.columns import COLUMNS, Measures, row_of
 from fem.explicit.elastic_damping import SUMS, damp
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
@@ -170,6 +172,7 @@ def simulate(
     progress: Callable[[float], None] = lambda share: None,
     corrupted: Callable[[dict[str, float]], bool] = lambda row: False,
     make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
+    checkpoint: Checkpoint | None = None,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
@@ -193,6 +196,8 @@ def simulate(
         Told a row of the history by its names, now and then; when it says so, the run is given up there.
     make_stepper : callable
         Makes the compiled loop of a model and a number of threads.
+    checkpoint : Checkpoint, optional
+        Keeps the run's state now and then; one that has kept it lets the run go on, with the same bits.
 
     Returns
     -------
@@ -203,8 +208,12 @@ def simulate(
     stride = max(1, round(duration / time_step / rows))
     last = OVERTIME * duration / time_step
     began = time.perf_counter()
-    state, step = stepper.start(start, kind), 0
-    table, strike, seen = [(0.0, *stepper.row(state))], None, []
+    checkpoint, strike = checkpoint or NoCheckpoint(), None
+    if (kept := checkpoint.load()) is not None:
+        state, step, table, seen = _resumed(kept)
+    else:
+        state, step = stepper.start(start, kind), 0
+        table, seen = [(0.0, *stepper.row(state))], []
     while strike is None and step < last and np.isfinite(table[-1]).all():
         later = stepper.advance(state, stride)
         row = (time_step * (step + stride), *stepper.row(later))
@@ -219,6 +228,8 @@ def simulate(
         progress(min(1.0, row[0] / duration))
         if len(table) % max(1, rows // GLANCES) == 0 and corrupted(_named(row)):
             break
+        if strike is None:
+            checkpoint.save(functools.partial(_kept, state, step, table, seen))
     elapsed = time.perf_counter() - began
     history = _named(np.array(table).T)
     finite = [
@@ -226,6 +237,17 @@ def simulate(
     ]
     frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
     return Run(history, strike, step, elapsed, frequency)
+
+
+def _kept(state: State, step: int, table: list[Any], seen: list[np.ndarray]) -> dict[str, np.ndarray]:
+    """What the loop needs to go on."""
+    rest = {"step": np.array(step), "table": np.array(table), "seen": np.array(seen)}
+    return state._asdict() | rest
+
+
+def _resumed(kept: Arrays) -> tuple[State, int, list[Any], list[np.ndarray]]:
+    state = State(*(np.ascontiguousarray(kept[name]) for name in State._fields))
+    return state, int(kept["step"]), list(map(tuple, kept["table"])), list(kept["seen"])
 
 
 def _named(values: Iterable[Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError
+from tailslap.execution.checkpoints import next_checkpoint
 from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
 from tailslap.impact.checks import impact_checks
 from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan, refusal
@@ -92,6 +93,7 @@ def simulated(fe_plan: ImpactFePlan) -> ImpactRun:
                 LONGEST if end is None else end,
                 finished if end is None else lambda run: False,
                 lambda now: progress(min(1.0, now / until)),
+                next_checkpoint(),
             )
     except ModelError as error:
         raise refusal(scene, fe_plan.plate, error) from None

@@ -132,6 +132,22 @@ def test_every_page_is_linked_from_the_readme() -> None:
     assert {str(page.relative_to(ROOT)) for page in (ROOT / "docs").glob("*.md")} <= links
 
 
+def test_every_promise_has_its_test() -> None:
+    rows = (ROOT / "docs" / "promises.md").read_text(encoding="utf-8").splitlines()[6:]
+    assert len(rows) > 15
+    for row in rows:
+        path, _, name = row.rstrip("| ").rpartition("| ")[2].strip("`").partition("::")
+        text = (ROOT / path).read_text(encoding="utf-8")
+        assert not name or f"def {name}(" in text, row
+        assert name == "" or ("(long)" in row) == is_long(text, name), row
+
+
+def is_long(text: str, name: str) -> bool:
+    """Whether all of a test is marked long."""
+    above = text.partition(f"def {name}(")[0].rpartition("\n\n\n")[2]
+    return "@pytest.mark.long\n" in above
+
+
 def test_the_citation_is_of_this_version() -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

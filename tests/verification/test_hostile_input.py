@@ -115,6 +115,13 @@ def write_files(folder: Path) -> None:
     (folder / "return.toml").write_bytes(b'name = "a"\r[vehicle]\r')
 
 
+def test_a_number_that_lacks_its_unit_is_remarked_upon(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status([*RIGID, "--set", "impact.speed=45"]) == 0
+    assert "impact.speed = 45 without a unit is 45 m/s, 162 km/h" in capsys.readouterr().err
+    assert _status([*RIGID, "--set", "impact.speed=162 km/h"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_angles_are_told_in_degrees_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert _status([*RIGID, "--set", "impact.angle=80 deg"]) == 2
     assert "rad (80 deg)" in capsys.readouterr().err

@@ -1,0 +1,154 @@
+"""Verification: a run that goes on from a checkpoint gives the bits and the files of one that was left alone."""
+
+from __future__ import annotations
+
+import functools
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.explicit.checkpoint import Arrays
+from fem.explicit.impact_run import simulate_impact
+from fem.explicit.simulate import simulate
+from tailslap.errors import Interrupted
+from tailslap.execution import checkpoints
+from tailslap.execution.checkpoints import checkpointed, next_checkpoint
+from tailslap.impact.fe_plan import make_impact_fe_plan
+from tailslap.impact.plan import make_impact_plan
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
+
+pytestmark = pytest.mark.verification
+
+
+class Stopping:
+    """Keeps a copy each time, and interrupts the run at one of them."""
+
+    def __init__(self, at: int, kept: Arrays | None = None) -> None:
+        self.left, self.kept = at, kept
+
+    def load(self) -> Arrays | None:
+        return self.kept
+
+    def save(self, arrays: Callable[[], Arrays]) -> None:
+        self.left -= 1
+        if self.left == 0:
+            self.kept = {name: np.array(array) for name, array in arrays().items()}
+            raise KeyboardInterrupt
+
+
+def same(a: Any, b: Any) -> None:
+    """All numbers of two runs, bit for bit, but for the time that they took."""
+    for name in set(vars(a)) - {"time_loop_s", "strike"}:
+        mine, its = getattr(a, name), getattr(b, name)
+        for key in mine if isinstance(mine, dict) else [()]:
+            np.testing.assert_array_equal(
+                np.asarray(mine[key] if key else mine), np.asarray(its[key] if key else its)
+            )
+
+
+@pytest.mark.parametrize("at", [1, 57, 200])
+def test_the_loop_goes_on_with_the_same_bits(at: int) -> None:
+    fe_plan = make_fe_plan(make_plan(*read_scene("paper-table-3")))
+
+    def run(keeper: Any) -> Any:
+        duration = fe_plan.plan.motion.strike.t
+        return simulate(fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper)
+
+    stopping = Stopping(at)
+    with pytest.raises(KeyboardInterrupt):
+        run(stopping)
+    resumed, whole = run(Stopping(0, stopping.kept)), run(None)
+    same(resumed, whole)
+    assert resumed.strike.values == whole.strike.values
+    np.testing.assert_array_equal(resumed.strike.velocities, whole.strike.velocities)
+
+
+def test_a_whole_impact_goes_on_with_the_same_bits() -> None:
+    scene = ("time.end=0.4", "plate.elements=[8,3]")
+    fe_plan = make_impact_fe_plan(make_impact_plan(*read_scene("impact-mash-tl4-sut", scene)))
+
+    def run(keeper: Any) -> Any:
+        return simulate_impact(fe_plan.model, fe_plan.touch, fe_plan.sample, 0.4, checkpoint=keeper)
+
+    stopping = Stopping(2)
+    with pytest.raises(KeyboardInterrupt):
+        run(stopping)
+    same(run(Stopping(0, stopping.kept)), run(None))
+
+
+def loaded(place: Path, definition: dict[str, Any], resume: bool, count: int = 1) -> list[int | None]:
+    """Sizes of what the first runs of a command find, which is then interrupted."""
+    found: list[Arrays | None] = []
+
+    def interrupted_command() -> None:
+        with checkpointed(place, definition, resume):
+            found.extend(next_checkpoint().load() for _ in range(count))
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted, match="--resume"):
+        interrupted_command()
+    return [None if each is None else each["x"].size for each in found]
+
+
+def test_files_belong_to_one_definition(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
+    place = tmp_path / "out"
+    keepers = checkpoints.Checkpoints(place, {"scene": 1}, False)
+    for size in (3, 4):
+        keepers.next().save(functools.partial(dict, x=np.arange(size)))
+    assert len(list(tmp_path.iterdir())) == 2
+    assert loaded(place, {"scene": 1}, True, 3) == [3, 4, None]
+    assert loaded(place, {"scene": 2}, True) == [None]
+    assert loaded(place, {"scene": 1}, False) == [None]
+    (tmp_path / ".out.checkpoint-1.npz").write_bytes(b"torn")
+    with checkpointed(place, {"scene": 1}, True):
+        assert next_checkpoint().load() is None
+    assert list(tmp_path.iterdir()) == []
+
+
+LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures")
+
+
+def started(folder: Path, *more: str) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "tailslap.command_line", "run", "paper-table-3", *LONG, *more]
+    return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+
+def files(folder: Path) -> dict[str, Any]:
+    """Result files, of the summary what does not depend on the clock."""
+    found = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix == ".csv"}
+    summary = json.loads((folder / "summary.json").read_text())
+    return {**found, **{name: value for name, value in summary.items() if name != "cost"}}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGTERM])
+def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path: Path, sent: signal.Signals) -> None:
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    whole.mkdir()
+    broken.mkdir()
+    process, end = started(broken), time.monotonic() + 240.0
+    while not list(broken.glob("results/.*.npz")):
+        assert process.poll() is None, "it was done before it could be killed"
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    process.send_signal(sent)
+    said = process.communicate(timeout=60)[1]
+    assert (sent == signal.SIGKILL) or (process.returncode == 130 and b"--resume" in said)
+    for folder, more in ((broken, ("--resume",)), (whole, ())):
+        done = started(folder, *more)
+        assert done.communicate(timeout=300)[1] == b""
+        assert done.returncode == 0
+    results = [folder / "results" / "paper-table-3" for folder in (broken, whole)]
+    assert files(results[0]) == files(results[1])
+    assert [path.name for path in (broken / "results").iterdir()] == ["paper-table-3"]

@@ -1,0 +1,111 @@
+"""Verification: faults of the machine and of processes leave a folder complete or absent, and one message."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tailslap.results.result_folder import result_folder
+
+pytestmark = pytest.mark.verification
+
+RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
+DYING = """
+import os, sys
+from pathlib import Path
+from tailslap.results.result_folder import result_folder
+with result_folder(Path(sys.argv[1])) as folder:
+    (folder / "half.csv").write_text("1,")
+    print("filling", flush=True)
+    sys.stdin.read()
+    os.kill(os.getpid(), 9)
+"""
+
+
+def filling(place: Path) -> subprocess.Popen[bytes]:
+    """A process that has begun to fill the folder; it kills itself when its input ends."""
+    line = [sys.executable, "-c", DYING, str(place)]
+    process = subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"filling\n"
+    return process
+
+
+def fill(place: Path) -> None:
+    with result_folder(place) as folder:
+        (folder / "whole.csv").write_text("1,2")
+
+
+def test_what_a_dead_process_left_is_cleared_and_what_a_living_one_fills_is_not(tmp_path: Path) -> None:
+    place = tmp_path / "out"
+    process = filling(place)
+    fill(place)
+    (unfinished,) = (path for path in tmp_path.iterdir() if path != place)
+    assert (unfinished / "half.csv").exists()
+    process.communicate()
+    assert process.returncode == -9
+    (tmp_path / ".out.mine").mkdir()
+    (tmp_path / ".out.0123456789abcdef.tailslap").symlink_to(place)
+    fill(place)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "out",
+        ".out.mine",
+        ".out.0123456789abcdef.tailslap",
+    }
+    assert (place / "whole.csv").read_text() == "1,2"
+
+
+def command(
+    folder: Path, *arguments: str, prepare: Callable[[], None] | None = None, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    line = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    environment = {**os.environ, "PYTHONPATH": os.getcwd(), **variables}
+    return subprocess.run(
+        line, cwd=folder, env=environment, preexec_fn=prepare, capture_output=True, text=True, timeout=300
+    )
+
+
+@pytest.mark.long
+def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path: Path) -> None:
+    assert command(tmp_path, *RUN, "out").returncode == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))  # noqa: E731
+    for place in ("out", "new"):
+        done = command(tmp_path, *RUN, place, prepare=full)
+        assert done.returncode == 3, done.stderr
+        assert done.stderr.count("\n") == 1
+        assert "bootstrap" not in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
+@pytest.mark.long
+def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
+    """The loop is then compiled, and kept nowhere; nor does a full cache end a run."""
+    (tmp_path / "file").write_text("")
+    nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
+    full = {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))  # noqa: E731
+    assert command(tmp_path, *RUN, "a", **nowhere).stderr == ""
+    done = command(tmp_path, *RUN, "b", prepare=small, **full)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    done = command(gone, "scenes", prepare=lambda: os.rmdir(gone))
+    assert (done.returncode, done.stderr) == (0, "")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere" / "at" / "all")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for place in ("x" * 300, "loop", "dangling/x/\x1b"):
+        done = command(tmp_path, "paper", "--out", place, prepare=lambda: os.chmod(tmp_path, 0o755))
+        assert done.returncode in (0, 2), done.stderr
+        assert "Traceback" not in done.stderr
+        assert "bootstrap" not in done.stderr
