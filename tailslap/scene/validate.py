@@ -10,7 +10,7 @@ from fem.contact.constraints import CONSTRAINTS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.lumpings import LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene.schema import Damping, Scene
+from tailslap.scene.schema import Damping, Scene, Wall
 from tailslap.scene.validate_impact import check_impact
 
 OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
@@ -72,9 +72,10 @@ def _check_corner(scene: Scene) -> None:
         if value is not None:
             raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")
     for key in OF_A_WALL_THAT_GIVES:
-        if scene.wall is not None and key in scene.wall.model_fields_set:
+        value = getattr(scene.wall, key, None)
+        if scene.wall is not None and value != Wall.model_fields[key].default:
             allowed = "a wall that gives belongs to a whole impact, with [contact]; leave it out"
-            raise InputError(f"wall.{key}", getattr(scene.wall, key), allowed)
+            raise InputError(f"wall.{key}", value, allowed)
     for key in ("friction", "restitution"):
         if scene.impact is not None and getattr(scene.impact, key) is None:
             raise InputError(f"impact.{key}", Missing, "this key is required")

@@ -44,12 +44,10 @@ def killing_row(run: Any) -> dict[str, Any]:
 
 def _columns(source: Source, changes: Changes) -> dict[str, Any]:
     """What the calculation that the scene asks for tells of its run."""
-
     scene, given = vary(source, changes)
     analysis = analysis_of(scene)
     plan = analysis.make_plan(scene, given)
-    if scene.plate is not None:
-        demand_affordable(scene, analysis.duration(plan))
+    demand_affordable(scene, analysis.duration(plan))
     return analysis.columns(plan)
 
 
