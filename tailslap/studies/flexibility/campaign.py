@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem.start.start_kinds import START_KINDS
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.planning.fe_plan import FePlan
@@ -112,16 +111,12 @@ def _parts(sweep: Sweep, fe_plan: FePlan) -> dict[str, tuple[Any, ...]]:
 
 
 def _runs(sweep: Sweep, fe_plan: FePlan, frequency: float, start: str) -> list[Changes | None]:
-    """What a start's runs change; of an oscillating plate the finest, since that makes a run on another mesh by itself.
-
-    A run that would take too long is left out.
-    """
-    meshes = sweep.meshes if START_KINDS[start].relieved else sweep.meshes[-1:]
+    """What a start's runs change, coarse to fine; one that would take too long is left out."""
     return [
         run_changes(sweep, frequency, mesh, start)
         if expected_seconds(sweep, fe_plan, frequency, mesh) <= TOO_LONG
         else None
-        for mesh in meshes
+        for mesh in sweep.meshes
     ]
 
 

@@ -52,8 +52,8 @@ READING = (
     "Inertia relief begins in the elastic state of the rigid acceleration, with the rigid body's spin and corner speed "
     "or, by Stage 1's momenta, its v_GX and v_GY; unstressed, the plate has all four, oscillates and strikes in any "
     "phase. Levels of v_GY are of the largest difference until then; not known: the error is above a third of them.",
-    "Errors, below the values: the grid convergence index of three meshes, and what damping and ringing may do; of the "
-    "unstressed start, the program's own estimate. Plates set off failed a check.",
+    "Errors, below the values: the grid convergence index of three meshes, and what damping and ringing may do. Plates "
+    "set off failed a check.",
 )
 
 
