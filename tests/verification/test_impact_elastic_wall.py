@@ -3,8 +3,10 @@ own motion on the foundation, and in the whole impact: momentum, energy, and the
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +22,7 @@ from fem.discretisation.properties import (
     StepProperties,
     WallProperties,
 )
+from fem.explicit.checkpoint import Arrays
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.explicit.impact_run import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
 from meshes import plate_mesh, wall_mesh
@@ -231,6 +234,28 @@ def test_figures_of_a_concrete_parapet() -> None:
     assert foundation.max() / force.max() == pytest.approx(1.78, abs=0.05)
     # It goes on swinging: the impulse still in it is at most a percent or two of what it took.
     assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.03)
+
+
+class Kept:
+    """The last checkpoint of a run."""
+
+    def __init__(self) -> None:
+        self.arrays: Arrays | None = None
+
+    def load(self) -> Arrays | None:
+        return self.arrays
+
+    def save(self, arrays: Callable[[], Arrays]) -> None:
+        self.arrays = copy.deepcopy(arrays())
+
+
+def test_a_resumed_run_goes_on_with_the_wall_as_it_was() -> None:
+    model, kept = truck_model(concrete(1e8)), Kept()
+    whole = simulate_impact(model, touch(), 2e-4, 0.15)
+    simulate_impact(model, touch(), 2e-4, 0.06, checkpoint=kept)
+    resumed = simulate_impact(model, touch(), 2e-4, 0.15, checkpoint=kept)
+    for name in ("wall_energy", "wall_deflection", "force_foundation", "force_normal"):
+        assert (resumed.history[name] == whole.history[name]).all()
 
 
 def test_a_rigid_wall_has_no_part_in_the_record() -> None:
