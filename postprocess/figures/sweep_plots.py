@@ -141,9 +141,8 @@ def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
     }
     with style():
         figure, panels = _panels(1, 3 if rows.fe else 2, 3.3)
-        covers: dict[str, tuple[np.ndarray, dict[str, Any]]] = {
-            f"{shown.symbol}, {model} [{shown.unit}]": (rows.best[shown.key], {"cmap": "viridis"})
-        }
+        covers: dict[str, tuple[Values, dict[str, Any]]]
+        covers = {f"{shown.symbol}, {model} [{shown.unit}]": (rows.best[shown.key], {"cmap": "viridis"})}
         if rows.fe:
             covers["largest difference"] = (worst, {"cmap": "viridis", "norm": LogNorm()})
         covers["status"] = (status, colours)
