@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +10,15 @@ from typing import Any
 
 # gmsh keeps one global state a process, so two threads must not be in it at once.
 _LOCK = threading.Lock()
+
+
+def _restore_handlers() -> None:
+    """Set Python's signal handlers again: libraries within gmsh leave the default ones behind."""
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            handler = signal.getsignal(number)
+            if callable(handler):
+                signal.signal(number, handler)
 
 
 @contextmanager
@@ -31,6 +41,7 @@ def gmsh_model(name: str) -> Iterator[Any]:
         finally:
             if ours:
                 gmsh.finalize()
+                _restore_handlers()
             else:
                 gmsh.model.remove()
                 gmsh.option.setNumber("General.Terminal", terminal)

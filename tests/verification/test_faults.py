@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import resource
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from fem import compiled
 from tailslap.results.result_folder import result_folder
 
 pytestmark = pytest.mark.verification
@@ -87,14 +89,28 @@ def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path: Path) 
 
 @pytest.mark.long
 def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
-    """The loop is then compiled, and kept nowhere; nor does a full cache end a run."""
+    """The loop is then compiled, and kept nowhere."""
     (tmp_path / "file").write_text("")
     nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
-    full = {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
-    small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))  # noqa: E731
-    assert command(tmp_path, *RUN, "a", **nowhere).stderr == ""
-    done = command(tmp_path, *RUN, "b", prepare=small, **full)
+    done = command(tmp_path, *RUN, "a", **nowhere)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def doubled(value: float) -> float:
+    return 2.0 * value
+
+
+def test_a_full_cache_disk_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*given: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    tried = []
+    monkeypatch.setattr(
+        compiled._DispensableCache, "_save_overload", lambda *given: tried.append(1) or full()
+    )
+    monkeypatch.setattr(compiled, "_dispatchers", [])
+    assert compiled.compiled(doubled)(1.5) == 3.0
+    assert tried == [1]
 
 
 def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path: Path) -> None:

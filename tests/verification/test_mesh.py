@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -129,3 +131,16 @@ def test_another_format_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"\.msh or \.vtu"):
         write_mesh(plate_mesh(1.0, 1.0, (1, 1)), tmp_path / "plate.stl")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_mesh_leaves_the_signal_handlers_as_they_are() -> None:
+    """In a process of its own: libraries within gmsh set the default ones."""
+    code = (
+        "import os, signal\n"
+        "signal.signal(signal.SIGTERM, lambda *given: print('caught', flush=True))\n"
+        "from meshes import plate_mesh\n"
+        "plate_mesh(10.0, 2.0, (4, 2))\n"
+        "os.kill(os.getpid(), signal.SIGTERM)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "caught\n")

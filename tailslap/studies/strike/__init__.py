@@ -3,12 +3,13 @@
 import click
 
 from tailslap.analysis import WHOLE_IMPACT
+from tailslap.options import Whole
 from tailslap.studies.study import Study
 from tailslap.studies.uncertainty import FIXED, RANGES
 
 SAMPLES = click.Option(
     ["--samples"],
-    type=click.IntRange(288, 100_000),
+    type=Whole(288, 100_000),
     default=4_000,
     show_default=True,
     help="Impacts of the bands, at least.",
