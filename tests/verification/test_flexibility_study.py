@@ -110,10 +110,11 @@ def test_the_largest_difference_is_seen_in_any_phase() -> None:
     difference = outcome.fe_history["v_gy"] - outcome.rigid_history["v_gy"]
     assert largest > 10.0 * at_strike
     assert largest == pytest.approx(np.nanmax(np.abs(difference)) / abs(outcome.rigid["v_gy"]), rel=1e-12)
-    # The impulse of a reaction N (1 - cos w t) is off by N / w, with w above that of the free plate, and damping.
+    # The impulse of a reaction N (1 - cos w t) is off by N / w. A beam pinned at its end has 0.689 of the first
+    # frequency of the free one, (3.927 / 4.730)^2, and without damping N / w is reached.
     impulse = abs(outcome.rigid_history["reaction_normal"][0]) / (2.0 * math.pi * 25.0)
     whole = outcome.fe_plan.model.mass * abs(outcome.rigid["v_gy"])
-    assert 0.3 < largest / (impulse / whole) < 1.0
+    assert 0.3 < largest / (impulse / whole) < 1.0 / 0.689
 
 
 def test_meshes_and_hold() -> None:

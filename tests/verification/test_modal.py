@@ -302,9 +302,9 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     text = capsys.readouterr().out
     assert "0.3839597" in text
     assert "Estimate of its error" in text
-    assert _status(["modal", "paper-table-3", "--modes", "0", "--tolerance", "1e-9"]) == CHECK_FAILED
+    assert _status(["modal", "paper-table-3", "--modes", "1", "--tolerance", "1e-9"]) == CHECK_FAILED
     assert "FAILED  modes left out" in capsys.readouterr().out
-    assert _status(["modal", "paper-table-3", "--modes", "-1"]) == WRONG_INPUT
+    assert _status(["modal", "paper-table-3", "--modes", "0"]) == WRONG_INPUT
     assert _status(["modal", "paper-table-3", "--modes", "9999"]) == WRONG_INPUT
 
 
