@@ -15,7 +15,7 @@ from fem.discretisation.properties import ContactProperties, PlateProperties, St
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.explicit.impact_run import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
-from postprocess.report.table import words
+from postprocess.report.table import pairs
 from postprocess.report.terminal import printed
 from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import COMPARED
@@ -199,7 +199,7 @@ def main() -> None:
     """Print all rows as they come."""
     began = time.perf_counter()
     for part in (filters, rigid_limit, against_rigid, loop_time, striking_bars, bouncing_bar, meshes):
-        print(printed([words("what", "measured", rows=list(part()), texts=2)]), flush=True)
+        print(printed([pairs(list(part()))]), flush=True)
     print(f"{time.perf_counter() - began:.0f} s in all")
 
 
