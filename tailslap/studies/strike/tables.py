@@ -157,7 +157,11 @@ def plates_table(found: StrikeResults, title: str = "", short: bool = False) -> 
     chosen = [q for q in QUANTITIES if q.name in names or not short]
     heads = [
         Column(
-            column(s, q.name), q.label.replace(" mean", ""), q.unit, form=known(".1f"), group=f"Strike {s}"
+            column(s, q.name),
+            q.label.replace(" mean", ""),
+            "" if short else q.unit,  # in the title
+            form=known(".1f"),
+            group=f"Strike {s}",
         )
         for s in STRIKES
         for q in chosen
