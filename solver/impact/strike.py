@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from solver.elementary import Array
 
-JOINED = 1e-3  # s: intervals of contact closer than this are one strike
+SHORTEST = 1e-3
+"""A corner that is off the wall for less is still in its strike [s]."""
 
 
 @dataclass(frozen=True)
 class Strike:
-    """One strike: an interval in which a corner, or its half of each side, is pressed on.
+    """One strike: a corner, or its half of each side, is pressed on, until it is off the wall for as long.
 
     Attributes
     ----------
@@ -62,6 +63,13 @@ class Strike:
         return self.impulse / self.duration
 
 
+def is_over(start: Any, end: Any, now: Any) -> Any:
+    """Whether a strike that began at `start` and last pressed at `end` is over at `now`, all [s]: the corner has been
+    off the wall for as long as its strike has lasted. Where it hops, as a plate does, hops are one strike; else a gap
+    that a mesh opens or closes would tell how many there are."""
+    return now - end >= np.maximum(SHORTEST, end - start)
+
+
 class Interval(NamedTuple):
     """A corner, by its index or name, and when it was pressed on [s]."""
 
@@ -71,11 +79,11 @@ class Interval(NamedTuple):
 
 
 def joined(intervals: Iterable[Interval]) -> list[Interval]:
-    """Intervals given in order of time, those of one corner that are closer than 1 ms as one; in order of start."""
+    """Intervals given in order of time, those of one strike as one; in order of start."""
     out: dict[int, list[Interval]] = {}
     for interval in intervals:
         earlier = out.setdefault(interval.corner, [])
-        if earlier and interval.start - earlier[-1].end < JOINED:
+        if earlier and not is_over(earlier[-1].start, earlier[-1].end, interval.start):
             earlier[-1] = Interval(interval.corner, earlier[-1].start, interval.end)
         else:
             earlier.append(interval)
@@ -122,11 +130,11 @@ def strikes_of(
 
 
 def _pressed(t: Array, force: Array) -> list[tuple[int, int]]:
-    """Runs of samples with a force, first and last + 1; those closer than 1 ms as one."""
+    """Runs of samples with a force, first and last + 1; those of one strike as one."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], force > 0.0, [0]]))).reshape(-1, 2)
     runs: list[tuple[int, int]] = []
     for first, last in edges:
-        if runs and t[first] - t[runs[-1][1]] < JOINED:
+        if runs and not is_over(t[runs[-1][0]], t[runs[-1][1]], t[first]):
             runs[-1] = (runs[-1][0], int(last))
         else:
             runs.append((int(first), int(last)))

@@ -27,6 +27,8 @@ SETTINGS = {
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.http.routes": [],  # its web server cannot be left out: it serves nothing
+    "distributed.worker.http.routes": [],
     "distributed.nanny.pre-spawn-environ": dict.fromkeys(
         ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
     ),
@@ -51,19 +53,25 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
 
 @contextlib.contextmanager
 def _local(workers: int) -> Iterator[Client]:
-    from distributed import Client, LocalCluster
+    from distributed import Client, LocalCluster, Security
 
+    security = (
+        Security.temporary()
+    )  # who runs code here needs a certificate that never leaves these processes
     with _workers_deaf_to_interrupts():
         cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
+            protocol="tls://",
+            security=security,
             dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             memory_limit=0,
             silence_logs=logging.CRITICAL,
         )
-    with cluster, Client(cluster) as client:
+    with cluster, Client(cluster, security=security) as client:
         yield client
 
 

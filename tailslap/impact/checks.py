@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -20,8 +20,15 @@ STORED = (
 )
 """Columns of the energy that the model holds, or has taken for good."""
 
-FLOOR, SHARE = 2e-3, 0.1
-"""Mesh error that every run may have, and its share of the difference from the rigid vehicle."""
+FLOOR, SHARE, MOST = 2e-3, 0.1, 0.05
+"""Mesh error that every run may have, the share of the difference from the rigid vehicle that comes on top, and how
+much that is at most."""
+
+FORCES, DURATIONS = ("impulse", "peak_force"), ("duration",)
+"""Quantities of a strike whose mesh error is judged together."""
+
+MESH_CHECKS = ("mesh", "mesh for durations")
+"""Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 WEDGE = 1.0 / (0.5 * math.pi + 1.0) + 1.0 / (0.5 * math.pi - 1.0)
 """Displacement of a force on the corner of a plate, at 45 deg to its sides, times E t over force and logarithm of the
@@ -114,16 +121,28 @@ def _strikes(outcome: ImpactOutcome) -> Check:
 
 
 def _mesh(outcome: ImpactOutcome) -> Check:
-    worst = max(map(abs, outcome.mesh_error.values()), default=math.nan)
+    return _mesh_check(MESH_CHECKS[0], "impulse and peak", outcome, FORCES)
+
+
+def _mesh_duration(outcome: ImpactOutcome) -> Check:
+    return _mesh_check(MESH_CHECKS[1], "duration", outcome, DURATIONS)
+
+
+def _mesh_check(name: str, what: str, outcome: ImpactOutcome, quantities: tuple[str, ...]) -> Check:
     meaning = (
-        "what richer elements change in impulse, peak and duration of the first two strikes: "
-        f"{FLOOR:g} and {100 * SHARE:g} % of what flexibility changes are allowed; refine plate.elements"
+        f"what richer elements change in {what} of the first two strikes: {FLOOR:g} and {100 * SHARE:g} % of what "
+        f"flexibility changes, {MOST:g} at most, are allowed; refine plate.elements"
     )
-    return Check.at_most("mesh", worst, _allowed(outcome), meaning)
+    worst = _largest(outcome.mesh_error, quantities, math.nan)
+    return Check.at_most(name, worst, _allowed(outcome, quantities), meaning)
 
 
-def _allowed(outcome: ImpactOutcome) -> float:
-    return FLOOR + SHARE * max(map(abs, outcome.difference.values()), default=1.0)
+def _allowed(outcome: ImpactOutcome, quantities: tuple[str, ...]) -> float:
+    return FLOOR + min(SHARE * _largest(outcome.difference, quantities, 1.0), MOST)
+
+
+def _largest(found: Mapping[str, float], quantities: tuple[str, ...], without: float) -> float:
+    return max((abs(value) for name, value in found.items() if name.endswith(quantities)), default=without)
 
 
 def _point(outcome: ImpactOutcome) -> Check:
@@ -137,7 +156,7 @@ def _point(outcome: ImpactOutcome) -> Check:
         "half of what elements half as large take off the stiffness of crush and plate; a corner's force acts on a "
         "point, whose compliance has no limit; give contact.patch_length"
     )
-    return Check.at_most("point contact", 0.5 * softened, _allowed(outcome), meaning)
+    return Check.at_most("point contact", 0.5 * softened, _allowed(outcome, FORCES), meaning)
 
 
 def _sampling(outcome: ImpactOutcome) -> Check:
@@ -157,6 +176,7 @@ CHECKS: tuple[Callable[[ImpactOutcome], Check], ...] = (
     _strikes,
     _sampling,
     _mesh,
+    _mesh_duration,
     _point,
 )
 """In the order in which they are told."""

@@ -6,6 +6,7 @@ import functools
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 from tailslap.command_line import main
 from tailslap.errors import InputError
 from tailslap.impact.answers import strike_numbers
-from tailslap.impact.checks import energy_error
+from tailslap.impact.checks import _mesh, _mesh_duration, energy_error
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
@@ -107,12 +108,25 @@ def test_conservation(case: str) -> None:
     assert forces == pytest.approx(h["normal_impulse"][-1] - h["normal_impulse"][0], rel=1e-12)
 
 
-@pytest.mark.parametrize("case", ["own inertia", pytest.param("layer", marks=pytest.mark.long), "stuck"])
+@pytest.mark.parametrize("case", ["own inertia", "stuck"])
 def test_other_vehicles_and_contacts_agree_with_the_rigid_one(case: str) -> None:
     outcome = ran(*CASES[case], "plate.youngs_modulus=3.2e12")
     assert len(outcome.difference) >= 3
     for name, difference in outcome.difference.items():
         assert abs(difference) < (1e-2 if "duration" in name else 5e-3), name
+
+
+@pytest.mark.long
+def test_a_layer_along_the_side_agrees_with_the_rigid_one_in_the_limit_of_fine_meshes() -> None:
+    """A node stands for the layer beside it, so that the error goes with the element's length; flat against the wall
+    the vehicle is shared by both corners, and a strike lasts until it is off."""
+    stiff = (*CASES["layer"], "plate.youngs_modulus=3.2e12")
+    coarse, fine = ran(*stiff).difference, ran(*stiff, "plate.elements=[40, 12]").difference
+    assert len(coarse) == 6
+    for name, difference in coarse.items():
+        limit = 2.0 * fine[name] - difference
+        assert abs(limit) < (1e-2 if "duration" in name else 5e-3), name
+        assert abs(fine[name]) < max(0.6 * abs(difference), 2e-3), name
 
 
 def test_momentum_of_the_end_follows_from_the_strikes() -> None:
@@ -217,6 +231,62 @@ def test_what_is_not_known_of_a_strike_is_left_out() -> None:
     numbers = strike_numbers(whole().fe.strikes[0])
     assert "friction_work" not in numbers
     assert all(not isinstance(value, float) or math.isfinite(value) for value in numbers.values())
+
+
+def test_hops_of_a_plate_leave_the_impulse_of_a_strike_whole() -> None:
+    """Without restitution the stiff plate's rear corner hops; where the mesh opens and closes gaps between hops, the
+    impulse was 23 % off. One strike by any mesh, and near the rigid vehicle's."""
+    stiff = ("contact.restitution=0", "plate.youngs_modulus=1.26 TPa")
+    meshes = ((), ("plate.elements=[40, 12]",), ("plate.element=quad9",))
+    impulses = [ran(*stiff, *mesh).fe.strikes[1].impulse for mesh in meshes]
+    assert max(impulses) / min(impulses) < 1.02
+    assert impulses[0] == pytest.approx(ran(*stiff).rigid.strikes[1].impulse, rel=0.03)
+
+
+def judged(impulse: float, duration: float, error: dict[str, float]) -> dict[str, bool]:
+    """What the checks of the mesh say of so large differences from the rigid vehicle, and errors."""
+    difference = {"strike_1.impulse": impulse, "strike_2.duration": duration}
+    outcome = SimpleNamespace(difference=difference, mesh_error=error)
+    return {check.name: check.passed for check in (_mesh(outcome), _mesh_duration(outcome))}  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("impulse", "duration", "error", "fails"),
+    [
+        (0.0, 0.0, {"strike_1.impulse": 0.0019, "strike_1.duration": 0.0019}, set()),
+        (0.0, 0.0, {"strike_2.peak_force": -0.0021, "strike_1.duration": 0.0}, {"mesh"}),
+        (0.1, 0.1, {"strike_1.impulse": 0.0119, "strike_2.duration": -0.0119}, set()),
+        (
+            0.1,
+            9.0,
+            {"strike_1.impulse": 0.0121, "strike_2.duration": 0.05},
+            {"mesh"},
+        ),  # the duration is no excuse
+        (9.0, 0.1, {"strike_1.impulse": 0.0519, "strike_2.duration": 0.0121}, {"mesh for durations"}),
+        (9.0, 9.0, {"strike_1.impulse": 0.0521, "strike_2.duration": 0.0521}, {"mesh", "mesh for durations"}),
+        (0.1, 0.1, {}, {"mesh", "mesh for durations"}),
+    ],
+)
+def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(
+    impulse: float, duration: float, error: dict[str, float], fails: set[str]
+) -> None:
+    assert {name for name, passed in judged(impulse, duration, error).items() if not passed} == fails
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ("contact.stiffness=1e9", "contact.friction=0"),
+        ("contact.restitution=0.8", "plate.youngs_modulus=317 MPa"),
+        ("contact.friction=0.4", "plate.youngs_modulus=317 MPa"),
+        ("vehicle.width=5.49 m", "plate.youngs_modulus=317 MPa"),
+    ],
+)
+def test_a_contact_too_stiff_for_the_plate_is_caught(changes: tuple[str, ...]) -> None:
+    """Quadratic elements change the impulse by 5 to 30 %."""
+    failed = {check.name for check in run_impact(planned(*changes)).checks if not check.passed}
+    assert failed & {"mesh", "point contact"}
 
 
 def test_the_papers_method_stands_beside() -> None:

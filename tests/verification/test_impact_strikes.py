@@ -53,12 +53,26 @@ def test_a_jump_is_found_within_a_sample() -> None:
     assert strike.peak_force == pytest.approx(3e5)
 
 
-def test_intervals_closer_than_a_millisecond_are_one_strike() -> None:
+def test_a_strike_is_over_when_the_corner_has_been_off_the_wall_for_as_long() -> None:
+    """A strike of 20 ms; 19 ms later it is the same one, 21 ms later the next."""
     t = np.arange(0.0, 0.1, 2e-4)
     force = np.zeros(t.size - 1)
-    force[100:200] = force[204:260] = 1e5  # 0.8 ms apart
+    force[100:200] = force[295:320] = 1e5
+    assert [strike.impulse for strike in strikes_of(t, {"front": force})] == [pytest.approx(125 * 20.0)]
+    force[295:305] = 0.0
+    assert len(strikes_of(t, {"front": force})) == 2
+
+
+def test_what_touches_shortly_is_off_for_a_millisecond() -> None:
+    t = np.arange(0.0, 0.01, 1e-4)
+    force = np.zeros(t.size - 1)
+    force[10:12] = force[20:22] = 1e5  # 0.2 ms each, 0.8 ms apart
     assert len(strikes_of(t, {"front": force})) == 1
-    force[200:206] = 0.0  # 1.2 ms
+    force[20] = force[13] = 0.0
+    force[22:24] = 1e5
+    assert len(strikes_of(t, {"front": force})) == 1
+    force[20:24] = 0.0
+    force[23:25] = 1e5  # 1.1 ms
     assert len(strikes_of(t, {"front": force})) == 2
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.elementary import Array
 from solver.impact.many.leapfrog import Pushed
-from solver.impact.strike import JOINED
+from solver.impact.strike import is_over
 
 
 class Strikes(NamedTuple):
@@ -20,7 +20,8 @@ class Strikes(NamedTuple):
     peak: Array
     impulse: Array
     slot: Array  # of each corner's latest strike; -1: none yet
-    last: Array  # when each corner was last pressed on
+    first: Array  # when its latest strike began
+    last: Array  # when it was last pressed on
     number: Array
     raw: Array
 
@@ -28,7 +29,7 @@ class Strikes(NamedTuple):
 def no_strikes(n: int) -> Strikes:
     """Before the first step."""
     nothing, nowhere, zero = np.zeros((2, n)), np.full((4, n), -1.0), np.zeros(n)
-    return Strikes(nothing - 1.0, nothing, nothing, nothing, nothing, nowhere, nowhere, zero, zero)
+    return Strikes(nothing - 1.0, nothing, nothing, nothing, nothing, nowhere, nowhere, nowhere, zero, zero)
 
 
 def _copies(strikes: Strikes) -> Strikes:
@@ -37,13 +38,13 @@ def _copies(strikes: Strikes) -> Strikes:
 
 def counted(strikes: Strikes, t: Array, h: Array, before: Array, p: Pushed) -> Strikes:
     """The strikes after a step."""
-    corner, start, end, peak, impulse, slot, last, number, raw = _copies(strikes)
+    corner, start, end, peak, impulse, slot, first, last, number, raw = _copies(strikes)
     for i in range(4):
         pressed = (before[i] > 0.0) | (p.normal[i] > 0.0)
         if not pressed.any():
             continue
-        new = pressed & (h > 0.0) & ((slot[i] < 0.0) | (t - h - last[i] >= JOINED))
-        slot[i] = np.where(new, number, slot[i])
+        new = pressed & (h > 0.0) & ((slot[i] < 0.0) | is_over(first[i], last[i], t - h))
+        slot[i], first[i] = np.where(new, number, slot[i]), np.where(new, t - h, first[i])
         number += new
         last[i] = np.where(pressed & (h > 0.0), t, last[i])
         for k in range(2):
@@ -53,4 +54,4 @@ def counted(strikes: Strikes, t: Array, h: Array, before: Array, p: Pushed) -> S
             peak[k] = np.where(mine, np.maximum(peak[k], p.normal[i]), peak[k])
             impulse[k] += np.where(mine, 0.5 * h * (before[i] + p.normal[i]), 0.0)
     raw = np.maximum(raw, p.normal.sum(axis=0))
-    return Strikes(corner, start, end, peak, impulse, slot, last, number, raw)
+    return Strikes(corner, start, end, peak, impulse, slot, first, last, number, raw)

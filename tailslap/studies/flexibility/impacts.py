@@ -10,6 +10,7 @@ from typing import Any
 from tailslap.errors import InputError
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
+from tailslap.impact.checks import MESH_CHECKS
 from tailslap.impact.fe_plan import make_impact_fe_plan
 from tailslap.impact.outcome import COMPARED
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
@@ -27,9 +28,6 @@ NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
 PATCH = 0.1
 """Length of side that a corner's crush is spread over, over the vehicle's length, where the scene has none: a point has
 no finite compliance, and meshes would not converge."""
-
-JUDGED = "mesh"
-"""The check that each level makes itself, by the mesh's error."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +111,7 @@ def measure_impact(source: Source, changes: Changes) -> dict[str, Any]:
         outcome = run_impact(make_impact_plan(*vary(source, changes)))
     except InputError as error:
         return {"difference": nothing, "error": nothing, "why": str(error)}
-    failed = (check.name for check in outcome.checks if not (check.passed or check.name == JUDGED))
+    failed = (check.name for check in outcome.checks if not (check.passed or check.name in MESH_CHECKS))
     return {
         "difference": nothing | outcome.difference,
         "error": nothing | outcome.mesh_error,

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError
-from tailslap.impact.checks import impact_checks
+from tailslap.impact.checks import MESH_CHECKS, impact_checks
 from tailslap.impact.outcome import ImpactOutcome, differences
 from tailslap.impact.plan import make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
@@ -30,9 +30,6 @@ JUDGED = ("impulse", "peak_force")
 
 FACTOR = 3.0
 """Multiples of the error that a run claims by which a refined model may differ from it, beside the tolerance."""
-
-BESIDE_THE_POINT = {"mesh"}
-"""Checks that a refined model need not pass: it is not made a second time to tell its own mesh error."""
 
 
 def impact_against_rigid(outcome: ImpactOutcome, tolerance: float) -> Verdict:
@@ -68,7 +65,7 @@ def _refined(outcome: ImpactOutcome) -> ImpactOutcome | None:
         except InputError:
             continue
         failed = {check.name for check in impact_checks(refined) if not check.passed}
-        if failed <= BESIDE_THE_POINT:
+        if failed <= set(MESH_CHECKS):
             return refined
     return None
 
