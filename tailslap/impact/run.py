@@ -60,13 +60,17 @@ def make_fe_plan_timed(plan: ImpactPlan) -> tuple[ImpactFePlan, float]:
 def plain_run(made: tuple[ImpactFePlan, float]) -> ImpactOutcome:
     """A single run beside the rigid vehicle, without a second run and checks."""
     fe_plan, setup = made
-    run = simulated(fe_plan)
+    return replace(compared(fe_plan, simulated(fe_plan)), setup_s=setup)
+
+
+def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
+    """A run beside the rigid vehicle at the same instants."""
     fe = _answer(fe_plan, run)
     motion, last = fe_plan.plan.motion, float(run.history["t"][-1])
     if last > motion.t_end:
         motion = fe_plan.plan.motion_until(last)
     rigid = rigid_answer(motion, run.history["t"])
-    return ImpactOutcome(fe_plan, run, rigid, fe, differences(fe, rigid), {}, setup)
+    return ImpactOutcome(fe_plan, run, rigid, fe, differences(fe, rigid), {}, 0.0)
 
 
 def simulated(fe_plan: ImpactFePlan) -> ImpactRun:

@@ -38,7 +38,7 @@ PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"}
 
 
 def run(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    command = [sys.executable, "-m", "tailslap", *arguments]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
 
 

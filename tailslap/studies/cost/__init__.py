@@ -1,5 +1,6 @@
 """The study `cost`: error against run time of every method and setting, and the cheapest for each error."""
 
+from tailslap.analysis import CORNER, WHOLE_IMPACT
 from tailslap.studies.study import Study
 
 STUDY = Study(
@@ -7,4 +8,5 @@ STUDY = Study(
     summary="Error against run time, the cheapest setting for each error; goes on where it was stopped.",
     compute="tailslap.studies.cost.campaign:study_cost",
     report="tailslap.studies.cost.report:cost_report",
+    analyses=(CORNER, WHOLE_IMPACT),
 )

@@ -7,6 +7,7 @@ import statistics
 import time
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from postprocess.comparison.grid_convergence import GridConvergence, grid_convergence
 from tailslap.execution.journal import Journal
@@ -22,6 +23,9 @@ from tailslap.studies.cost.settings import MESH, STEP, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.study import Call
 
+if TYPE_CHECKING:
+    from tailslap.studies.cost.impacts import ImpactCost
+
 ROUNDING = 2.2e-12
 """What the exact solution is held to: its distance from DOP853, at most, over 1000 inputs (benchmarks/rigid.py)."""
 
@@ -32,8 +36,12 @@ SOFT_QUAD4, LIMIT, SOFT_STEP = "soft plate, quad4", "soft plate, quad9", "soft p
 """Names of grid convergences on the soft plate; its limit is that of quad9."""
 
 
-def study_cost(call: Call) -> CostResults:
+def study_cost(call: Call) -> CostResults | ImpactCost:
     """The study as the command line asks for it."""
+    if call.plan.scene.contact:
+        from tailslap.studies.cost.impacts import impact_cost
+
+        return impact_cost(call)
     return campaign(with_elements(call.plan), call.place)
 
 

@@ -19,19 +19,19 @@ MIN_KNOWN = 1e-12
 
 @dataclass(frozen=True)
 class Limit:
-    """The five quantities in a limit, and how well they are known: the largest grid convergence index."""
+    """The quantities in a limit, and how well they are known: the largest grid convergence index."""
 
     values: dict[str, float]
     known: float
 
 
-def limit_of(records: Sequence[Mapping[str, Any]]) -> Limit:
+def limit_of(records: Sequence[Mapping[str, Any]], names: Sequence[str] = COMPARED) -> Limit:
     """The limit of the last three records, each twice as fine as the one before; NaN where there are none."""
     good = [r["values"] for r in records if "values" in r and all(map(math.isfinite, r["values"].values()))]
     if len(good) < 3:
-        return Limit(dict.fromkeys(COMPARED, math.nan), math.nan)
+        return Limit(dict.fromkeys(names, math.nan), math.nan)
     coarse, medium, fine = good[-3:]
-    found = {name: extrapolated(fine[name], medium[name], coarse[name]) for name in COMPARED}
+    found = {name: extrapolated(fine[name], medium[name], coarse[name]) for name in names}
     known = max(MIN_KNOWN, *(error for _, error in found.values()))
     return Limit({name: value for name, (value, _) in found.items()}, known)
 

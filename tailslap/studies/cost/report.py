@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.figures.precision_plots import draw_precision
@@ -16,6 +16,9 @@ from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram, soft
 from tailslap.studies.cost.points import CostResults, Point, by_level, front, quickest
 from tailslap.studies.cost.settings import FE, MODAL, ODE
 from tailslap.studies.cost.soft import frequency, patch
+
+if TYPE_CHECKING:
+    from tailslap.studies.cost.impacts import ImpactCost
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
@@ -52,8 +55,12 @@ READING = (
 )
 
 
-def cost_report(found: CostResults) -> Report:
+def cost_report(found: CostResults | ImpactCost) -> Report:
     """Page, summary, points, and what the terminal says."""
+    if not isinstance(found, CostResults):
+        from tailslap.studies.cost.impact_report import impact_cost_report
+
+        return impact_cost_report(found)
     known_to = (found.limit.known, found.mesh_limit.known)
     rigid, soft = rigid_diagram(found.points, ROUNDING), flexible_diagram(found.points, *known_to)
     lines = Table(LINES, soft_lines(found.points, *known_to), "Order of the errors well above what is known")
