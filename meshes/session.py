@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import signal
 import threading
 from collections.abc import Iterator
@@ -14,11 +15,14 @@ _LOCK = threading.Lock()
 
 def _restore_handlers() -> None:
     """Set Python's signal handlers again: libraries within gmsh leave the default ones behind."""
-    if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            handler = signal.getsignal(number)
-            if callable(handler):
-                signal.signal(number, handler)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
+        handler = signal.getsignal(number)
+        if (
+            handler == signal.SIG_IGN
+        ):  # in any thread; a write to what has been closed is to raise, not to kill
+            ctypes.CDLL(None).signal(int(number), ctypes.c_void_p(1))
+        elif callable(handler) and threading.current_thread() is threading.main_thread():
+            signal.signal(number, handler)
 
 
 @contextmanager
@@ -33,6 +37,7 @@ def gmsh_model(name: str) -> Iterator[Any]:
         ours = not gmsh.isInitialized()
         if ours:
             gmsh.initialize(readConfigFiles=False, interruptible=False)
+            _restore_handlers()
         terminal = gmsh.option.getNumber("General.Terminal")
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.add(name)

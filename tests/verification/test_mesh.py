@@ -144,3 +144,24 @@ def test_a_mesh_leaves_the_signal_handlers_as_they_are() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "caught\n")
+
+
+@pytest.mark.parametrize("thread", [False, True])
+def test_a_mesh_leaves_ignored_signals_ignored(thread: bool) -> None:
+    """A write to a closed pipe raises, as everywhere in Python; it does not kill, and HUP does not under nohup."""
+    code = (
+        "import os, signal, threading\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+        "from meshes import plate_mesh\n"
+        "mesh = lambda: plate_mesh(10.0, 2.0, (4, 2))\n"
+        f"{'worker = threading.Thread(target=mesh); worker.start(); worker.join()' if thread else 'mesh()'}\n"
+        "reading, writing = os.pipe()\n"
+        "os.close(reading)\n"
+        "os.kill(os.getpid(), signal.SIGHUP)\n"
+        "try:\n"
+        "    os.write(writing, b'x')\n"
+        "except BrokenPipeError:\n"
+        "    print('raised')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "raised\n")
