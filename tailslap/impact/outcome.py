@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,8 @@ class ImpactOutcome:
         The same of a run with richer elements against this one: the mesh's error; empty where there was none.
     checks : tuple of Check
         In the order of the report.
+    frequency_error : float
+        First frequency over that of the richer elements, less 1; NaN where there were none.
     setup_s : float
         Time that model and compilation took [s].
     """
@@ -45,6 +48,7 @@ class ImpactOutcome:
     difference: dict[str, float]
     mesh_error: dict[str, float]
     setup_s: float
+    frequency_error: float = math.nan
     checks: tuple[Check, ...] = ()
 
     @property

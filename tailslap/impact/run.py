@@ -42,7 +42,7 @@ def run_impact(plan: ImpactPlan) -> ImpactOutcome:
         For keys that make no model.
     """
     outcome = plain_run(make_fe_plan_timed(plan))
-    outcome = replace(outcome, mesh_error=_mesh_error(outcome))
+    outcome = _with_errors(outcome)
     return replace(outcome, checks=impact_checks(outcome))
 
 
@@ -108,8 +108,8 @@ def _answer(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactAnswer:
     return sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
 
 
-def _mesh_error(outcome: ImpactOutcome) -> dict[str, float]:
-    """Richer or finer elements against these; empty where they make no model or no such strikes."""
+def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
+    """With what richer or finer elements change; without, where they make no model."""
     fe_plan = outcome.fe_plan
     for plate in _richer(fe_plan.plate):
         try:
@@ -120,9 +120,11 @@ def _mesh_error(outcome: ImpactOutcome) -> dict[str, float]:
 
         with announced("Compiling the time loop of the second run ..."):
             compile_impact_loop(model)
-        run = simulated(replace(fe_plan, model=model, plate=plate))
-        return differences(outcome.fe, _answer(fe_plan, run))
-    return {}
+        richer = replace(fe_plan, model=model, plate=plate)
+        error = differences(outcome.fe, _answer(fe_plan, simulated(richer)))
+        frequency = fe_plan.first_frequency / richer.first_frequency - 1.0
+        return replace(outcome, mesh_error=error, frequency_error=frequency)
+    return outcome
 
 
 def _richer(plate: Plate) -> list[Plate]:

@@ -24,7 +24,7 @@ def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
         "fe": outcome.fe.numbers(),
         "paper_method": _beside(outcome),
         "difference": outcome.difference,
-        "numerical_error": {"mesh": outcome.mesh_error},
+        "numerical_error": {"mesh": outcome.mesh_error, "first_frequency": outcome.frequency_error},
         "checks": [asdict(check) for check in outcome.checks],
         "occupant_risk": [asdict(measure) for measure in outcome.fe.occupant_risk(fe_plan.model.mass)],
         "chosen": [asdict(decision) for decision in fe_plan.decisions],

@@ -31,9 +31,9 @@ def test_the_wedge_s_constant() -> None:
 
 
 def test_a_point_on_a_soft_plate_fails() -> None:
-    """E t = 1e7 N/m against k = 2e6 N/m: half of 0.2 WEDGE log 2 = 0.148."""
+    """E t = 1e7 N/m against k = 2e6 N/m: 0.2 WEDGE log 2 = 0.297."""
     check = _point(outcome(2e8))
-    assert check.value == pytest.approx(0.1 * WEDGE * math.log(2.0), rel=1e-12)
+    assert check.value == pytest.approx(0.2 * WEDGE * math.log(2.0), rel=1e-12)
     assert (check.limit, check.passed) == (FLOOR, False)
     assert _point(outcome(2e8, off=0.2)).limit == pytest.approx(FLOOR + 0.2 * SHARE)
 
