@@ -18,7 +18,7 @@ def unknown_by_vibration(outcome: ImpactOutcome) -> float:
 
     The end of the plate moves with v cos(2 pi f t + phase); over a strike of duration T such a velocity is in the mean
     at most v/(pi f T) and at most v. Over n cycles between the strikes the phase is off by 2 pi n times the relative
-    error of the frequency; without a second mesh it is unknown. 0 where there is no second strike, or no flight between the two.
+    error of the frequency; without a second mesh it is unknown. 0 without a second strike, or a flight between the two.
     """
     strikes, frequency = outcome.fe.strikes, outcome.fe_plan.first_frequency
     if len(strikes) < 2 or strikes[1].start <= strikes[0].end:
