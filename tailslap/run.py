@@ -143,7 +143,7 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
         from fem.explicit.simulate import compile_loop
 
         fe_plan = make_fe_plan(plan, more_damping)
-        compile_loop(fe_plan.model, fe_plan.start, plan.scene.time.threads)
+        compile_loop(fe_plan.model, fe_plan.start, fe_plan.plan.scene.time.threads)
     setup = time.perf_counter() - began
     return compare(fe_plan, _simulated(fe_plan), setup)
 

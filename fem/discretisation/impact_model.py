@@ -9,8 +9,10 @@ from fem.constitutive.materials import MATERIALS
 from fem.contact.boundary import wall_contact
 from fem.discretisation.model import PlateModel, assemble, carried_span, plate_viscosity, with_elastic_damping
 from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties, WallProperties
-from fem.discretisation.stiffness import Spectrum, stiffness_matrix
+from fem.discretisation.spectrum import Spectrum
+from fem.discretisation.stiffness import stiffness_matrix
 from fem.explicit.impact_loop import ImpactLoop
+from fem.start.elastic import ElasticSolver
 
 if TYPE_CHECKING:
     import meshio
@@ -50,11 +52,8 @@ def build_impact_model(
         foundation or too many elements.
     """
     d, moduli, masses, stiffness, hourglass = assemble(mesh, plate)
-    spectrum = Spectrum(
-        stiffness, masses, [0.0 * stiffness]
-    )  # contact does not bound the step: fem.contact.unilateral
-    frequency = spectrum.highest_frequency()
-    viscosity = plate_viscosity(d, plate, step, frequency)
+    spectrum = Spectrum(stiffness, masses)  # contact does not bound the step: fem.contact.unilateral
+    viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
     damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     loop = ImpactLoop(
         table=d.table,
@@ -68,8 +67,11 @@ def build_impact_model(
         span=carried_span(d),
         wall=None,
     )
-    undamped = spectrum.stable_time_step(frequency, damping)
-    model = PlateModel(d, stiffness, frequency, undamped, math.nan, loop, moduli, plate.thickness)
+    undamped = spectrum.stable_time_step(damping)
+    elastic = ElasticSolver(stiffness, masses, d.positions)
+    model = PlateModel(
+        d, stiffness, spectrum.frequency, undamped, math.nan, loop, moduli, plate.thickness, elastic
+    )
     model = with_elastic_damping(model, step)
     if wall is None:
         return model

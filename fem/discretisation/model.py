@@ -17,11 +17,13 @@ from fem.discretisation.elements import Discretisation, Hourglass, discretise, h
 from fem.discretisation.lumpings import LUMPINGS
 from fem.discretisation.mass import given_inertia_masses
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
-from fem.discretisation.stiffness import corner_spectrum, hourglass_matrix, stiffness_matrix
+from fem.discretisation.spectrum import corner_spectrum
+from fem.discretisation.stiffness import hourglass_matrix, stiffness_matrix
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.time_loop import LoopParameters
 from fem.modal.modes import lowest_frequency
+from fem.start.elastic import ElasticSolver
 
 if TYPE_CHECKING:
     import meshio
@@ -47,6 +49,8 @@ class PlateModel:
         At small strain [Pa].
     thickness : float
         [m].
+    elastic : ElasticSolver
+        The stiffness inverted beside rigid motion, when it is first asked for; kept with the model.
     """
 
     discretisation: Discretisation
@@ -57,6 +61,7 @@ class PlateModel:
     loop: Any  # LoopParameters, or the ImpactLoop of a whole impact
     tangent_moduli: StVenantKirchhoff  # [Pa], at small strain
     thickness: float  # [m]
+    elastic: ElasticSolver
 
     @property
     def mass(self) -> float:
@@ -99,13 +104,12 @@ def finished_model(
     """The static model of the same properties with its highest frequency, damping and time step."""
     d, loop = model.discretisation, model.loop
     spectrum = corner_spectrum(model.stiffness, loop.mass, loop.corner, corner.angles)
-    frequency = spectrum.highest_frequency()
-    viscosity = plate_viscosity(d, plate, step, frequency)
+    viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
     damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
         model,
-        highest_frequency=frequency,
-        undamped_time_step=spectrum.stable_time_step(frequency, damping),
+        highest_frequency=spectrum.frequency,
+        undamped_time_step=spectrum.stable_time_step(damping),
         loop=loop._replace(viscosity=viscosity),
     )
     return with_elastic_damping(model, step)
@@ -142,7 +146,17 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
         time_step=math.nan,
         span=carried_span(discretisation),
     )
-    return PlateModel(discretisation, stiffness, math.nan, math.nan, math.nan, loop, moduli, plate.thickness)
+    return PlateModel(
+        discretisation,
+        stiffness,
+        math.nan,
+        math.nan,
+        math.nan,
+        loop,
+        moduli,
+        plate.thickness,
+        ElasticSolver(stiffness, masses, discretisation.positions),
+    )
 
 
 def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
@@ -152,7 +166,7 @@ def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: floa
     Raises ModelError where the mesh cannot carry the exact inertia.
     """
     discretisation, _, masses, stiffness, _ = assemble(mesh, plate)
-    frequency = lowest_frequency(stiffness, masses, discretisation.positions)
+    frequency = lowest_frequency(ElasticSolver(stiffness, masses, discretisation.positions))
     return plate.youngs_modulus * (first_frequency / frequency) ** 2
 
 

@@ -1,14 +1,16 @@
 """The time loop on several threads, for large meshes; compiled.
 
-Each thread has its own elements, forces and scratch. Between the parts of a step the threads meet at a barrier:
-each writes the number of its turn, and waits until all have written it. The forces are summed in the order of
+Each thread has its own elements, forces and scratch. Between the parts of a step the threads meet: the last to come
+does what belongs to all, and lets them go on. The others look out for that for about as long as it takes to wake a
+thread, and then sleep, so that a core that another program wants is left to it. The forces are summed in the order of
 the threads, so that a run repeats to the bit on the same number of threads.
 """
 
 from __future__ import annotations
 
+import ctypes
 import threading
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -22,9 +24,43 @@ from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, drift, follow, react
 
 WORD = 8
-"""Turns lie this many numbers apart, a cache line, so that waiting threads do not disturb each other."""
+"""The two numbers of a meeting lie so many apart, a cache line."""
 
-_give_way = types.ExternalFunction("sched_yield", types.int32())
+ARRIVED, TURN = 0, WORD
+"""Where these numbers are: how many threads have come to meetings so far; the last meeting that is over."""
+
+LOOKS = 20_000
+"""Times that a thread looks for the end of a meeting before it sleeps: some 20 us."""
+
+ROOM = 128
+"""Bytes that hold a mutex or a condition variable, whatever the system's C library."""
+
+_lock = types.ExternalFunction("pthread_mutex_lock", types.int32(types.uintp))
+_unlock = types.ExternalFunction("pthread_mutex_unlock", types.int32(types.uintp))
+_sleep = types.ExternalFunction("pthread_cond_wait", types.int32(types.uintp, types.uintp))
+_wake_all = types.ExternalFunction("pthread_cond_broadcast", types.int32(types.uintp))
+
+
+class Meeting(NamedTuple):
+    """Where threads wait for each other.
+
+    numbers: see ARRIVED and TURN, int64; mutex, condition: addresses of the C library's objects; memory: that they
+    lie in.
+    """
+
+    numbers: np.ndarray
+    mutex: int
+    condition: int
+    memory: np.ndarray
+
+
+def new_meeting() -> Meeting:
+    """A place to meet, which no thread has come to yet."""
+    library, memory = ctypes.CDLL(None), np.zeros((2, ROOM), dtype=np.uint8)
+    mutex, condition = (part.ctypes.data for part in memory)
+    library.pthread_mutex_init(ctypes.c_void_p(mutex), None)
+    library.pthread_cond_init(ctypes.c_void_p(condition), None)
+    return Meeting(np.zeros(2 * WORD, dtype=np.int64), mutex, condition, memory)
 
 
 class Team:
@@ -39,9 +75,8 @@ class Team:
 
     def advance(self, state: State, steps: int) -> None:
         """Advance the state in place by this many steps."""
-        turns = np.zeros(self._threads * WORD, dtype=np.int64)
         shared = (self._powers, self._motions, self._shift)
-        workspaces = (self._forces, self._scratch, self._rows, *shared, turns)
+        workspaces = (self._forces, self._scratch, self._rows, *shared, new_meeting())
         parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *workspaces)
         others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
         for thread in others:
@@ -53,7 +88,7 @@ class Team:
 
 @compiled
 def advance_thread(
-    t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, turns
+    t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, meeting
 ):
     """What thread t does; see `fem.explicit.time_loop.advance` for the step."""
     positions, velocities = state.positions, state.velocities
@@ -78,7 +113,7 @@ def advance_thread(
             scratch,
         )
         add_up(loop.elastic_damping, positions, velocities, loop.mass, begin, end, motions[t])
-        _meet(turns, t, threads, 4 * step + 1)
+        _meet(meeting, threads, 3 * step + 1)
         _sum_forces(forces, begin, end)
         motion = motions.sum(axis=0)
         powers[0, t] -= resist(
@@ -92,16 +127,19 @@ def advance_thread(
             end,
             forces[0],
         )
-        _meet(turns, t, threads, 4 * step + 2)
-        if t == 0:
+        if _is_last(meeting, threads, 3 * step + 2):
             react(loop, state, powers[0].sum(), forces[0])
             shift[0] = follow(loop, state)
-        _meet(turns, t, threads, 4 * step + 3)
+            _end(meeting, 3 * step + 2)
+        else:
+            _wait_for_end(meeting, 3 * step + 2)
         powers[1, t] = gained(loop.elastic_damping, motion, state, loop.time_step, begin, end, forces[0])
         drift(positions, velocities, forces[0], loop.mass, loop.time_step, shift[0], begin, end)
-        _meet(turns, t, threads, 4 * step + 4)
-        if t == 0:
+        if _is_last(meeting, threads, 3 * step + 3):
             state.sums[1] += loop.time_step * powers[1].sum()
+            _end(meeting, 3 * step + 3)
+        else:
+            _wait_for_end(meeting, 3 * step + 3)
 
 
 @compiled
@@ -114,15 +152,38 @@ def _sum_forces(forces, begin, end):
 
 
 @compiled
-def _meet(turns, t, threads, turn):
-    """Wait until every thread has come to this turn."""
-    _store(turns, t * WORD, turn)
-    for other in range(threads):
-        waits = 0
-        while _load(turns, other * WORD) < turn:
-            waits += 1
-            if waits > 1000:  # another program has the core: let it run
-                _give_way()
+def _meet(meeting, threads, turn):
+    """Wait until every thread has come to this meeting."""
+    if _is_last(meeting, threads, turn):
+        _end(meeting, turn)
+    else:
+        _wait_for_end(meeting, turn)
+
+
+@compiled
+def _is_last(meeting, threads, turn):
+    """Come to a meeting; whether all others have."""
+    return _add(meeting.numbers, ARRIVED, 1) == threads * turn - 1
+
+
+@compiled
+def _end(meeting, turn):
+    """Let all go on; who finds the meeting not over, under the mutex, is asleep before it can be locked here."""
+    _store(meeting.numbers, TURN, turn)
+    _lock(meeting.mutex)
+    _wake_all(meeting.condition)
+    _unlock(meeting.mutex)
+
+
+@compiled
+def _wait_for_end(meeting, turn):
+    for _ in range(LOOKS):
+        if _load(meeting.numbers, TURN) >= turn:
+            return
+    _lock(meeting.mutex)
+    while _load(meeting.numbers, TURN) < turn:
+        _sleep(meeting.condition, meeting.mutex)
+    _unlock(meeting.mutex)
 
 
 @intrinsic
@@ -144,6 +205,17 @@ def _store(context: Any, array: Any, index: Any, value: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(array, types.intp, array.dtype), code
+
+
+@intrinsic
+def _add(context: Any, array: Any, index: Any, value: Any) -> Any:
+    """Add to a number that other threads add to; returns what it was. All written before is seen by the next."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = _pointer(context, builder, signature, arguments)
+        return builder.atomic_rmw("add", place, arguments[2], "acq_rel")
+
+    return array.dtype(array, types.intp, array.dtype), code
 
 
 def _pointer(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -15,7 +15,6 @@ import numpy as np
 
 from fem.discretisation.model import PlateModel
 from fem.modal.modes import free_modes
-from fem.start.elastic import elastic_solver
 
 
 class ModalModel(NamedTuple):
@@ -91,8 +90,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     masses, positions = loop.mass, plate.discretisation.positions
     body = positions - (positions @ masses / masses.sum())[:, None]
     loads = _loads(masses, body, loop.corner)
-    solve = elastic_solver(plate.stiffness, masses, body)
-    fields = np.array([solve(load.ravel()).reshape(2, -1) for load in loads])
+    fields = np.array([plate.elastic(load.ravel()).reshape(2, -1) for load in loads])
     shares = np.tensordot(modes.shapes, loads, ((1, 2), (1, 2)))  # of the loads in the modes, (modes, 3)
     squares, weighted = modes.frequencies**2, modes.shapes * masses
     turning = weighted[:, 0] @ modes.shapes[:, 1].T

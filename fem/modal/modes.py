@@ -9,12 +9,13 @@ shift-invert with the shift at zero. The three rigid modes are not in that space
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from fem.start.elastic import elastic_solver, rigid_motions
+from fem.start.elastic import ElasticSolver, rigid_motions
 
 
 @dataclass(frozen=True)
@@ -64,11 +65,12 @@ def free_modes(model: Any, count: int) -> FreeModes:
     ValueError
         For a count that the mesh cannot give.
     """
-    return plate_modes(model.stiffness, model.loop.mass, model.discretisation.positions, count)
+    return plate_modes(model.elastic, count)
 
 
-def plate_modes(stiffness: Any, masses: np.ndarray, positions: np.ndarray, count: int) -> FreeModes:
-    """The lowest `count` elastic modes; arguments as those of `elastic_solver`, positions in the body frame."""
+def plate_modes(elastic: ElasticSolver, count: int) -> FreeModes:
+    """The lowest `count` elastic modes of the plate of this solver."""
+    stiffness, masses, positions = elastic.stiffness, elastic.masses, elastic.positions
     nodes = masses.size
     if not 0 <= count <= most_modes(nodes):
         raise ValueError(f"{count} modes were asked for; {nodes} nodes give 0 to {most_modes(nodes)}")
@@ -77,7 +79,7 @@ def plate_modes(stiffness: Any, masses: np.ndarray, positions: np.ndarray, count
     rigid, _ = np.linalg.qr(root[:, None] * rigid_motions(body))
     shapes = (rigid / root[:, None]).T
     quotients = np.abs(((stiffness @ shapes.T).T * shapes).sum(axis=1))
-    values, vectors = _lowest(stiffness, masses, body, root, rigid, count)
+    values, vectors = _lowest(elastic, root, rigid, count)
     return FreeModes(
         frequencies=values,
         shapes=(vectors / root[:, None]).T.reshape(count, 2, nodes),
@@ -86,26 +88,38 @@ def plate_modes(stiffness: Any, masses: np.ndarray, positions: np.ndarray, count
     )
 
 
-def lowest_frequency(stiffness: Any, masses: np.ndarray, positions: np.ndarray) -> float:
-    """Lowest elastic frequency of the free plate [Hz]; arguments as those of `plate_modes`."""
-    return float(plate_modes(stiffness, masses, positions, 1).frequencies[0]) / (2.0 * math.pi)
+def lowest_frequency(elastic: ElasticSolver) -> float:
+    """Lowest elastic frequency [Hz] of the plate of this solver: of a large one by multigrid, else as `plate_modes`."""
+    from fem.start.multigrid import NotConvergedError
+
+    if elastic.is_large:
+        with suppress(NotConvergedError):
+            square = elastic.multigrid.lowest_square(elastic.masses, _smooth(elastic.positions))
+            return math.sqrt(square) / (2.0 * math.pi)
+    return float(plate_modes(elastic, 1).frequencies[0]) / (2.0 * math.pi)
+
+
+def _smooth(positions: np.ndarray) -> np.ndarray:
+    """Displacements that bend the plate along its length and stretch it, shape (2 nodes, 2)."""
+    x, y = (positions - positions.mean(axis=1)[:, None]) / np.ptp(positions)
+    return np.array([np.concatenate([-2.0 * x * y, x**2]), np.concatenate([x * (1.0 - x**2), 0.0 * y])]).T
 
 
 def _lowest(
-    stiffness: Any, masses: np.ndarray, body: np.ndarray, root: np.ndarray, rigid: np.ndarray, count: int
+    elastic: ElasticSolver, root: np.ndarray, rigid: np.ndarray, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [rad/s] and eigenvectors of M^-1/2 K M^-1/2 beside the rigid ones, shape (2 nodes, count)."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     if not count:
         return np.zeros(0), np.zeros((root.size, 0))
-    solve = elastic_solver(stiffness, masses, body)
+    solve = elastic.factorised
 
-    def elastic(vector: np.ndarray) -> np.ndarray:
+    def relieved(vector: np.ndarray) -> np.ndarray:
         return np.asarray(vector - rigid @ (rigid.T @ vector))
 
     def inverse(vector: np.ndarray) -> np.ndarray:
-        return root * solve(root * elastic(vector.ravel()))
+        return root * solve(root * relieved(vector.ravel()))
 
     operator = LinearOperator((root.size, root.size), matvec=inverse, dtype=float)
     first = np.cos(1.7 * np.arange(root.size)) + 0.1  # fixed, so that runs repeat to the bit

@@ -1,8 +1,9 @@
 """The plate at the first instant.
 
 `rigid_state` has the rigid body's motion, accelerations and loads, `elastic` the stiffness inverted beside rigid
-motion, `inertia_relief` the elastic state that belongs to them, at finite strain by `finite_strain`. `start_kinds`
-registers the kinds of start, `start` places the plate, and `statics` says what the elastic state tells without a run.
+motion, of large plates by `multigrid`, `inertia_relief` the elastic state that belongs to them, at finite strain by
+`finite_strain`. `start_kinds` registers the kinds of start, `start` places the plate, and `statics` says what the
+elastic state tells without a run.
 """
 
 from fem.lazy import lazily

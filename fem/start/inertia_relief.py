@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.discretisation.model import PlateModel
-from fem.start.elastic import elastic_solver, rigid_motions
+from fem.start.elastic import without_rigid_motion
 from fem.start.rigid_state import (
     RigidStart,
     at_corner,
@@ -46,21 +46,34 @@ class ElasticFields(NamedTuple):
 
 
 def relieved_fields(model: PlateModel, start: RigidStart) -> ElasticFields:
-    """The start by inertia relief in the body frame."""
+    """The start by inertia relief in the body frame: linear, so that the change of the load gives the rate."""
     body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
-    solve = elastic_solver(model.stiffness, model.loop.mass, body)
-    return _changing(model, start, body, lambda *now: _elastic(model, solve, body, *now))
+
+    def load_at(now: RigidStart) -> tuple[np.ndarray, float]:
+        return inertia_load(model, body, now)
+
+    (load, normal), (rate, normal_rate) = _and_rate(model, start, body, load_at)
+    elastic, changing = (_displaced(model, each) for each in (load, rate))
+    return ElasticFields(elastic, changing, corner_gap(model, normal), corner_gap(model, normal_rate))
+
+
+def relieved_displacement(model: PlateModel, start: RigidStart) -> tuple[np.ndarray, float]:
+    """Elastic displacement and the corner's gap of `relieved_fields` [m], without their rates."""
+    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
+    load, normal = inertia_load(model, body, start)
+    return _displaced(model, load), corner_gap(model, normal)
 
 
 def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticFields:
     """The fields of inertia relief; of a plate that deforms visibly, in equilibrium on its deformed shape."""
     fields = linear = relieved_fields(model, start)
 
-    def at(angle: float, omega: float, speed: float) -> tuple[np.ndarray, float]:
-        return _in_equilibrium(model, body, linear, RigidStart(angle, omega, speed))
+    def at(now: RigidStart) -> tuple[np.ndarray, float]:
+        return _in_equilibrium(model, body, linear, now)
 
     if np.abs(linear.elastic).max() >= SMALL * np.ptp(body):
-        fields = _changing(model, start, body, at)
+        (elastic, gap), (rate, gap_rate) = _and_rate(model, start, body, at)
+        fields = ElasticFields(elastic, rate, gap, gap_rate)
     behind = lag_by_damping(model, fields.rate)
     behind = behind - at_corner(model, behind)
     if np.abs(behind).max() > FOLLOWS * np.abs(fields.elastic).max():
@@ -93,38 +106,32 @@ def lag_by_damping(model: PlateModel, rate: np.ndarray) -> np.ndarray:
     if damping is None:
         return np.zeros_like(rate)
     masses, positions = model.loop.mass, model.discretisation.positions
-    rigid = rigid_motions(positions - (positions @ masses / masses.sum())[:, None])
-    weighted = rigid * np.tile(masses, 2)[:, None]
-    elastic = rate.ravel() - rigid @ np.linalg.solve(rigid.T @ weighted, weighted.T @ rate.ravel())
-    load = -damping.rate * np.tile(masses, 2) * elastic
-    return elastic_solver(model.stiffness, masses, positions)(load).reshape(2, -1)
+    elastic = without_rigid_motion(rate.ravel(), masses, positions)
+    return model.elastic(-damping.rate * np.tile(masses, 2) * elastic).reshape(2, -1)
 
 
-def _changing(
+def _and_rate(
     model: PlateModel,
     start: RigidStart,
     body: np.ndarray,
-    at: Callable[[float, float, float], tuple[np.ndarray, float]],
-) -> ElasticFields:
-    """The fields of a state that follows angle, spin and corner speed: `at` gives displacement and gap for them."""
+    at: Callable[[RigidStart], tuple[np.ndarray, float]],
+) -> tuple[tuple[np.ndarray, float], tuple[np.ndarray, float]]:
+    """What `at` gives for the start, an array and a number, and the rates of both as the rigid body moves on."""
     now = rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
     span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
 
     def after(time: float) -> tuple[np.ndarray, float]:
         angle = start.angle - start.omega * time - 0.5 * now.angular * time**2
-        return at(angle, start.omega + now.angular * time, start.corner_speed)
+        return at(RigidStart(angle, start.omega + now.angular * time, start.corner_speed))
 
-    (elastic, gap), (late, late_gap), (early, early_gap) = after(0.0), after(span), after(-span)
-    return ElasticFields(elastic, (late - early) / (2.0 * span), gap, (late_gap - early_gap) / (2.0 * span))
+    first, (late, later), (early, earlier) = after(0.0), after(span), after(-span)
+    return first, ((late - early) / (2.0 * span), (later - earlier) / (2.0 * span))
 
 
-def _elastic(
-    model: PlateModel, solve: Any, body: np.ndarray, angle: float, omega: float, speed: float
-) -> tuple[np.ndarray, float]:
-    """Elastic displacement relative to the corner [m], body frame, and the corner's gap [m]; linear."""
-    load, normal = inertia_load(model, body, RigidStart(angle, omega, speed))
-    displacement = solve(load.ravel()).reshape(2, -1)
-    return displacement - at_corner(model, displacement), corner_gap(model, normal)
+def _displaced(model: PlateModel, load: np.ndarray) -> np.ndarray:
+    """Elastic displacement relative to the corner [m], body frame, under this load [N], shape (2, nodes); linear."""
+    displacement = model.elastic(load.ravel()).reshape(2, -1)
+    return np.asarray(displacement - at_corner(model, displacement))
 
 
 def _in_equilibrium(

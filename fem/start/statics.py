@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.discretisation.model import PlateModel
-from fem.start.inertia_relief import lag_by_damping, relieved_fields
+from fem.start.inertia_relief import lag_by_damping, relieved_displacement, relieved_fields
 from fem.start.rigid_state import RigidStart, at_corner, to_global
 
 
@@ -41,9 +41,9 @@ def statics(model: PlateModel, start: RigidStart) -> Statics:
     Statics
         Deflection and gap [m].
     """
-    fields = relieved_fields(model, start)
-    moved = (to_global(start.angle) @ fields.elastic)[1] + fields.gap
-    return Statics(-float(model.loop.mass @ moved / model.mass), fields.gap)
+    elastic, gap = relieved_displacement(model, start)
+    moved = (to_global(start.angle) @ elastic)[1] + gap
+    return Statics(-float(model.loop.mass @ moved / model.mass), gap)
 
 
 def static_deflection(model: PlateModel, start: RigidStart) -> float:
@@ -59,7 +59,7 @@ def damping_lag(model: PlateModel, start: RigidStart) -> float:
 
 def elastic_energy(model: PlateModel, start: RigidStart) -> float:
     """Energy [J] of the elastic state at the start by inertia relief, that of the corner's constraint included."""
-    fields = relieved_fields(model, start)
-    displacement = fields.elastic.ravel()
+    elastic, gap = relieved_displacement(model, start)
+    displacement = elastic.ravel()
     spring = model.loop.corner.spring
-    return float(0.5 * (displacement @ (model.stiffness @ displacement) + spring * fields.gap**2))
+    return float(0.5 * (displacement @ (model.stiffness @ displacement) + spring * gap**2))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tailslap.errors import InputError
 from tailslap.impact.plan import ImpactPlan
 from tailslap.impact.rigid_text import sample_interval
+from tailslap.planning.decide_threads import one_thread
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import MAX_STEPS, REFERENCE_MODULUS
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
@@ -68,8 +69,7 @@ class ImpactFePlan:
         """First elastic frequency of the free plate in its plane [Hz]."""
         from fem.modal.modes import lowest_frequency
 
-        model = self.model
-        return lowest_frequency(model.stiffness, model.loop.mass, model.discretisation.positions)
+        return lowest_frequency(self.model.elastic)
 
 
 def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
@@ -102,6 +102,7 @@ def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
         )
         raise InputError("plate.youngs_modulus", plate.youngs_modulus, allowed)
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
+    decisions = (*decisions, *one_thread(plan.scene.time.threads))
     return ImpactFePlan(plan, plate, decisions, model, first, sample)
 
 

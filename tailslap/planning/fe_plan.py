@@ -11,6 +11,7 @@ from tailslap.errors import InputError, Missing
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
 from tailslap.planning.decide_damping import Growth, decide_damping, harms, predict_growth
 from tailslap.planning.decide_mesh import Mesh, decide_mesh
+from tailslap.planning.decide_threads import decide_threads
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import demand_steps, fe_input
 from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
@@ -71,10 +72,9 @@ class FePlan:
         """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""
         from fem.modal.modes import lowest_frequency
 
-        model = self.model
         if self.plate.first_frequency is not None:
             return self.plate.first_frequency
-        return lowest_frequency(model.stiffness, model.loop.mass, model.discretisation.positions)
+        return lowest_frequency(self.model.elastic)
 
     @cached_property
     def damping_lag(self) -> float:
@@ -136,6 +136,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     mesh, mesh_decisions = decide_mesh(plan, given)
     plate, start, travel = mesh.plate, rigid_start(plan), centre_travel(plan)
     plan = with_changes(plan, {"plate.elements": plate.elements, "plate.element": plate.element})
+    plan, thread_decisions = decide_threads(plan, plate)
     plan, constraint_decisions = decide_constraint(plan, plate, mesh.spring_share)
     normal = float(plan.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
     model, growth = _completed(plan, mesh, normal)
@@ -152,7 +153,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     return FePlan(
         asked=asked,
         plan=plan,
-        decisions=(*mesh_decisions, *constraint_decisions, *damping_decisions),
+        decisions=(*mesh_decisions, *thread_decisions, *constraint_decisions, *damping_decisions),
         growth=growth,
         plate=plate,
         wall=_wall(plan),

@@ -1,0 +1,165 @@
+"""The plate's highest frequency with what holds it, and the largest stable time step.
+
+By Lanczos on the assembled model. It ends at a loose residual: the eigenvalue's error goes with the residual's square
+over the distance to the next one, and is mostly below 1e-6 there. The time step is made from a bound that takes the
+residual itself: no closer is the eigenvalue known that Lanczos has found.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.contact.corner import Corner
+
+TOLERANCE, ROUGH = 1e-4, 1e-3
+"""Residual over the eigenvalue at which Lanczos ends, and where it only tells whether an angle may be above another."""
+
+BASIS = 12
+"""Lanczos vectors that are kept: more take fewer products and more time."""
+
+SETTLED = 1e-6
+"""Relative change of the damped time step at which Newton's method ends."""
+
+
+class Hold(NamedTuple):
+    """How the corner is held.
+
+    unknowns: that the constraint acts on, shape (m,); across: their weights in the direction across the wall in the
+    body frame, at each angle of the plate that is looked at, shape (angles, m); spring [N/m]; dashpot [N s/m].
+    """
+
+    unknowns: np.ndarray
+    across: np.ndarray
+    spring: float
+    dashpot: float
+
+
+FREE = Hold(np.zeros(0, dtype=int), np.zeros((1, 0)), 0.0, 0.0)
+"""A plate that nothing holds."""
+
+
+class Peak(NamedTuple):
+    """Largest eigenvalue, residual of its vector of unit length, that vector, and the angle's number."""
+
+    value: float
+    residual: float
+    vector: np.ndarray
+    angle: int
+
+    @property
+    def bound(self) -> float:
+        """The eigenvalue is not above this."""
+        return self.value + self.residual
+
+
+class Spectrum:
+    """Stiffness and masses of a plate, as it is held, with its highest frequency.
+
+    Parameters
+    ----------
+    stiffness : sparse matrix, shape (2 nodes, 2 nodes)
+        [N/m].
+    masses : ndarray, shape (nodes,)
+        [kg].
+    hold : Hold
+        How the corner is held.
+    """
+
+    def __init__(self, stiffness: Any, masses: np.ndarray, hold: Hold = FREE) -> None:
+        self._stiffness, self._hold = stiffness, hold
+        self._root = 1.0 / np.sqrt(np.tile(masses, 2))
+        self._first = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
+        self._peak = self._highest(stiffness, hold.spring, self._first)
+
+    @property
+    def frequency(self) -> float:
+        """Highest circular frequency [rad/s], to about 1e-6."""
+        return math.sqrt(self._peak.value)
+
+    @property
+    def bound(self) -> float:
+        """A circular frequency [rad/s] that the highest is not above."""
+        return math.sqrt(self._peak.bound)
+
+    def stable_time_step(self, damping: Any = None) -> float:
+        """Largest stable step [s] of central differences, the damping forces being half a step late.
+
+        damping: the plate's damping matrix [N s/m]; the dashpot is added. An oscillation that changes sign every step
+        stays bounded as long as dt^2 K + 2 dt C has no eigenvalue above 4 against the masses: for one mass this is
+        w dt = 2 (sqrt(1 + z^2) - z). The eigenvalue is convex in dt, so that Newton's steps come from above, and an
+        excess over 4 is made good by a step shorter in proportion.
+        """
+        step, peak = 2.0 / self.bound, self._peak
+        if damping is None and not self._hold.dashpot:
+            return step
+        plate = 0.0 * self._stiffness if damping is None else damping
+        while True:
+            matrix = step**2 * self._stiffness + 2.0 * step * plate
+            spring = step**2 * self._hold.spring + 2.0 * step * self._hold.dashpot
+            peak = self._highest(matrix, spring, peak.vector)
+            shorter = self._step_for(peak, plate)
+            if shorter > (1.0 - SETTLED) * step:
+                return step * min(1.0, 4.0 / peak.bound)
+            step = shorter
+
+    def _step_for(self, peak: Peak, plate: Any) -> float:
+        """The step [s] at which the motion of this vector changes sign every step without growing."""
+        move, held = self._root * peak.vector, self._hold.across[peak.angle] @ self._touching(peak.vector)
+        stiffness = float(move @ (self._stiffness @ move)) + self._hold.spring * held**2
+        damping = float(move @ (plate @ move)) + self._hold.dashpot * held**2
+        return 4.0 / (damping + math.sqrt(damping**2 + 4.0 * stiffness))
+
+    def _touching(self, vector: np.ndarray) -> np.ndarray:
+        """Displacements of the unknowns that are held."""
+        held = self._hold.unknowns
+        return np.asarray(self._root[held] * vector[held])
+
+    def _highest(self, matrix: Any, spring: float, first: np.ndarray) -> Peak:
+        """The largest eigenvalue over all angles; an angle that is not above another is not looked at closely."""
+        best = self._largest(matrix, spring, 0, first, TOLERANCE)
+        for angle in range(1, len(self._hold.across)):
+            rough = self._largest(matrix, spring, angle, best.vector, ROUGH)
+            if rough.bound > best.bound:
+                close = self._largest(matrix, spring, angle, rough.vector, TOLERANCE)
+                best = max(best, close, key=lambda peak: peak.bound)
+        return best
+
+    def _largest(self, matrix: Any, spring: float, angle: int, first: np.ndarray, tolerance: float) -> Peak:
+        """The largest eigenvalue at an angle, from a vector near to its own."""
+        from scipy.sparse.linalg import LinearOperator, eigsh
+
+        unknowns, across = self._hold.unknowns, self._hold.across[angle]
+        pull = self._root[unknowns] * across
+
+        def product(vector: np.ndarray) -> np.ndarray:
+            force = self._root * (matrix @ (self._root * vector))
+            force[unknowns] += spring * pull * (pull @ vector[unknowns])
+            return np.asarray(force)
+
+        operator = LinearOperator(matrix.shape, matvec=product, dtype=float)
+        start = (
+            first + 1e-3 * self._first
+        )  # a vector that is orthogonal to the one sought would never find it
+        (value,), vectors = eigsh(
+            operator, k=1, which="LA", v0=start, tol=tolerance, ncv=min(BASIS, self._root.size)
+        )
+        vector = vectors[:, 0]
+        return Peak(float(value), float(np.linalg.norm(product(vector) - value * vector)), vector, angle)
+
+
+def corner_spectrum(
+    stiffness: Any, masses: np.ndarray, corner: Corner, angles: tuple[float, ...] = (0.0,)
+) -> Spectrum:
+    """The spectrum of a plate whose corner is constrained.
+
+    angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.
+    """
+    if not corner.spring:  # all angles are alike
+        return Spectrum(stiffness, masses)
+    unknowns = np.concatenate([corner.nodes, corner.nodes + masses.size])
+    turned = [(-math.sin(angle), math.cos(angle)) for angle in angles]
+    across = np.array([np.kron(direction, corner.weights) for direction in turned])
+    return Spectrum(stiffness, masses, Hold(unknowns, across, corner.spring, corner.dashpot))

@@ -1,0 +1,108 @@
+"""Large plates: conjugate gradients, preconditioned by smoothed aggregation (Vanek, Mandel and Brezina, Computing 56,
+1996) with the rigid motions as its near null space. Time and memory go with the number of unknowns, where those of a
+factorisation grow faster.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+TOLERANCE, MOST = 1e-10, 300
+"""Residual over the load at which conjugate gradients end, and iterations that they may take: 15 to 45 are usual, more
+on elements that are very long."""
+
+SMOOTHER = ("chebyshev", {"degree": 2})
+COARSEST = 300
+"""Unknowns below which a level is solved directly."""
+
+MODE_TOLERANCE, MODE_STEPS = 1e-6, 60
+"""Residual over w^2 M u at which the search for the lowest mode ends, and its most steps: the frequency's error goes
+with the square."""
+
+
+class NotConvergedError(ArithmeticError):
+    """The iteration came to no solution."""
+
+
+class Multigrid:
+    """Solver of K u = f for a free plate.
+
+    Parameters
+    ----------
+    stiffness : sparse matrix, shape (2 nodes, 2 nodes)
+        [N/m], all x unknowns and then all y.
+    rigid : ndarray, shape (2 nodes, 3)
+        Its rigid motions.
+    """
+
+    def __init__(self, stiffness: Any, rigid: np.ndarray) -> None:
+        import pyamg
+
+        unknowns = rigid.shape[0]
+        self._order = np.arange(unknowns).reshape(2, -1).T.ravel()  # both unknowns of a node side by side
+        blocks = sp.csr_matrix(stiffness)[self._order][:, self._order].tobsr((2, 2))
+        self._rigid = rigid[self._order]
+        with _same_random_numbers():
+            self._levels = pyamg.smoothed_aggregation_solver(
+                blocks,
+                B=self._rigid,
+                improve_candidates=None,
+                presmoother=SMOOTHER,
+                postsmoother=SMOOTHER,
+                max_coarse=COARSEST,
+            )
+
+    def solve(self, load: np.ndarray) -> np.ndarray:
+        """Displacement [m], up to a rigid motion, under loads in equilibrium [N]. Raises NotConvergedError."""
+        ordered, status = self._levels.solve(
+            load[self._order], tol=TOLERANCE, maxiter=MOST, accel="cg", return_info=True
+        )
+        if status != 0:
+            raise NotConvergedError(f"{MOST} iterations leave a residual above {TOLERANCE:g} of the load")
+        return self._in_order(ordered)
+
+    def lowest_square(self, masses: np.ndarray, guesses: np.ndarray) -> float:
+        """Square of the lowest elastic frequency [rad^2/s^2], from displacements near to its mode, shape (2 nodes, n),
+        by LOBPCG (Knyazev, SIAM J. Sci. Comput. 23, 2001). Raises NotConvergedError.
+        """
+        from scipy.sparse.linalg import LinearOperator, lobpcg
+
+        stiffness, weights = self._levels.levels[0].A, np.repeat(masses, 2)
+        cycle, guesses = self._levels.aspreconditioner(), guesses[self._order]
+        first = guesses[:, 0] @ (stiffness @ guesses[:, 0]) / (guesses[:, 0] ** 2 @ weights)
+        tolerance = MODE_TOLERANCE * first * np.sqrt(masses.mean())
+        (square, *_), vectors = lobpcg(
+            stiffness,
+            guesses,
+            B=sp.diags(weights),
+            M=LinearOperator(stiffness.shape, matvec=cycle.matvec, dtype=float),
+            Y=self._rigid,
+            tol=tolerance,
+            maxiter=MODE_STEPS,
+            largest=False,
+        )
+        mode = vectors[:, 0]
+        if np.linalg.norm(stiffness @ mode - square * weights * mode) > 10.0 * tolerance:
+            raise NotConvergedError(f"{MODE_STEPS} steps do not find the lowest mode")
+        return float(square)
+
+    def _in_order(self, values: np.ndarray) -> np.ndarray:
+        placed = np.empty_like(values)
+        placed[self._order] = values
+        return placed
+
+
+@contextmanager
+def _same_random_numbers() -> Iterator[None]:
+    """The levels estimate eigenvalues from random vectors: always the same, so that runs repeat to the bit."""
+    state = np.random.get_state()  # noqa: NPY002
+    np.random.seed(0)  # noqa: NPY002
+    try:
+        yield
+    finally:
+        np.random.set_state(state)  # noqa: NPY002

@@ -1,0 +1,77 @@
+"""Verification: threads of the time loop sleep while they wait, and are not used where they would hurt."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+
+from fem.explicit.parallel import Meeting, _meet, new_meeting
+from tailslap.planning.decide_threads import ELEMENTS_A_THREAD, decide_threads
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
+
+pytestmark = pytest.mark.verification
+
+LATE = 0.5
+
+
+def test_who_waits_long_sleeps() -> None:
+    """The processor time of a thread that waits half a second for another is a fraction of that."""
+    _meet(new_meeting(), 1, 1)  # compiled
+    meeting, spent = new_meeting(), []
+
+    def wait() -> None:
+        before = time.thread_time()
+        _meet(meeting, 2, 1)
+        spent.append(time.thread_time() - before)
+
+    first = threading.Thread(target=wait)
+    first.start()
+    time.sleep(LATE)
+    assert first.is_alive()
+    _meet(meeting, 2, 1)
+    first.join(10.0)
+    assert spent
+    assert spent[0] < 0.1 * LATE
+
+
+def test_threads_meet_again_and_again() -> None:
+    """Three threads and 2 000 meetings, on however few cores: none is missed, and all come to the end."""
+    meeting, done = new_meeting(), []
+
+    def attend(meeting: Meeting) -> None:
+        for turn in range(1, 2001):
+            _meet(meeting, 3, turn)
+        done.append(True)
+
+    threads = [threading.Thread(target=attend, args=(meeting,), daemon=True) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60.0)
+    assert len(done) == 3
+
+
+@pytest.mark.parametrize(
+    ("elements", "used"), [((20, 6), 1), ((200, 60), 1), ((200, 100), 2), ((320, 96), 3)]
+)
+def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int], used: int) -> None:
+    plan = make_plan(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
+    assert plan.scene.plate
+    decided, decisions = decide_threads(plan, plan.scene.plate)
+    assert decided.scene.time.threads == used
+    assert [decision.value for decision in decisions] == ([] if used == 3 else [used])
+    for decision in decisions:
+        assert "3 were asked for" in decision.why
+        assert str(ELEMENTS_A_THREAD) in decision.why
+
+
+def test_run_and_check_say_that_one_thread_is_used() -> None:
+    plan = make_plan(*read_scene("paper-table-3", ("time.threads=2",)))
+    fe_plan = make_fe_plan(plan)
+    assert fe_plan.plan.scene.time.threads == 1
+    assert [decision.key for decision in fe_plan.decisions] == ["time.threads"]
+    assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were asked for; ")
