@@ -17,6 +17,8 @@ from tailslap.options import Folder, Real, Whole
 # The matrices are small or sparse: threads of BLAS would only disturb each other, a hundredfold where cores are busy.
 # Set before NumPy is loaded, and taken over by worker processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# No plugin of Pydantic concerns a scene; to look for them it reads the records of all installed packages.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 import tailslap
 from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened

@@ -13,6 +13,7 @@ from typing import Any
 
 import platformdirs
 
+from tailslap.scene.common_units import to_si
 from tailslap.scene.unit_grammar import unit_factors
 
 NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\S.*?)?\s*", re.DOTALL)
@@ -124,6 +125,15 @@ class Quantity:
 
 def converted(value: float, given: str, unit: str) -> float:
     """The value in another unit of the same dimension; raises ValueError, or what Pint raises, where it has none."""
+    source, target = to_si(unit_factors(given)), to_si(unit_factors(unit))
+    if source is None or target is None:
+        return _converted_by_pint(value, given, unit)
+    if source[1] != target[1]:
+        raise ValueError("another dimension")
+    return value * (source[0] / target[0])
+
+
+def _converted_by_pint(value: float, given: str, unit: str) -> float:
     units, product = registry(), 1
     for factor in unit_factors(given):
         product = product * units.parse_units(factor.name) ** factor.power
