@@ -18,7 +18,7 @@ from vehicles import plan_of
 from fem.explicit.simulate import Stepper, compile_loop
 from tailslap.planning.decide_damping import predict_growth
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.run import attempt
+from tailslap.scene_run import attempt
 
 PATCH = ("plate.youngs_modulus=", "corner.patch_length=1 m")
 CASES = (

@@ -99,8 +99,8 @@ def flat(root: Path = ROOT) -> Counter[str]:
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
     from tailslap.planning.plan import make_plan
-    from tailslap.run import run_scene
     from tailslap.scene.files import read_scene
+    from tailslap.scene_run import run_scene
 
     plan, calls = make_plan(*read_scene(scene)), []
 

@@ -23,9 +23,9 @@ from typing import Any
 
 from main_job import row
 
-from tailslap.sweep.folder import TABLE
-from tailslap.sweep.journal import NAME as JOURNAL
-from tailslap.sweep.row import TIMES
+from tailslap.sweeps.folder import TABLE
+from tailslap.sweeps.journal import NAME as JOURNAL
+from tailslap.sweeps.row import TIMES
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),

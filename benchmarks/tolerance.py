@@ -52,8 +52,8 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
 def run(changes: tuple[str, ...]) -> Any:
     """The scene's outcome."""
     from tailslap.planning.plan import make_plan
-    from tailslap.run import run_scene
     from tailslap.scene.files import read_scene
+    from tailslap.scene_run import run_scene
 
     return run_scene(make_plan(*read_scene(SCENE, changes)))
 
@@ -78,7 +78,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     doubts = [check.name for check in found.checks if not check.passed]
     if not doubts:
         return found.fe, doubts
-    from tailslap.modal import modal_run
+    from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
     from tailslap.scene.files import read_scene

@@ -93,7 +93,7 @@ def judged(changes: tuple[str, ...]) -> Record:
     """The scene run as the program decides."""
     from postprocess.comparison.comparison import largest
     from tailslap.errors import InputError
-    from tailslap.run import run_scene
+    from tailslap.scene_run import run_scene
 
     try:
         outcome = run_scene(plan_of(changes))
@@ -122,7 +122,7 @@ def judged(changes: tuple[str, ...]) -> Record:
 def predicted(changes: tuple[str, ...]) -> Record:
     """What is foreseen, and whether the first run rings."""
     from tailslap.errors import InputError
-    from tailslap.run import attempt, rings
+    from tailslap.scene_run import attempt, rings
     from tailslap.verification.verdict import flutter_sentence
 
     try:

@@ -23,7 +23,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 import tailslap
 from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
 from tailslap.studies import study
-from tailslap.sweep.command import sweep
+from tailslap.sweeps.command import sweep
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -153,8 +153,8 @@ def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
     from tailslap.report.deliver import deliver
 
     def report(folder: Path) -> Report:
-        from tailslap.modes.plate_modes import find_modes
-        from tailslap.modes.report import modes_report
+        from tailslap.free_modes.plate_modes import find_modes
+        from tailslap.free_modes.report import modes_report
 
         return modes_report(find_modes(fe_plan, count))
 
@@ -178,7 +178,7 @@ def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
 def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, as_json: bool) -> int:
     """Run a scene with a few modes of the plate."""
-    from tailslap.modal import modal_run
+    from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
     from tailslap.report.modal_text import modal_numbers, modal_text

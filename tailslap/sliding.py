@@ -28,7 +28,7 @@ def _check_lines(plan: Plan) -> list[str]:
 
 def _run_report(plan: Plan, folder: Path, tolerance: float | None, pictures: bool) -> Report:
     from tailslap.report.run_report import run_report
-    from tailslap.run import run_scene
+    from tailslap.scene_run import run_scene
     from tailslap.tolerance import run_to_tolerance
 
     outcome = run_scene(plan) if tolerance is None else run_to_tolerance(plan, tolerance)
@@ -40,15 +40,15 @@ def _run_report(plan: Plan, folder: Path, tolerance: float | None, pictures: boo
 
 
 def _columns(plan: Plan) -> dict[str, Any]:
-    from tailslap.run import run_scene
-    from tailslap.sweep.corner_columns import outcome_columns
+    from tailslap.scene_run import run_scene
+    from tailslap.sweeps.corner_columns import outcome_columns
 
     return outcome_columns(run_scene(plan))
 
 
 def _column_kinds(scene: Scene) -> dict[str, type]:
     from tailslap.planning.fe_plan import needed_plate
-    from tailslap.sweep.corner_columns import corner_column_kinds
+    from tailslap.sweeps.corner_columns import corner_column_kinds
 
     needed_plate(scene)
     return corner_column_kinds(scene)

@@ -8,7 +8,7 @@ from postprocess.comparison.comparison import comparison_rows
 from postprocess.files.summary import summary_text
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
-from tailslap.modal import ModalRun
+from tailslap.modal_run import ModalRun
 from tailslap.planning.fe_plan import FePlan
 
 COLUMNS = (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from postprocess.contours.contours import ContourField, draw_contours
 from tailslap.progress import announced
-from tailslap.run import Outcome
+from tailslap.scene_run import Outcome
 
 
 def draw_pictures(outcome: Outcome, folder: Path) -> Outcome:

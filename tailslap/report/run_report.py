@@ -24,8 +24,8 @@ from tailslap.report.footer import footer
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.report.run_text import is_paper_case, statements
 from tailslap.report.summary import cost, summary
-from tailslap.run import Outcome
 from tailslap.scene.inputs import resolved_inputs
+from tailslap.scene_run import Outcome
 from tailslap.verification.verdict import verdict_sentence
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"

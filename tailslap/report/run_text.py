@@ -9,7 +9,7 @@ from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from fem.start.start_kinds import START_KINDS
 from tailslap.planning.plan import Plan, other_convention
-from tailslap.run import Outcome
+from tailslap.scene_run import Outcome
 
 
 def statements(outcome: Outcome) -> tuple[str, ...]:

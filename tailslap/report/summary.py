@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import tailslap
 from tailslap.planning.rigid import COMPARED, rigid_answer
 from tailslap.report.omitted_parts import omitted_parts
-from tailslap.run import Outcome
+from tailslap.scene_run import Outcome
 from tailslap.verification.verdict import verdict_sentence
 
 if TYPE_CHECKING:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tailslap.planning.plan import Plan
-    from tailslap.run import Outcome
+    from tailslap.scene_run import Outcome
 
 
 def run_to_tolerance(plan: Plan, tolerance: float) -> Outcome:
     """Pick a setting for the plan's scene, run it, and judge the result. Raises InputError."""
     from tailslap.planning.plan import make_plan
-    from tailslap.run import run_scene
     from tailslap.scene.vary import vary
+    from tailslap.scene_run import run_scene
     from tailslap.tolerance.choose import choose
     from tailslap.tolerance.verify import verified
 

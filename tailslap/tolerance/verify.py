@@ -9,8 +9,8 @@ from dataclasses import replace
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.run import Outcome, run_scene
 from tailslap.scene.vary import vary
+from tailslap.scene_run import Outcome, run_scene
 from tailslap.tolerance.candidates import candidate, with_modal_quantities
 from tailslap.tolerance.choose import RIGID, Choice
 from tailslap.tolerance.refinement_levels import RefinementLevel

@@ -12,7 +12,7 @@ from tailslap.verification.numerical_error import FLOOR
 
 if TYPE_CHECKING:
     from tailslap.planning.fe_plan import FePlan
-    from tailslap.run import Outcome
+    from tailslap.scene_run import Outcome
 
 
 def verdict_sentence(outcome: Outcome) -> str:

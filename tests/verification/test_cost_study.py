@@ -10,9 +10,9 @@ import pytest
 
 from postprocess.comparison.grid_convergence import grid_convergence
 from tailslap.planning.plan import make_plan
-from tailslap.run import run_scene
 from tailslap.scene.files import read_scene, read_source
 from tailslap.scene.vary import Source, vary
+from tailslap.scene_run import run_scene
 from tailslap.studies.cost import campaign as survey_module
 from tailslap.studies.cost.campaign import campaign
 from tailslap.studies.cost.measure import error_from, measure

@@ -14,8 +14,8 @@ from tailslap.errors import InputError
 from tailslap.planning.decide_damping import decide_damping, harms, suppressing_rate
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.run import run_scene
 from tailslap.scene.files import read_scene
+from tailslap.scene_run import run_scene
 from tailslap.verification.verdict import flutter_sentence, verdict_sentence
 
 pytestmark = pytest.mark.verification

@@ -15,11 +15,11 @@ from tailslap.analyses import analysis_of
 from tailslap.errors import InputError
 from tailslap.scene.files import source_of_text
 from tailslap.scene.vary import vary
-from tailslap.sweep.definition import make_definition
-from tailslap.sweep.perform import perform
-from tailslap.sweep.report import spreads
-from tailslap.sweep.row import compute_row
-from tailslap.sweep.table import _schema, read_columns
+from tailslap.sweeps.definition import make_definition
+from tailslap.sweeps.perform import perform
+from tailslap.sweeps.report import spreads
+from tailslap.sweeps.row import compute_row
+from tailslap.sweeps.table import _schema, read_columns
 
 pytestmark = pytest.mark.verification
 

@@ -16,10 +16,10 @@ from tailslap.command_line import _status
 from tailslap.errors import InputError, Interrupted
 from tailslap.planning.effort import expected_effort
 from tailslap.planning.plan import make_plan
-from tailslap.run import run_scene
 from tailslap.scene.files import read_scene, source_of_text
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import Changes, vary
+from tailslap.scene_run import run_scene
 from tailslap.studies.stability import against_reference
 from tailslap.studies.stability.against_reference import KINDS, grade
 from tailslap.studies.stability.axes import base_source
@@ -177,7 +177,7 @@ def test_a_right_cell_and_a_spring_too_soft() -> None:
 
 
 def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
+    monkeypatch.setattr("tailslap.scene_run.run_checks", lambda *arguments: ())
     assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "wrong"
 
 
@@ -192,7 +192,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(against_reference, "find_reference", breaks)
     assert verdict_of({})["reason"] == "reference broke: ZeroDivisionError: boom"
-    monkeypatch.setattr("tailslap.run.run_checks", breaks)
+    monkeypatch.setattr("tailslap.scene_run.run_checks", breaks)
     broken = verdict_of({})
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 

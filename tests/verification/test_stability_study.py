@@ -92,11 +92,11 @@ def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed() -> None:
 
 @pytest.mark.long
 def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tailslap.run.run_checks", lambda *arguments: ())
+    monkeypatch.setattr("tailslap.scene_run.run_checks", lambda *arguments: ())
     soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
     assert "its own numerical error" in soft_spring["reason"]
-    monkeypatch.setattr("tailslap.run.error_of", lambda *arguments: NumericalError(*7 * [0.0]))
+    monkeypatch.setattr("tailslap.scene_run.error_of", lambda *arguments: NumericalError(*7 * [0.0]))
     unaware = verdict("stiffness", 1e-4, "penalty", 0.01)
     assert unaware["kind"] == "wrong"
     assert "changes it by" in unaware["reason"]
@@ -115,7 +115,7 @@ def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) 
     def breaks(*arguments: Any) -> None:
         raise ZeroDivisionError("boom")
 
-    monkeypatch.setattr("tailslap.run.run_checks", breaks)
+    monkeypatch.setattr("tailslap.scene_run.run_checks", breaks)
     broken = verdict("stiffness", 1.0, "friction", 0.2)
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 

@@ -14,10 +14,10 @@ from tailslap.errors import InputError
 from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.results.manifest import demand_ours, listed_file
 from tailslap.results.result_folder import result_folder
-from tailslap.sweep.definition import Definition, make_definition
-from tailslap.sweep.folder import sweep_folder
-from tailslap.sweep.journal import NAME, open_rows
-from tailslap.sweep.table import read_columns, write_table
+from tailslap.sweeps.definition import Definition, make_definition
+from tailslap.sweeps.folder import sweep_folder
+from tailslap.sweeps.journal import NAME, open_rows
+from tailslap.sweeps.table import read_columns, write_table
 
 pytestmark = pytest.mark.verification
 

@@ -15,10 +15,10 @@ from postprocess.figures.sweep_plots import SweepRows, Varied, _edges, _scale, d
 from postprocess.report.page import Page, write_page
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
-from tailslap.sweep.complete import Effort, Sweep
-from tailslap.sweep.definition import Definition
-from tailslap.sweep.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
-from tailslap.sweep.variation import Variation
+from tailslap.sweeps.complete import Effort, Sweep
+from tailslap.sweeps.definition import Definition
+from tailslap.sweeps.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
+from tailslap.sweeps.variation import Variation
 
 pytestmark = pytest.mark.verification
 

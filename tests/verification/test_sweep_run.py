@@ -30,14 +30,14 @@ from tailslap.execution.record_file import RecordFile
 from tailslap.execution.worker import OtherVersionError, Part, run_batch
 from tailslap.planning.plan import make_plan
 from tailslap.results.manifest import NAME as MANIFEST
-from tailslap.run import run_scene
 from tailslap.scene.files import source_of_text
 from tailslap.scene.vary import vary
-from tailslap.sweep.definition import Definition, make_definition
-from tailslap.sweep.folder import _has_rows
-from tailslap.sweep.journal import NAME as JOURNAL
-from tailslap.sweep.perform import StoppedError, perform
-from tailslap.sweep.row import TIMES, compute_row
+from tailslap.scene_run import run_scene
+from tailslap.sweeps.definition import Definition, make_definition
+from tailslap.sweeps.folder import _has_rows
+from tailslap.sweeps.journal import NAME as JOURNAL
+from tailslap.sweeps.perform import StoppedError, perform
+from tailslap.sweeps.row import TIMES, compute_row
 
 pytestmark = pytest.mark.verification
 
@@ -326,7 +326,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> Non
     def broken(*arguments: object) -> None:
         raise ZeroDivisionError("by nought")
 
-    monkeypatch.setattr("tailslap.run.run_scene", broken)
+    monkeypatch.setattr("tailslap.scene_run.run_scene", broken)
     source = source_of_text(SCENE)
     parts = [Part(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
     rows = run_batch(tailslap.__version__, compute_row, parts).records.values()

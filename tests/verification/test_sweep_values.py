@@ -12,8 +12,8 @@ import pytest
 
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.sweep.definition import Definition, latin_hypercube, make_definition
-from tailslap.sweep.values import Choices, Span, parse_values, split_outside
+from tailslap.sweeps.definition import Definition, latin_hypercube, make_definition
+from tailslap.sweeps.values import Choices, Span, parse_values, split_outside
 
 pytestmark = pytest.mark.verification
 

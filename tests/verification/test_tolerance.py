@@ -15,8 +15,8 @@ import pytest
 from tailslap.errors import InputError
 from tailslap.planning.flexibility import sensitivity
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.run import run_scene
 from tailslap.scene.files import read_scene
+from tailslap.scene_run import run_scene
 from tailslap.tolerance import run_to_tolerance
 from tailslap.tolerance.choose import LIMIT, RIGID, Choice, choose
 from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels

@@ -84,7 +84,7 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
 
 def _modal(plan: Plan, setting: Setting) -> Record:
     """Integration and set-up, of which meshing and assembling are a part; not the runs of its own estimate."""
-    from tailslap.modal import modal_run
+    from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
 
     setups: list[float] = []
@@ -103,7 +103,7 @@ def _modal(plan: Plan, setting: Setting) -> Record:
 
 def _finite_elements(plan: Plan, setting: Setting) -> Record:
     from tailslap.planning.fe_plan import make_fe_plan
-    from tailslap.run import compare
+    from tailslap.scene_run import compare
 
     fe_plan = make_fe_plan(plan)
     expected = loop_seconds("quad9", fe_plan.plate.counts, fe_plan.expected_steps)

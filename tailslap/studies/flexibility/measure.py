@@ -12,8 +12,8 @@ from postprocess.comparison.comparison import relative_difference
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.run import Outcome, run_scene
 from tailslap.scene.vary import Changes, Source, vary
+from tailslap.scene_run import Outcome, run_scene
 from tailslap.studies.flexibility.sweep import STARTS, Section
 
 Record = dict[str, Any]
@@ -123,7 +123,7 @@ def stored_share(outcome: Outcome) -> float:
 
 def modal_opinion(base: Source, changes: Changes) -> Record:
     """The same plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
-    from tailslap.modal import modal_run
+    from tailslap.modal_run import modal_run
 
     try:
         found = modal_run(make_fe_plan(make_plan(*vary(base, changes))), tolerance=1.0)

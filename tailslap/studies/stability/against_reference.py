@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from postprocess.comparison.comparison import largest
-from tailslap.run import Outcome
+from tailslap.scene_run import Outcome
 from tailslap.studies.stability.reference import Reference, find_reference
 from tailslap.studies.stability.verdict import (
     CAUGHT,

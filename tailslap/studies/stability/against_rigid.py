@@ -11,9 +11,9 @@ from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.run import Outcome, run_scene
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, vary
+from tailslap.scene_run import Outcome, run_scene
 from tailslap.studies.stability.reference import FLUTTER_DAMPING, quadratic_and_exact
 from tailslap.studies.stability.verdict import (
     CAUGHT,

@@ -13,9 +13,9 @@ from tailslap.errors import InputError
 from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.effort import expected_effort
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.run import MORE_DAMPING, Outcome, attempt, rings
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
+from tailslap.scene_run import MORE_DAMPING, Outcome, attempt, rings
 from tailslap.studies.stability.verdict import failed_checks, model_name
 
 FINER, MAX_ELEMENTS = 1.5, 600

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
-from tailslap.run import Outcome, run_scene
 from tailslap.scene.vary import Changes, Source, vary
+from tailslap.scene_run import Outcome, run_scene
 
 RIGHT, REFUSED, CAUGHT, WRONG = "right", "refused", "caught", "wrong"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from tailslap.options import Folder, Text, Whole
-from tailslap.sweep.values import MAX_RUNS
+from tailslap.sweeps.values import MAX_RUNS
 
 SEED = 307
 
@@ -60,15 +60,15 @@ def sweep(
     checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
     """
     from tailslap.errors import InputError
-    from tailslap.sweep.definition import make_definition
+    from tailslap.sweeps.definition import make_definition
 
     if cluster and workers:
         raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
     definition = make_definition(name, changes, varied, sample, seed)
     place = out or Path("results") / f"{definition.scene}-sweep"
 
-    from tailslap.sweep.perform import StoppedError, perform
-    from tailslap.sweep.report import sweep_text
+    from tailslap.sweeps.perform import StoppedError, perform
+    from tailslap.sweeps.report import sweep_text
 
     try:
         done = perform(definition, place, cluster, workers)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tailslap.sweep.definition import Definition
-from tailslap.sweep.row import ERROR, FAILED
+from tailslap.sweeps.definition import Definition
+from tailslap.sweeps.row import ERROR, FAILED
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from tailslap.scene.inputs import scene_inputs
 from tailslap.scene.schema import Scene
 from tailslap.scene.validate import key_by_key
 from tailslap.scene.vary import Changes, Source, changed_tables, parse_changes, parse_value
-from tailslap.sweep.values import MAX_RUNS, Choices, Span, parse_values, split_key
-from tailslap.sweep.variation import Variation, grid_variation, plain, sample_variation
+from tailslap.sweeps.values import MAX_RUNS, Choices, Span, parse_values, split_key
+from tailslap.sweeps.variation import Variation, grid_variation, plain, sample_variation
 
 Given = tuple[str, Span | Choices]
 

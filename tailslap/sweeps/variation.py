@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tailslap.errors import InputError
-from tailslap.sweep.values import Choices, Span
+from tailslap.sweeps.values import Choices, Span
 
 Read = Callable[[str], tuple[Any, str]]
 """From a value's text to the value that the scene has then, in SI or a word, and its unit. Raises InputError."""

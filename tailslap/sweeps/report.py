@@ -18,12 +18,12 @@ from postprocess.report.terminal import printed
 from tailslap.progress import clock
 from tailslap.report.footer import footer
 from tailslap.results.manifest import listed_file
-from tailslap.sweep.complete import Sweep
-from tailslap.sweep.definition import Definition
-from tailslap.sweep.folder import REPORT, SUMMARY, TABLE
-from tailslap.sweep.row import ERROR, FAILED, PASSED, REFUSED
-from tailslap.sweep.table import read_columns
-from tailslap.sweep.variation import Variation
+from tailslap.sweeps.complete import Sweep
+from tailslap.sweeps.definition import Definition
+from tailslap.sweeps.folder import REPORT, SUMMARY, TABLE
+from tailslap.sweeps.row import ERROR, FAILED, PASSED, REFUSED
+from tailslap.sweeps.table import read_columns
+from tailslap.sweeps.variation import Variation
 
 MAX_LISTED = 15
 """Rows that did not pass which the page lists."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from postprocess.comparison.comparison import KEYS
 
 if TYPE_CHECKING:
-    from tailslap.run import Outcome
     from tailslap.scene.schema import Scene
+    from tailslap.scene_run import Outcome
 
 
 def corner_column_kinds(scene: Scene) -> dict[str, type]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tailslap.execution.record_file import RecordFile
-from tailslap.sweep.definition import Definition
+from tailslap.sweeps.definition import Definition
 
 NAME = "journal.jsonl"
 

@@ -13,7 +13,7 @@ from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
-from tailslap.modes.plate_modes import PlateModes, drawn_shape
+from tailslap.free_modes.plate_modes import PlateModes, drawn_shape
 from tailslap.report.footer import footer
 
 MAX_PICTURES = 24

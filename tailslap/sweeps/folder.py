@@ -22,8 +22,8 @@ from typing import Any, BinaryIO
 from tailslap.errors import InputError, place_error
 from tailslap.results.manifest import demand_ours, whole_file
 from tailslap.results.result_folder import resolved
-from tailslap.sweep.definition import Definition
-from tailslap.sweep.journal import NAME as JOURNAL
+from tailslap.sweeps.definition import Definition
+from tailslap.sweeps.journal import NAME as JOURNAL
 
 DEFINITION, LOCK = "sweep.json", ".lock"
 TABLE, REPORT, SUMMARY = RESULTS = ("sweep.parquet", "report.html", "summary.json")

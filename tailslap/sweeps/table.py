@@ -11,11 +11,11 @@ import numpy as np
 
 from postprocess.files.summary import plain
 from tailslap.results.manifest import listed_file
-from tailslap.sweep.definition import Definition
-from tailslap.sweep.folder import TABLE
-from tailslap.sweep.journal import Rows
-from tailslap.sweep.row import TIMES, versions
-from tailslap.sweep.variation import Variation
+from tailslap.sweeps.definition import Definition
+from tailslap.sweeps.folder import TABLE
+from tailslap.sweeps.journal import Rows
+from tailslap.sweeps.row import TIMES, versions
+from tailslap.sweeps.variation import Variation
 
 if TYPE_CHECKING:
     import pyarrow as pa

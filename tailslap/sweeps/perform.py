@@ -11,12 +11,12 @@ from typing import Any
 from tailslap.execution.cluster import connected
 from tailslap.execution.dispatch import PATIENCE_S, Dispatcher, SchedulerLostError, Work, WorkersLostError
 from tailslap.progress import counted
-from tailslap.sweep.complete import Effort, Sweep
-from tailslap.sweep.definition import Definition
-from tailslap.sweep.folder import sweep_folder
-from tailslap.sweep.journal import Rows, open_rows
-from tailslap.sweep.row import ERROR, FAILED, STATUSES, compute_row, killing_row
-from tailslap.sweep.table import write_table
+from tailslap.sweeps.complete import Effort, Sweep
+from tailslap.sweeps.definition import Definition
+from tailslap.sweeps.folder import sweep_folder
+from tailslap.sweeps.journal import Rows, open_rows
+from tailslap.sweeps.row import ERROR, FAILED, STATUSES, compute_row, killing_row
+from tailslap.sweeps.table import write_table
 
 LOST, INTERRUPTED = 3, 130
 
@@ -50,7 +50,7 @@ def perform(
                 effort = _make_missing(definition, rows, cluster, workers, compute)
                 write_table(folder, definition, rows)
             done = Sweep(definition, {name: rows.statuses[name] for name in STATUSES}, effort)
-            from tailslap.sweep.report import write_sweep
+            from tailslap.sweeps.report import write_sweep
 
             write_sweep(done, folder)
             return done
