@@ -12,6 +12,8 @@ from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from postprocess.report.report import Report
 
 
@@ -33,8 +35,14 @@ class Analysis:
         plan -> what `tailslap rigid` says, as numbers, and (plan, units) -> as lines.
     check_lines : callable
         plan -> what `tailslap check` says.
-    run_report : callable
-        (plan, folder, tolerance, pictures) -> the report of a run.
+    run : callable
+        (plan, tolerance) -> outcome of a run.
+    report : callable
+        (outcome, folder, pictures) -> its report; pictures are drawn into the folder.
+    summary : callable
+        (outcome, pictures) -> its numbers, SI: what `summary.json` holds.
+    histories : callable
+        outcome -> the histories of FE and rigid vehicle, columns by the names of their files.
     duration : callable
         plan -> how long the motion lasts that a run integrates [s].
     columns : callable
@@ -51,8 +59,15 @@ class Analysis:
     rigid_numbers: Callable[[Any], dict[str, Any]]
     rigid_lines: Callable[[Any, str], list[str]]
     check_lines: Callable[[Any], list[str]]
-    run_report: Callable[[Any, Path, float | None, bool], Report]
+    run: Callable[[Any, float | None], Any]
+    report: Callable[[Any, Path, bool], Report]
+    summary: Callable[[Any, bool], dict[str, Any]]
+    histories: Callable[[Any], dict[str, dict[str, np.ndarray]]]
     duration: Callable[[Any], float]
     columns: Callable[[Any], dict[str, Any]]
     column_kinds: Callable[[Scene], dict[str, type]]
     compared: Compared
+
+    def run_report(self, plan: Any, folder: Path, tolerance: float | None, pictures: bool) -> Report:
+        """The report of a run of this plan."""
+        return self.report(self.run(plan, tolerance), folder, pictures)

@@ -181,11 +181,11 @@ def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: floa
     from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
-    from tailslap.report.modal_text import modal_numbers, modal_text
+    from tailslap.report.modal_text import modal_json, modal_text
 
     fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     found = modal_run(fe_plan, modes, tolerance, steps)
-    click.echo((modal_numbers if as_json else modal_text)(fe_plan, found))
+    click.echo((modal_json if as_json else modal_text)(fe_plan, found))
     return DONE if found.passed else CHECK_FAILED
 
 

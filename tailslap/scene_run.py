@@ -166,6 +166,7 @@ def _simulated(fe_plan: FePlan) -> Run:
                 progress=progress,
                 corrupted=lambda row: friction_by_ringing(fe_plan, row) > CORRUPTED,
                 checkpoint=next_checkpoint(),
+                snapshots=scene.kept_fields,
             )
     except TooSoftError:
         why = "the plate is too soft to be in equilibrium under its reaction"

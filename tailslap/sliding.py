@@ -12,7 +12,10 @@ from tailslap.planning.rigid import rigid_answer, rigid_lines
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from postprocess.report.report import Report
+    from tailslap.scene_run import Outcome
 
 
 def _check_lines(plan: Plan) -> list[str]:
@@ -26,17 +29,38 @@ def _check_lines(plan: Plan) -> list[str]:
     return rigid_part(fe_plan.plan) + fe_part(fe_plan) + chosen_lines(fe_plan)
 
 
-def _run_report(plan: Plan, folder: Path, tolerance: float | None, pictures: bool) -> Report:
-    from tailslap.report.run_report import run_report
-    from tailslap.scene_run import run_scene
+def _run(plan: Plan, tolerance: float | None) -> Outcome:
+    if tolerance is None:
+        from tailslap.scene_run import run_scene
+
+        return run_scene(plan)
     from tailslap.tolerance import run_to_tolerance
 
-    outcome = run_scene(plan) if tolerance is None else run_to_tolerance(plan, tolerance)
+    return run_to_tolerance(plan, tolerance)
+
+
+def _report(outcome: Outcome, folder: Path, pictures: bool) -> Report:
+    from tailslap.report.run_report import run_report
+
+    if outcome.run.snapshots is not None:
+        from tailslap.report.fields import keep_fields
+
+        keep_fields(outcome.fe_plan.model, outcome.run.snapshots, folder)
     if pictures:
         from tailslap.report.pictures import draw_pictures
 
         outcome = draw_pictures(outcome, folder)
     return run_report(outcome, pictures)
+
+
+def _summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
+    from tailslap.report.summary import summary
+
+    return summary(outcome, pictures)
+
+
+def _histories(outcome: Outcome) -> dict[str, dict[str, np.ndarray]]:
+    return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
 
 
 def _columns(plan: Plan) -> dict[str, Any]:
@@ -60,7 +84,10 @@ SLIDING = Analysis(
     rigid_numbers=rigid_answer,
     rigid_lines=rigid_lines,
     check_lines=_check_lines,
-    run_report=_run_report,
+    run=_run,
+    report=_report,
+    summary=_summary,
+    histories=_histories,
     duration=lambda plan: plan.motion.strike.t,
     columns=_columns,
     column_kinds=_column_kinds,

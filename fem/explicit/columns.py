@@ -72,6 +72,8 @@ class Column:
         (measures, state, model) -> number; None for the record's own field of that name.
     symbol, caption : str
         Of its plot; without a symbol it has none of its own.
+    meaning : str
+        In words, for the reference.
     """
 
     name: str
@@ -79,34 +81,35 @@ class Column:
     value: Callable[[Measures, Any, Any], float] | None = None
     symbol: str = ""
     caption: str = ""
+    meaning: str = ""
 
 
 COLUMNS: Registry[Column] = Registry("column")
 """Columns by name, in the order of the history; the record's own come first."""
 
-_UNITS = [
-    "rad",
-    "rad/s",
-    "m/s",
-    "m/s",
-    "m",
-    "m/s",
-    "N",
-    "N",
-    "J",
-    "J",
-    "J",
-    "J",
-    "J",
-    "J",
-    "N.s",
-    "N.s",
-    "m",
-    "J",
-]
+_OWN = {
+    "theta": ("rad", "angle between side and wall"),
+    "omega": ("rad/s", "spin, positive where it closes the angle"),
+    "v_gx": ("m/s", "velocity of the centre of mass along the wall"),
+    "v_gy": ("m/s", "velocity of the centre of mass across the wall, negative towards it"),
+    "slide": ("m", "displacement of the corner along the wall"),
+    "v_p": ("m/s", "speed of the corner along the wall"),
+    "reaction_normal": ("N", "of the wall on the plate, negative where it pulls"),
+    "reaction_tangential": ("N", "friction of the wall on the plate"),
+    "kinetic_energy": ("J", "of the plate"),
+    "strain_energy": ("J", "of the plate"),
+    "contact_energy": ("J", "of the corner's constraint"),
+    "friction_work": ("J", "done on the plate by friction since the start"),
+    "damping_work": ("J", "done on the plate by damping since the start"),
+    "vibration_energy": ("J", "kinetic energy that is not rigid motion's"),
+    "normal_impulse": ("N s", "of the normal reaction since the start"),
+    "normal_impulse_magnitude": ("N s", "of the magnitude of the normal reaction since the start"),
+    "gap": ("m", "distance of the corner from the wall's line"),
+    "hourglass_energy": ("J", "of hourglass control"),
+}
 
-for _name, _unit in zip(Measures._fields, _UNITS, strict=True):
-    COLUMNS.register(Column(_name, _unit.replace(".", " ")))
+for _name in Measures._fields:
+    COLUMNS.register(Column(_name, _OWN[_name][0], meaning=_OWN[_name][1]))
 
 
 def row_of(measures: Measures, state: Any, model: Any) -> tuple[float, ...]:

@@ -6,7 +6,7 @@ import functools
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from fem.discretisation.properties import ModelError
 from fem.explicit.checkpoint import Arrays, Checkpoint, NoCheckpoint, packed, unpacked
 from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
 from fem.explicit.simulate import LOOKS, Stepper
+from fem.explicit.snapshots import SnapshotKeeper, Snapshots
 from fem.stability.deformed import deformed_frequency
 from fem.start.rigid_state import to_global
 
@@ -64,6 +65,8 @@ class ImpactRun:
         Time that they took, records included [s].
     highest_frequency : float
         The largest at a few instants of the run [rad/s].
+    snapshots : Snapshots or None
+        Nodal positions and velocities at some instants, where they were asked for.
     """
 
     history: dict[str, np.ndarray]
@@ -75,6 +78,7 @@ class ImpactRun:
     steps: int
     time_loop_s: float
     highest_frequency: float
+    snapshots: Snapshots | None = None
 
 
 class ImpactStepper(Stepper):
@@ -133,6 +137,13 @@ class ImpactStepper(Stepper):
         )
         return rows
 
+    def nodal(self, state: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and velocities [m/s] at the state's instant in the wall's frame, shape (2, nodes) each."""
+        later = unpacked("state", state, packed("state", state))
+        self.record(later, 1, 1)
+        on_wall = state.positions + np.array([[state.origin[0]], [0.0]])
+        return on_wall, 0.5 * (state.velocities + later.velocities)
+
 
 def compile_impact_loop(model: PlateModel) -> None:
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
@@ -149,6 +160,7 @@ def simulate_impact(
     finished: Callable[[ImpactRun], bool] = lambda run: False,
     progress: Callable[[float], None] = lambda share: None,
     checkpoint: Checkpoint | None = None,
+    keeper: SnapshotKeeper | None = None,
 ) -> ImpactRun:
     """Run from the first touch until the latest instant, or until it is finished.
 
@@ -168,6 +180,8 @@ def simulate_impact(
         Told the time that is done [s].
     checkpoint : Checkpoint, optional
         Keeps the run's state now and then; one that has kept it lets the run go on, with the same bits.
+    keeper : SnapshotKeeper, optional
+        Keeps positions and velocities of all nodes at some rows and at the end.
 
     Returns
     -------
@@ -187,21 +201,43 @@ def simulate_impact(
     chunks, seen = [stepper.record(state, 0, 1)], [state.positions.copy()]
     if (kept := checkpoint.load()) is not None:
         state, chunks, seen = _resumed(kept, state, chunks[0])
+        if keeper:
+            keeper.resume(kept)
+    elif keeper:
+        keeper.look(0.0, 0.0, functools.partial(stepper.nodal, state))
     run = _run(stepper, chunks, stride, 0.0)
     while sum(len(chunk.values) for chunk in chunks) <= total and np.isfinite(chunks[-1].values).all():
         done = sum(len(chunk.values) for chunk in chunks) - 1
-        chunks.append(stepper.record(state, stride, min(CHUNK, total - done)))
+        chunks.append(_chunk(stepper, state, stride, done, min(CHUNK, total - done), keeper))
         seen.append(state.positions.copy())
         _check_length(state)
         run = _run(stepper, chunks, stride, time.perf_counter() - began)
         progress(float(run.history["t"][-1]))
         if finished(run) or len(run.history["t"]) > total:
             break
-        checkpoint.save(functools.partial(_kept, state, chunks, seen))
+        checkpoint.save(functools.partial(_kept, state, chunks, seen, keeper))
     looked = [seen[k] for k in np.unique(np.linspace(0, len(seen) - 1, LOOKS).astype(int))]
     finite = [positions for positions in looked if np.isfinite(positions).all()]
     frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
-    return _run(stepper, chunks, stride, run.time_loop_s, frequency)
+    run = _run(stepper, chunks, stride, run.time_loop_s, frequency)
+    if keeper is None:
+        return run
+    return replace(run, snapshots=keeper.finished(float(run.history["t"][-1]), stepper.nodal(state)))
+
+
+def _chunk(
+    stepper: ImpactStepper, state: ImpactState, stride: int, done: int, count: int, keeper: Any
+) -> Rows:
+    """So many more rows after those that are done, cut where a snapshot is due: the bits are those of a whole chunk."""
+    if keeper is None:
+        return stepper.record(state, stride, count)
+    row, parts, last = stride * stepper.loop.time_step, [], done + count
+    while done < last:
+        until = min(last, max(done + 1, round(min(keeper.due, row * last) / row)))
+        parts.append(stepper.record(state, stride, until - done))
+        done = until
+        keeper.look(row * done, row, functools.partial(stepper.nodal, state))
+    return Rows(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def _check_length(state: ImpactState) -> None:
@@ -212,10 +248,13 @@ def _check_length(state: ImpactState) -> None:
         )
 
 
-def _kept(state: ImpactState, chunks: list[Rows], seen: list[np.ndarray]) -> dict[str, np.ndarray]:
+def _kept(
+    state: ImpactState, chunks: list[Rows], seen: list[np.ndarray], keeper: SnapshotKeeper | None
+) -> dict[str, np.ndarray]:
     """What the loop needs to go on; the state is of this instant, for the loop advances it in place."""
     rows = Rows(*(np.concatenate(parts) for parts in zip(*chunks, strict=True)))
-    return packed("state", state) | packed("rows", rows) | {"seen": np.array(seen)}
+    snapshots = keeper.arrays() if keeper else {}
+    return packed("state", state) | packed("rows", rows) | {"seen": np.array(seen)} | snapshots
 
 
 def _resumed(

@@ -19,6 +19,7 @@ from fem.explicit.columns import COLUMNS, Measures, row_of
 from fem.explicit.elastic_damping import SUMS, damp
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.measures import measure
+from fem.explicit.snapshots import SnapshotKeeper, Snapshots
 from fem.explicit.time_loop import State, advance, copy_state
 from fem.stability.deformed import deformed_frequency
 from fem.start.rigid_state import RigidStart
@@ -67,6 +68,8 @@ class Run:
         Time that they took [s].
     highest_frequency : float
         The largest at a few instants of the run [rad/s].
+    snapshots : Snapshots or None
+        Nodal positions and velocities at some instants, where they were asked for.
     """
 
     history: dict[str, np.ndarray]
@@ -74,6 +77,7 @@ class Run:
     steps: int
     time_loop_s: float
     highest_frequency: float  # [rad/s], the largest at a few instants of the run
+    snapshots: Snapshots | None = None
 
 
 class Stepper:
@@ -153,6 +157,10 @@ class Stepper:
         later = self.advance(state, 1)
         return 0.5 * (state.velocities + later.velocities)
 
+    def nodal(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and velocities [m/s] at the state's instant in the wall's frame, shape (2, nodes) each."""
+        return state.positions_on_wall, self.nodal_velocities(state)
+
 
 def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None:
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
@@ -173,6 +181,7 @@ def simulate(
     corrupted: Callable[[dict[str, float]], bool] = lambda row: False,
     make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
     checkpoint: Checkpoint | None = None,
+    snapshots: int = 0,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
 
@@ -198,6 +207,8 @@ def simulate(
         Makes the compiled loop of a model and a number of threads.
     checkpoint : Checkpoint, optional
         Keeps the run's state now and then; one that has kept it lets the run go on, with the same bits.
+    snapshots : int
+        Instants at which positions and velocities of all nodes are kept, the tail-slap among them.
 
     Returns
     -------
@@ -209,11 +220,14 @@ def simulate(
     last = OVERTIME * duration / time_step
     began = time.perf_counter()
     checkpoint, strike = checkpoint or NoCheckpoint(), None
+    keeper = SnapshotKeeper(snapshots, duration) if snapshots else None
     if (kept := checkpoint.load()) is not None:
-        state, step, table, seen = _resumed(kept)
+        state, step, table, seen = _resumed(kept, keeper)
     else:
         state, step = stepper.start(start, kind), 0
         table, seen = [(0.0, *stepper.row(state))], []
+        if keeper:
+            keeper.look(0.0, 0.0, functools.partial(stepper.nodal, state))
     while strike is None and step < last and np.isfinite(table[-1]).all():
         later = stepper.advance(state, stride)
         row = (time_step * (step + stride), *stepper.row(later))
@@ -224,28 +238,38 @@ def simulate(
             if len(table) % (rows // LOOKS) == 0:
                 seen.append(later.positions)
             state, step = later, step + stride
+            if keeper:
+                keeper.look(row[0], stride * time_step, functools.partial(stepper.nodal, state))
         table.append(row)
         progress(min(1.0, row[0] / duration))
         if len(table) % max(1, rows // GLANCES) == 0 and corrupted(_named(row)):
             break
         if strike is None:
-            checkpoint.save(functools.partial(_kept, state, step, table, seen))
+            checkpoint.save(functools.partial(_kept, state, step, table, seen, keeper))
     elapsed = time.perf_counter() - began
     history = _named(np.array(table).T)
     finite = [
         positions for positions in (*seen[: LOOKS - 1], state.positions) if np.isfinite(positions).all()
     ]
     frequency = max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
-    return Run(history, strike, step, elapsed, frequency)
+    snaps = None
+    if keeper:
+        end = (strike.positions, strike.velocities) if strike else stepper.nodal(state)
+        snaps = keeper.finished(float(history["t"][-1]), end)
+    return Run(history, strike, step, elapsed, frequency, snaps)
 
 
-def _kept(state: State, step: int, table: list[Any], seen: list[np.ndarray]) -> dict[str, np.ndarray]:
+def _kept(
+    state: State, step: int, table: list[Any], seen: list[np.ndarray], keeper: SnapshotKeeper | None
+) -> dict[str, np.ndarray]:
     """What the loop needs to go on."""
     rest = {"step": np.array(step), "table": np.array(table), "seen": np.array(seen)}
-    return state._asdict() | rest
+    return state._asdict() | rest | (keeper.arrays() if keeper else {})
 
 
-def _resumed(kept: Arrays) -> tuple[State, int, list[Any], list[np.ndarray]]:
+def _resumed(kept: Arrays, keeper: SnapshotKeeper | None) -> tuple[State, int, list[Any], list[np.ndarray]]:
+    if keeper:
+        keeper.resume(kept)
     state = State(*(np.ascontiguousarray(kept[name]) for name in State._fields))
     return state, int(kept["step"]), list(map(tuple, kept["table"])), list(kept["seen"])
 

@@ -12,7 +12,10 @@ from tailslap.impact.rigid_text import rigid_lines, rigid_numbers
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from postprocess.report.report import Report
+    from tailslap.impact.outcome import ImpactOutcome
 
 
 def _check_lines(plan: ImpactPlan) -> list[str]:
@@ -25,13 +28,36 @@ def _check_lines(plan: ImpactPlan) -> list[str]:
     return rigid_part(plan) + fe_part(make_impact_fe_plan(plan))
 
 
-def _run_report(plan: ImpactPlan, folder: Path, tolerance: float | None, pictures: bool) -> Report:
-    from tailslap.impact.report import impact_report
-    from tailslap.impact.run import run_impact
+def _run(plan: ImpactPlan, tolerance: float | None) -> ImpactOutcome:
+    if tolerance is None:
+        from tailslap.impact.run import run_impact
+
+        return run_impact(plan)
     from tailslap.impact.tolerance import run_impact_to_tolerance
 
-    outcome = run_impact(plan) if tolerance is None else run_impact_to_tolerance(plan, tolerance)
+    return run_impact_to_tolerance(plan, tolerance)
+
+
+def _report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Report:
+    from tailslap.impact.report import impact_report
+
+    if outcome.run.snapshots is not None:
+        from tailslap.report.fields import keep_fields
+
+        keep_fields(outcome.fe_plan.model, outcome.run.snapshots, folder)
     return impact_report(outcome, folder, pictures)
+
+
+def _summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
+    from tailslap.impact.summary import impact_summary
+
+    return impact_summary(outcome, pictures)
+
+
+def _histories(outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
+    from tailslap.impact.summary import impact_histories
+
+    return impact_histories(outcome)
 
 
 def _columns(plan: ImpactPlan) -> dict[str, Any]:
@@ -52,7 +78,10 @@ IMPACT = Analysis(
     rigid_numbers=rigid_numbers,
     rigid_lines=rigid_lines,
     check_lines=_check_lines,
-    run_report=_run_report,
+    run=_run,
+    report=_report,
+    summary=_summary,
+    histories=_histories,
     duration=lambda plan: plan.motion.t_end,
     columns=_columns,
     column_kinds=_column_kinds,

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.signals.design_forces import design_forces
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.check_text import contact_words, omitted_parts
-from tailslap.impact.checks import energy_error
 from tailslap.impact.figures import (
     animation,
     contact_figures,
@@ -23,7 +20,7 @@ from tailslap.impact.figures import (
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
 from tailslap.impact.rigid_text import CURVES
-from tailslap.impact.summary import impact_cost, impact_summary, wall_numbers
+from tailslap.impact.summary import impact_cost, impact_histories, impact_summary, wall_numbers
 from tailslap.report.footer import footer
 from tailslap.report.run_report import CHECKS, INPUTS
 from tailslap.scene.inputs import resolved_inputs
@@ -84,15 +81,8 @@ def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Repor
         scene_text=plan.source.text,
         passed=outcome.passed,
     )
-    histories = {"history.csv": _history(outcome), "rigid.csv": outcome.rigid.history}
-    return Report(page, impact_summary(outcome, pictures), tuple(_terminal(outcome)), histories=histories)
-
-
-def _history(outcome: ImpactOutcome) -> dict[str, np.ndarray]:
-    h = outcome.run.history
-    first = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
-    ordered = {name: h[name] for name in first} | h
-    return ordered | {"energy_error": energy_error(outcome)}
+    said = tuple(_terminal(outcome))
+    return Report(page, impact_summary(outcome, pictures), said, histories=impact_histories(outcome))
 
 
 def headline(outcome: ImpactOutcome) -> str:

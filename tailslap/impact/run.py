@@ -60,7 +60,8 @@ def make_fe_plan_timed(plan: ImpactPlan) -> tuple[ImpactFePlan, float]:
 def plain_run(made: tuple[ImpactFePlan, float]) -> ImpactOutcome:
     """A single run beside the rigid vehicle, without a second run and checks."""
     fe_plan, setup = made
-    return replace(compared(fe_plan, simulated(fe_plan)), setup_s=setup)
+    run = simulated(fe_plan, fe_plan.plan.scene.kept_fields)
+    return replace(compared(fe_plan, run), setup_s=setup)
 
 
 def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
@@ -73,10 +74,14 @@ def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
     return ImpactOutcome(fe_plan, run, rigid, fe, differences(fe, rigid), {}, 0.0)
 
 
-def simulated(fe_plan: ImpactFePlan) -> ImpactRun:
-    """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's."""
+def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
+    """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's.
+
+    snapshots: instants at which the motion of all nodes is kept.
+    """
     from fem.discretisation.properties import ModelError
     from fem.explicit.impact_run import simulate_impact
+    from fem.explicit.snapshots import SnapshotKeeper
 
     scene, until = fe_plan.plan.scene, fe_plan.plan.motion.t_end
     end = scene.time.end
@@ -98,6 +103,7 @@ def simulated(fe_plan: ImpactFePlan) -> ImpactRun:
                 finished if end is None else lambda run: False,
                 lambda now: progress(min(1.0, now / until)),
                 next_checkpoint(),
+                SnapshotKeeper(snapshots, until if end is None else end) if snapshots else None,
             )
     except ModelError as error:
         raise refusal(scene, fe_plan.plate, error) from None

@@ -9,8 +9,12 @@ import numpy as np
 
 import tailslap
 from tailslap.impact.check_text import omitted_parts
+from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
+
+FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
+"""Columns in front of all others."""
 
 
 def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
@@ -80,3 +84,10 @@ def impact_cost(outcome: ImpactOutcome) -> dict[str, float | int]:
         "setup_s": outcome.setup_s,
         "time_loop_s": outcome.run.time_loop_s,
     }
+
+
+def impact_histories(outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
+    """Columns of `history.csv` and `rigid.csv`, SI, shape (rows,) each."""
+    h = outcome.run.history
+    ordered = {name: h[name] for name in FIRST} | h | {"energy_error": energy_error(outcome)}
+    return {"history.csv": ordered, "rigid.csv": dict(outcome.rigid.history)}

@@ -14,6 +14,9 @@ from tailslap.scene.schema import Scene
 BYTES_A_NODE, BASE_BYTES = 9e3, 0.25e9
 """Memory of model, factorisation and state; measured on 40 000 and 160 000 nodes, quad4 and quad9."""
 
+BYTES_OF_FIELDS = 400.0
+"""Memory of a node at an instant whose fields are kept, while they are worked out."""
+
 MAX_SECONDS = 86_400.0
 """Time of the loop above which a run has to be asked for explicitly."""
 
@@ -43,7 +46,8 @@ def expected_nodes(scene: Scene) -> int:
 
 def expected_memory(scene: Scene) -> float:
     """Memory of a run [bytes]."""
-    return BASE_BYTES + BYTES_A_NODE * expected_nodes(scene)
+    a_node = BYTES_A_NODE + BYTES_OF_FIELDS * scene.kept_fields
+    return BASE_BYTES + a_node * expected_nodes(scene)
 
 
 def demand_affordable(scene: Scene, duration: float) -> None:

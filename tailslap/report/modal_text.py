@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Any
 
 from postprocess.comparison.comparison import comparison_rows
 from postprocess.files.summary import summary_text
@@ -43,11 +44,16 @@ def modal_text(fe_plan: FePlan, run: ModalRun) -> str:
     return printed(parts)
 
 
-def modal_numbers(fe_plan: FePlan, run: ModalRun) -> str:
+def modal_json(fe_plan: FePlan, run: ModalRun) -> str:
     """The numbers for other programs as JSON, SI; what was not reached is null."""
+    return summary_text(modal_numbers(fe_plan, run))
+
+
+def modal_numbers(fe_plan: FePlan, run: ModalRun) -> dict[str, Any]:
+    """The numbers for other programs, SI."""
     unknown = dict.fromkeys(run.rigid)
     cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")
-    numbers = {
+    return {
         "scene": fe_plan.plan.scene.name,
         "passed": run.passed,
         "modal": run.values or unknown,
@@ -58,4 +64,3 @@ def modal_numbers(fe_plan: FePlan, run: ModalRun) -> str:
         "checks": [asdict(check) for check in run.checks],
         "cost": {"modes": run.frequencies.size} | {name: getattr(run, name) for name in cost},
     }
-    return summary_text(numbers)

@@ -255,6 +255,13 @@ class Time(Table):
     end: EndOfImpact | None = None
 
 
+class Output(Table):
+    """What a run leaves beside its report. fields: instants of a run at which displacement, velocity and stress of the
+    whole plate are kept."""
+
+    fields: Annotated[int, Field(ge=1, le=10_000, strict=True)]
+
+
 class Wall(Table):
     """The wall's mesh; of a whole impact a wall that gives, on a foundation along it. Material left out: the paper's
     concrete (Table 2)."""
@@ -284,7 +291,13 @@ class Scene(Table):
     damping: Damping | None = None
     verify: Verify | None = None
     time: Time = Time()
+    output: Output | None = None
     wall: Wall | None = None
+
+    @property
+    def kept_fields(self) -> int:
+        """Instants at which fields are kept."""
+        return self.output.fields if self.output else 0
 
     @property
     def corner_friction(self) -> float:

@@ -106,6 +106,7 @@ def _check_plate(scene: Scene) -> None:
         "damping": scene.damping,
         "verify": scene.verify,
         "wall": scene.wall,
+        "output": scene.output,
     }
     for name, table in tables.items():
         if table and not scene.plate:

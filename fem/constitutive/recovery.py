@@ -1,0 +1,64 @@
+"""Stress and strain energy of the elements, from the positions of the nodes: for pictures and export."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem.compiled import compiled
+from fem.constitutive.stress import energy_density, stress
+
+
+def element_stress(model: Any, positions: np.ndarray) -> np.ndarray:
+    """Elastic stress and strain energy density, means over each element.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    positions : ndarray, shape (2, nodes)
+        In the wall's frame [m].
+
+    Returns
+    -------
+    ndarray, shape (4, elements)
+        Kirchhoff stress F S F' in the wall's frame, xx, yy, xy [Pa]: Cauchy's times the change of volume, which at
+        small strain is one. Strain energy over reference volume [J/m^3]. Without viscous stress and hourglass control.
+    """
+    table = model.loop.table
+    found = np.zeros((4, table.connectivity.shape[1]))
+    recover(np.ascontiguousarray(positions), table, model.loop.material, found)
+    return found
+
+
+@compiled
+def recover(positions, table, material, found):
+    """Add up the points of each element, weighted by volume, and divide by its volume."""
+    nodes, congruent = len(table.per_element), table.weights.shape[1] == 1
+    for element in range(table.connectivity.shape[1]):
+        column, volume = 0 if congruent else element, 0.0
+        for point in range(table.weights.shape[0]):
+            f_11 = f_12 = f_21 = f_22 = 0.0
+            for a in range(nodes):
+                node = table.connectivity[a, element]
+                g_1 = table.gradients[(point * nodes + a) * 2, column]
+                g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
+                f_11 += positions[0, node] * g_1
+                f_12 += positions[0, node] * g_2
+                f_21 += positions[1, node] * g_1
+                f_22 += positions[1, node] * g_2
+            e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
+            e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
+            g_12 = f_11 * f_12 + f_21 * f_22
+            s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
+            weight = table.weights[point, column]
+            volume += weight
+            t_11, t_12 = f_11 * s_11 + f_12 * s_12, f_11 * s_12 + f_12 * s_22
+            t_21, t_22 = f_21 * s_11 + f_22 * s_12, f_21 * s_12 + f_22 * s_22
+            found[0, element] += weight * (t_11 * f_11 + t_12 * f_12)
+            found[1, element] += weight * (t_21 * f_21 + t_22 * f_22)
+            found[2, element] += weight * (t_11 * f_21 + t_12 * f_22)
+            found[3, element] += weight * energy_density(material, e_11, e_22, g_12)
+        for k in range(4):
+            found[k, element] /= volume
