@@ -1,1 +1,1 @@
-"""Figures by matplotlib, as SVG inside pages or as PNG files."""
+"""Figures as SVG inside pages, written directly (`svg`) or by matplotlib, or as PNG files."""

@@ -32,12 +32,13 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Curve:
-    """One plot: short name, heading of the group it belongs to, caption, SVG text."""
+    """One plot: short name, heading of the group it belongs to, caption, SVG text, and width in pixels."""
 
     name: str
     group: str
     caption: str
     svg: str
+    width: float = 0.0
 
 
 @contextmanager

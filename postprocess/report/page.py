@@ -1,8 +1,10 @@
-"""Pages: one file that holds all it shows, with no script and nothing fetched from elsewhere."""
+"""Pages: one file that holds all it shows and fetches nothing. Its script shows values of charts; by the page's own
+policy no other script runs, and without scripts everything is there."""
 
 from __future__ import annotations
 
 import base64
+import hashlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,7 +44,7 @@ class Section:
     """A part of a page: figures, tables, sentences, findings; what is empty is not shown.
 
     layout: "half" sections stand side by side; figures stand "narrow", three or four in a row, "wide", two, or "tall",
-    one below the other.
+    one below the other. is_folded: shown when asked for.
     """
 
     title: str
@@ -52,6 +54,7 @@ class Section:
     sentences: Sequence[str] = ()
     findings: Sequence[Finding] = ()
     layout: str = ""
+    is_folded: bool = False
 
     @property
     def is_empty(self) -> bool:
@@ -86,7 +89,9 @@ def write_page(path: Path, page: Page) -> Path:
         lstrip_blocks=True,
     )
     environment.filters |= {"prose": prose, "data_uri": data_uri}
-    text = environment.get_template("page.html.j2").render(page=page)
+    script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+    text = environment.get_template("page.html.j2").render(page=page, script=script, digest=digest)
     path.write_text(text, encoding="utf-8")
     return path
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from postprocess.figures.style import Curve
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
 from postprocess.report.page import Page, write_page
@@ -41,7 +42,7 @@ class Report:
 
 
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
-    """Fill a folder: page, summary, tables, histories, texts."""
+    """Fill a folder: page, summary, tables, histories, texts, and the figures as SVG."""
     write_page(folder / page, report.page)
     write_summary(folder / SUMMARY, report.summary)
     for name, table in report.tables.items():
@@ -50,6 +51,9 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
         write_history(folder / name, columns)
     for name, text in report.texts.items():
         (folder / name).write_text(text, encoding="utf-8")
+    for figure in (figure for section in report.page.sections for figure in section.figures):
+        if isinstance(figure, Curve):
+            (folder / f"{figure.name}.svg").write_text(figure.svg, encoding="utf-8")
 
 
 def write_table(path: Path, table: Table) -> Path:

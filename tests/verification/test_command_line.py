@@ -30,6 +30,9 @@ HEAVY = (
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
 )
 FILES = {"summary.json", "history.csv", "rigid.csv", "report.html", ".tailslap-result.json"}
+CURVES = ("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential")
+CURVES += ("energy_exchanged", "energy_stored", "energy_error")
+FILES |= {f"{name}.svg" for name in CURVES}
 FLUTTER = (
     *("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3"),
     *("--set", "damping.kind=none"),
@@ -59,7 +62,7 @@ def test_rigid_and_scenes_import_nothing_heavy(tmp_path: Path) -> None:
 
 def test_a_run_without_pictures_does_not_import_vtk(tmp_path: Path) -> None:
     modules = imported("run", "paper-abaqus", "--no-pictures", cwd=tmp_path)
-    assert not modules & {"vtk", "vtkmodules", "pyvista"}
+    assert not modules & {"vtk", "vtkmodules", "pyvista", "matplotlib"}
     assert {"gmsh", "skfem", "numba"} <= modules
 
 

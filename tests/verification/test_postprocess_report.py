@@ -2,7 +2,9 @@
 
 import base64
 import csv
+import hashlib
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
@@ -33,7 +35,7 @@ class Parsed(HTMLParser):
         self.pieces: list[str] = []
         self.attributes: list[tuple[str, str, str]] = []
         self.tags: set[str] = set()
-        self.verbatim = ""
+        self.verbatim = self.script = ""
         self.feed(text)
         self.close()
         assert self.open == []
@@ -54,6 +56,8 @@ class Parsed(HTMLParser):
         self.pieces.append(data)
         if self.open and self.open[-1] == "pre":
             self.verbatim += data
+        if self.open and self.open[-1] == "script":
+            self.script += data
 
     @property
     def text(self) -> str:
@@ -135,7 +139,12 @@ def test_what_is_empty_is_not_shown(page: Parsed) -> None:
 
 def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page: Parsed) -> None:
     assert SCENE in page.verbatim
-    assert "script" not in page.tags
+    (policy,) = [
+        value for tag, name, value in page.attributes if (tag, name) == ("meta", "content") and "src" in value
+    ]
+    digest = base64.b64encode(hashlib.sha256(page.script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}'" in policy, "the page's own script, and no other"
+    assert "alert" not in page.script
 
 
 def test_nothing_is_fetched(page: Parsed) -> None:
@@ -146,7 +155,8 @@ def test_nothing_is_fetched(page: Parsed) -> None:
     ]
     assert links
     assert all(link.startswith(("data:image/png;base64,", "#")) for link in links)
-    assert not {"script", "link", "iframe", "object"} & page.tags
+    assert not {"link", "iframe", "object"} & page.tags
+    assert not re.search(r"fetch|import|XMLHttp|https?:(?!//www.w3.org/2000/svg)", page.script)
     assert "@import" not in page.text
     assert "url(" not in page.text
 

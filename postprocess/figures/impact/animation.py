@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.impact.positions import BODY, EDGE, WALL
+from postprocess.figures.impact.positions import EDGE
 from postprocess.figures.style import style
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+BODY, WALL = "#14467c", "#8a929b"
 SIZE, DPI = (8.0, 4.2), 90
 MAX_FRAMES = 120
 """More instants are thinned to as many. A frame of a GIF lasts whole hundredths of a second, from two on."""

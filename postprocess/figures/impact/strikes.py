@@ -1,14 +1,11 @@
-"""Strikes as figures mark them: shaded times, named above the plot."""
+"""Strikes as figures mark them: shaded times with their names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from postprocess.figures.svg.marks import Span
 
-COLOURS = ("#e2574c", "#14467c")
-OTHER = "#5b6570"
+COLOURS = {"front": "red", "rear": "fe"}
 
 
 @dataclass(frozen=True)
@@ -28,21 +25,9 @@ class StrikeMark:
 
 def corner_colour(corner: str) -> str:
     """One colour for each of the two corners, grey for what is none."""
-    return dict(zip(("front", "rear"), COLOURS, strict=True)).get(corner, OTHER)
+    return COLOURS.get(corner, "soft")
 
 
-def shade_strikes(axes: "Axes", strikes: Sequence[StrikeMark]) -> None:
+def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
     """Their times as bands behind the plot, each with its corner's name on top."""
-    for strike in strikes:
-        axes.axvspan(strike.start, strike.end, color=strike.colour, alpha=0.09, linewidth=0, zorder=0)
-        axes.annotate(
-            strike.corner,
-            (0.5 * (strike.start + strike.end), 1.0),
-            (0, 2),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            color=strike.colour,
-            fontsize=7.5,
-            ha="center",
-            va="bottom",
-        )
+    return tuple(Span(strike.corner, strike.start, strike.end, strike.colour) for strike in strikes)

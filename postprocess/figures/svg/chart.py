@@ -1,0 +1,205 @@
+"""A chart: plots one below the other over one x axis, with legend, ticks at round values, and units in the labels.
+
+The text stands by itself as an SVG file, and goes into a page as it is: it has no ids, text stays text, and colours of
+`PALETTE` are classes that a page may change. Lines and layers carry their values for pages that show them (`page.js`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from postprocess.figures.style import Curve
+from postprocess.figures.svg.marks import QUOTE, Level, Mark, coloured, found_ranges, text_width, words
+from postprocess.figures.svg.scale import Scale, fitted, tick_texts
+
+SIZE, SMALL = 12.0, 11.0
+"""Letters of labels, and of ticks."""
+
+HEAD, FOOT, ROW, RIGHT = 23.0, 36.0, 16.0, 12.0
+"""Room above a plot, below the last one, of a row of the legend, and to the right of the plots."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: its label with unit, its ends where they are not those of what is drawn, and its own ticks, if any."""
+
+    label: str = ""
+    low: float | None = None
+    high: float | None = None
+    is_log: bool = False
+    margin: float = 0.05
+    named: tuple[tuple[float, str], ...] | None = None
+
+    def scale(self, found: tuple[float, float]) -> Scale:
+        """A scale for what is drawn, without its places."""
+        low, high = fitted(*found, self.margin, self.is_log)
+        low = low if self.low is None else self.low
+        high = high if self.high is None else self.high
+        return Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
+
+    def ticks(self, scale: Scale, room: float) -> list[tuple[float, str]]:
+        """Values and their texts; room: for one of them."""
+        if self.named is not None:
+            return [
+                (value, text)
+                for value, text in self.named
+                if min(scale.low, scale.high) <= value <= max(scale.low, scale.high)
+            ]
+        values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
+        return list(zip(values, tick_texts(values, self.is_log), strict=True))
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Marks in a frame. height: of the frame, None for equal scales of both axes; nearest: values are shown of the
+    point that is nearest, not of the nearest x."""
+
+    marks: tuple[Mark, ...]
+    y: Axis = Axis()
+    height: float | None = 190.0
+    nearest: bool = False
+    has_grid: bool = True
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A plot with its scales in place, and its ticks."""
+
+    plot: Plot
+    x: Scale
+    y: Scale
+    y_ticks: list[tuple[float, str]]
+
+
+def draw_chart(
+    name: str, caption: str, plots: Sequence[Plot], x: Axis, group: str = "", width: float = 400.0
+) -> Curve:
+    """The chart as SVG text of so many pixels' width."""
+    with np.errstate(all="ignore"):
+        legend, top = _legend(plots[0], width)
+        frames = _framed(plots, x, width, top)
+        drawn = [legend, *map(_drawn, frames), _x_axis(x, frames)]
+    height = frames[-1].y.start + FOOT
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:.0f}" width="{width:g}" '
+        f'height="{height:.0f}" role="img" aria-label="{escape(caption, QUOTE)}" class="chart" '
+        f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
+        '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
+    )
+    return Curve(name, group, caption, head + "".join(drawn) + "</svg>", width)
+
+
+def _framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
+    ranges = [found_ranges(plot.marks) for plot in plots]
+    scales = [plot.y.scale(y) for plot, (_, y) in zip(plots, ranges, strict=True)]
+    along = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
+    sized = [
+        replace(scale, start=plot.height or 200.0, end=0.0) for scale, plot in zip(scales, plots, strict=True)
+    ]
+    ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
+    left = 8.0 + max(text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
+    beside = [text_width(_level_text(mark), 10.0) for mark in _levels(plots)]
+    along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
+    frames = []
+    for plot, scale, marked in zip(plots, sized, ticks, strict=True):
+        height = plot.height or _equal_height(along, scale)
+        top += HEAD
+        frames.append(Frame(plot, along, replace(scale, start=top + height, end=top), marked))
+        top += height
+    return frames
+
+
+def _equal_height(x: Scale, y: Scale) -> float:
+    return (x.end - x.start) * abs((y.high - y.low) / (x.high - x.low))
+
+
+def _legend(plot: Plot, width: float) -> tuple[str, float]:
+    """The keys of the marks in rows above the first plot, and how much room they take."""
+    shown = {mark.label: mark for mark in plot.marks if mark.label and mark.key()}
+    if not shown:
+        return "", 0.0
+    across, row, drawn = 0.0, 0, []
+    for label, mark in shown.items():
+        wide = 24.0 + text_width(label, SMALL)
+        if across and across + wide > width:
+            across, row = 0.0, row + 1
+        text = words(label, 23.0, 9.0, size=SMALL)
+        place = f'<g transform="translate({across:.1f} {row * ROW + 2.0:.1f})">'
+        drawn.append(place + mark.key() + coloured(text, "ink") + "</g>")
+        across += wide + 12.0
+    return "".join(drawn), (row + 1) * ROW + 2.0
+
+
+def _drawn(frame: Frame) -> str:
+    x, y, plot = frame.x, frame.y, frame.plot
+    width, height = x.end - x.start, y.start - y.end
+    box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
+    near = ' data-nearest="1"' if plot.nearest else ""
+    kind = f' data-log="{int(x.is_log)}"'
+    edges = (
+        f'data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" data-x="{x.low:.7g} {x.high:.7g}"'
+    )
+    return (
+        f'<g class="plot" {edges}{kind}{near}>'
+        + (_grid(frame) if plot.has_grid else "")
+        + "".join(mark.draw(x, y) for mark in plot.marks)
+        + coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
+        + _y_axis(frame)
+        + _level_names(frame)
+        + "</g>"
+    )
+
+
+def _grid(frame: Frame) -> str:
+    lines = "".join(
+        f"M{frame.x.start:.2f} {frame.y.at(value):.2f}H{frame.x.end:.2f}" for value, _ in frame.y_ticks
+    )
+    return coloured(f'<path d="{lines}" stroke="currentColor" stroke-width="0.8"/>', "grid")
+
+
+def _y_axis(frame: Frame) -> str:
+    texts = [
+        words(text, frame.x.start - 5.0, float(frame.y.at(value)) + 4.0, "end", SMALL)
+        for value, text in frame.y_ticks
+    ]
+    return coloured("".join(texts), "soft") + coloured(
+        words(frame.plot.y.label, 0.0, frame.y.end - 7.0), "ink"
+    )
+
+
+def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
+    """Ticks and label below the last plot, lines of the grid in all of them."""
+    last = frames[-1]
+    ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
+    down = last.y.start + 15.0
+    texts = [words(text, float(last.x.at(value)), down, "middle", SMALL) for value, text in ticks]
+    marks = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
+    label = words(axis.label, 0.5 * (last.x.start + last.x.end), down + 16.0, "middle")
+    line = f'<path d="{marks}" stroke="currentColor" stroke-width="0.8"/>'
+    return coloured(line, "grey") + coloured("".join(texts), "soft") + coloured(label, "ink")
+
+
+def _levels(plots: Sequence[Plot]) -> list[Level]:
+    return [mark for plot in plots for mark in plot.marks if isinstance(mark, Level)]
+
+
+def _level_text(level: Level) -> str:
+    return max(level.label.split("\n"), key=len)
+
+
+def _level_names(frame: Frame) -> str:
+    """Names of levels beside the plot, from below, each clear of the one before."""
+    lowest, drawn = np.inf, []
+    for level in sorted(_levels([frame.plot]), key=lambda level: level.value):
+        lines = level.label.split("\n")
+        lowest = min(float(frame.y.at(level.value)) + 3.0, lowest - 12.0 * len(lines))
+        texts = [
+            words(line, frame.x.end + 5.0, lowest - 11.0 * (len(lines) - 1 - number), size=10.0)
+            for number, line in enumerate(lines)
+        ]
+        drawn.append(coloured("".join(texts), level.colour))
+    return "".join(drawn)
