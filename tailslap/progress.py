@@ -1,12 +1,16 @@
-"""Signs of life on standard error: on a terminal a line that moves, for what takes over two seconds."""
+"""Signs of life on standard error: on a terminal a line that moves, for what takes over two seconds.
+
+One line at a time: what runs within something that shows its progress is silent. The environment variable `MODE` says
+how: "auto"; "lines", from time to time a line also where standard error is no terminal; or "none"."""
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 Write = Callable[[float, Callable[[], str]], None]
 """Takes how much is done, and what makes the label, which is called where they are shown."""
@@ -14,20 +18,26 @@ Write = Callable[[float, Callable[[], str]], None]
 DELAY, EVERY = 2.0, 0.1
 """Seconds before anything is shown, and between two states of the line."""
 
-LOGGED_EVERY = 30.0
-"""Seconds between lines of a count where standard error is no terminal."""
+LOGGED_EVERY, ASKED_EVERY = 30.0, 5.0
+"""Seconds between lines of a count where standard error is no terminal; where lines were asked for."""
+
+MODE = "TAILSLAP_PROGRESS"
 
 
 @contextmanager
-def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """Yield a function that takes the share done, 0 to 1; silent where standard error is no terminal."""
+def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]]:
+    """Yield a function that takes the share done, 0 to 1, of `total` things; silent where standard error is no
+    terminal."""
     began = time.monotonic()
 
     def line(share: float) -> str:
-        spent = time.monotonic() - began
-        return f"{label}: {clock(spent)} of {clock(spent / share) if share else '?'}"
+        rate = share / max(time.monotonic() - began, 1e-9)
+        done = (
+            f"{round(share * total)} of {total}, {rate * total:.3g}/s" if total else f"{100.0 * share:.0f} %"
+        )
+        return f"{label}: {done}, {_left(1.0 - share, rate)} left"
 
-    with _line(1.0) if sys.stderr.isatty() else nullcontext(_silent) as write:
+    with _shown(1.0, nullcontext(_silent)) as write:
         yield lambda share: write(share, lambda: line(share))
 
 
@@ -42,17 +52,16 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
 
     def line(done: int, note: str) -> str:
         rate = (done - before) / max(time.monotonic() - began, 1e-9)
-        left = clock((total - done) / rate) if rate else "?"
-        return f"{label}: {done} of {total}, {rate:.3g}/s, {left} left{note}"
+        return f"{label}: {done} of {total}, {rate:.3g}/s, {_left(total - done, rate)} left{note}"
 
-    with _line(total) if sys.stderr.isatty() else _log() as write:
+    with _shown(total, _log(LOGGED_EVERY)) as write:
         yield lambda done, note="": write(done, lambda: line(done, note))
 
 
 @contextmanager
 def announced(text: str, delay: float = DELAY) -> Iterator[None]:
     """Say what is being done if it is not done after `delay` seconds."""
-    if not sys.stderr.isatty():
+    if not sys.stderr.isatty() or _mode() == "none":
         yield
         return
     timer = threading.Timer(delay, lambda: print(text, file=sys.stderr, flush=True))
@@ -71,18 +80,48 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
 
 
+@contextmanager
+def shown_as(mode: str) -> Iterator[None]:
+    """Within it, and in processes started within it, progress is shown so."""
+    before = os.environ.get(MODE)
+    os.environ[MODE] = mode
+    try:
+        yield
+    finally:
+        os.environ.pop(MODE)
+        if before is not None:
+            os.environ[MODE] = before
+
+
+def _mode() -> str:
+    return os.environ.get(MODE, "auto")
+
+
+@contextmanager
+def _shown(total: float, otherwise: AbstractContextManager[Write]) -> Iterator[Write]:
+    """A line that moves on a terminal; elsewhere lines, if asked for, or something else; within it nothing."""
+    mode, moves = _mode(), sys.stderr.isatty()
+    way = _line(total) if moves else _log(ASKED_EVERY) if mode == "lines" else otherwise
+    with shown_as("none"), nullcontext(_silent) if mode == "none" else way as write:
+        yield write
+
+
+def _left(rest: float, rate: float) -> str:
+    return clock(rest / rate) if rate > 0.0 else "?"
+
+
 def _silent(done: float, label: Callable[[], str]) -> None:
     """Write nothing."""
 
 
 @contextmanager
-def _log() -> Iterator[Write]:
-    """Yield what prints a line from time to time."""
+def _log(every: float) -> Iterator[Write]:
+    """Yield what prints a line from time to time [s]."""
     last = time.monotonic()
 
     def write(done: float, label: Callable[[], str]) -> None:
         nonlocal last
-        if time.monotonic() - last >= LOGGED_EVERY:
+        if time.monotonic() - last >= every:
             last = time.monotonic()
             print(f"tailslap: {label()}", file=sys.stderr, flush=True)
 

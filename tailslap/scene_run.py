@@ -155,7 +155,7 @@ def _simulated(fe_plan: FePlan) -> Run:
 
     scene, start = fe_plan.plan.scene, fe_plan.plate.start
     try:
-        with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
+        with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
             return simulate(
                 fe_plan.model,
                 fe_plan.start,

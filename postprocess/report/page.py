@@ -12,12 +12,18 @@ from pathlib import Path
 from typing import Any
 
 from postprocess.figures.style import Curve
+from postprocess.figures.svg.scale import SUPERSCRIPTS
 from postprocess.report.table import Table
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) ")
 SYMBOL = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 CODE = re.compile(r"`([^`]+)`")
+EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
+MINUS = re.compile(r"(?<![\w.\-/])-(?=\d)")
+SQUARE = re.compile(r"(?<=[a-z])\^-?[23]\b")
+LETTERS = {"omega": "ω", "theta": "θ", "mu": "μ", "us": "μs"}
+LETTER = re.compile(r"(?<![\w.\-])(?:omega|theta|mu)(?![\w\-]|\.\w)|(?<=\d\N{NO-BREAK SPACE})us\b")
 
 
 @dataclass(frozen=True)
@@ -97,11 +103,28 @@ def write_page(path: Path, page: Page) -> Path:
 
 
 def prose(text: str) -> Any:
-    """The text as HTML: a letter with a subscript, like v_GY, is set as one, and `keys` as code."""
+    """The text as HTML: `keys` as code; elsewhere a letter with a subscript, like v_GY, is set as one, and numbers and
+    Greek letters as in print."""
     from markupsafe import Markup, escape
 
-    made = CODE.sub(r"<code>\1</code>", SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", glued(str(escape(text)))))
-    return Markup(made)
+    parts = CODE.split(glued(str(escape(text))))
+    parts[1::2] = [f"<code>{part}</code>" for part in parts[1::2]]
+    parts[::2] = [SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", printed_numbers(part)) for part in parts[::2]]
+    return Markup("".join(parts))
+
+
+def printed_numbers(text: str) -> str:
+    """The text with powers of ten as such, a true minus, superscripts, and the letters ω, θ and μ by their names."""
+    text = EXPONENT.sub(lambda found: _power(found[1], int(found[2])), text)
+    text = SQUARE.sub(lambda found: found[0][1:].translate(SUPERSCRIPTS), MINUS.sub("−", text))
+    return LETTER.sub(lambda found: LETTERS[found[0]], text)
+
+
+def _power(factor: str, power: int) -> str:
+    if not float(factor):
+        return "0"
+    times = factor[:-1] if factor.lstrip("+-") == "1" else f"{factor}×"
+    return f"{times}10{str(power).translate(SUPERSCRIPTS)}" if power else factor
 
 
 def glued(text: str) -> str:

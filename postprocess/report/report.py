@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
-from postprocess.report.page import Page, write_page
+from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Table
-from postprocess.report.terminal import Part, printed
+from postprocess.report.terminal import Part, place_line, printed
+from postprocess.report.units import Units
 
 PAGE, SUMMARY = "report.html", "summary.json"
 
@@ -39,6 +41,23 @@ class Report:
     def passed(self) -> bool:
         """Whether nothing failed."""
         return self.page.passed is not False
+
+
+def in_units(report: Report, units: Units) -> Report:
+    """The report as people who think in other units read it; its files stay in SI."""
+
+    def shown(part: Any) -> Any:
+        if isinstance(part, Table):
+            return part.in_units(units)
+        if isinstance(part, Chart):
+            return part.in_units(units.of)
+        if isinstance(part, Section):
+            tables, figures = ([shown(each) for each in parts] for parts in (part.tables, part.figures))
+            return replace(part, tables=tables, figures=figures)
+        return part
+
+    page = replace(report.page, sections=[shown(section) for section in report.page.sections])
+    return replace(report, page=page, terminal=tuple(shown(part) for part in report.terminal))
 
 
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
@@ -68,5 +87,4 @@ def write_table(path: Path, table: Table) -> Path:
 
 def report_text(report: Report, place: Path, page: str = PAGE) -> str:
     """What is said on the terminal, and where the page is."""
-    parts: Iterable[Part] = (*report.terminal, f"Report: {place / page}")
-    return printed(parts)
+    return printed((*report.terminal, place_line("Report:", place / page)))

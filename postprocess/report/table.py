@@ -6,10 +6,11 @@ Terminal, page, CSV and JSON all take it from here.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from postprocess.report.numbers import number, shown
+from postprocess.report.units import SI, Units
 
 Form = str | Callable[[Any], str]
 
@@ -32,6 +33,12 @@ class Column:
         Heading over several neighbours.
     below : Column, optional
         Shown in small letters below the entry on pages; a terminal leaves it out.
+    unit_key : str
+        Key of the entry that names the unit, where it differs from record to record.
+    is_unit : bool
+        Whether the entries are such names.
+    units : Units
+        What people see of a unit.
     """
 
     key: str
@@ -41,26 +48,43 @@ class Column:
     style: str = ""
     group: str = ""
     below: Column | None = None
+    unit_key: str = ""
+    is_unit: bool = False
+    units: Units = SI
 
     @property
     def heading(self) -> str:
         """Label with its unit."""
-        return f"{self.label} [{self.unit}]" if self.unit else self.label
+        return f"{self.label} [{self.shown_unit}]" if self.unit else self.label
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit of all entries as people see it."""
+        return self.units.of(self.unit)[1]
 
     def value(self, record: Any) -> Any:
         """The entry of a mapping, whose keys may have dots, an object or a tuple; None where one on the way is None."""
-        if isinstance(record, Mapping) and self.key in record:
-            return record[self.key]
-        for name in self.key.split("."):
-            record = _entry(record, name)
-        return record
+        return _looked_up(record, self.key)
 
     def text(self, record: Any) -> str:
         """The entry as people read it."""
         value = self.value(record)
+        if self.is_unit:
+            return self.units.of(value)[1]
+        factor, _ = self.units.of(_looked_up(record, self.unit_key) if self.unit_key else self.unit)
+        if factor != 1.0 and isinstance(value, int | float):
+            value = factor * value
         if callable(self.form):
             return self.form(value) if value is not None else number(value)
         return shown(value, self.form) if self.form else number(value)
+
+
+def _looked_up(record: Any, key: str) -> Any:
+    if isinstance(record, Mapping) and key in record:
+        return record[key]
+    for name in key.split("."):
+        record = _entry(record, name)
+    return record
 
 
 def _entry(record: Any, name: str) -> Any:
@@ -96,6 +120,14 @@ class Table:
         """Style of a row."""
         return self.marks.get(row, "")
 
+    def in_units(self, units: Units) -> Table:
+        """The same table, shown in other units."""
+        columns = [
+            replace(column, units=units, below=column.below and replace(column.below, units=units))
+            for column in self.columns
+        ]
+        return replace(self, columns=tuple(columns))
+
     def records(self) -> list[dict[str, Any]]:
         """The entries as they are, by key: what JSON and other files hold."""
         return [{column.key: column.value(row) for column in self.columns} for row in self.rows]
@@ -120,6 +152,7 @@ def text_table(*columns: str, rows: Sequence[Sequence[str]], texts: int = 1, **m
 def pairs(entries: Mapping[str, Any] | Sequence[tuple[Any, ...]], **more: Any) -> Table:
     """A table without headings: what, its value, and its unit where there is one."""
     lines = [(*line, "")[:3] for line in (entries.items() if isinstance(entries, Mapping) else entries)]
-    columns = (Column("what", ""), Column("value", "", form=number, style="strong"), Column("unit", ""))
+    value = Column("value", "", form=lambda value: number(value, 5), style="strong", unit_key="unit")
+    columns = (Column("what", ""), value, Column("unit", "", is_unit=True))
     used = columns if any(unit for *_, unit in lines) else columns[:2]
     return Table(used, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)

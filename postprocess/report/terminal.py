@@ -1,46 +1,54 @@
-"""Tables and sentences on a terminal."""
+"""Tables and sentences on a terminal, within its width; where standard output is none, within 80 columns."""
 
 from __future__ import annotations
 
+import shutil
 import textwrap
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
-from itertools import chain
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from itertools import chain, zip_longest
 
 from postprocess.report.page import NO_BREAK, Finding, Section, glued
-from postprocess.report.table import Column, Table
+from postprocess.report.table import Table
 
-if TYPE_CHECKING:
-    from rich.table import Table as RichTable
+WIDEST, NARROWEST, LEAST = 100, 40, 12
+"""Columns that lines have at most and at least, and that a column of words keeps."""
 
-NARROW = 96
-"""Columns where standard output is no terminal."""
-
+GAP = "  "
 
 Part = Table | Finding | Section | str
+Lines = list[list[str]]
 
 
 def printed(parts: Iterable[Part]) -> str:
     """Tables, findings, sentences and whole sections as text, one below the other."""
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True, markup=False)
-    console.width = max(console.width if console.is_terminal else 0, NARROW)
-    with console.capture() as shown:  # rich would end the program itself when the reader of a pipe leaves
-        for part in chain.from_iterable(map(_single, parts)):
-            if isinstance(part, Table):
-                console.print(_rich(part))
-            for line in _lines(part):
-                console.print(line)
-    return shown.get().rstrip("\n")
+    shown = chain.from_iterable(map(_single, parts))
+    return "\n".join(chain.from_iterable(map(_lines, shown))).rstrip("\n")
 
 
-def wrapped(text: str, before: str = "") -> list[str]:
-    """Lines of the width of a page; `before` stands in front of the first."""
-    indent = " " * len(before)
-    lines = textwrap.wrap(glued(text), NARROW, initial_indent=before, subsequent_indent=indent)
-    return [line.replace(NO_BREAK, " ") for line in lines]
+def line_width() -> int:
+    """How long lines may be."""
+    return max(NARROWEST, min(shutil.get_terminal_size().columns, WIDEST))
+
+
+def wrapped(text: str, before: str = "", behind: str = "") -> list[str]:
+    """Lines of the terminal's width, no word broken; `before` stands in front of the first, `behind` after all but the
+    last."""
+    width, indent = line_width() - len(behind), " " * len(before)
+    wrapper = textwrap.TextWrapper(width, before, indent, break_long_words=False, break_on_hyphens=False)
+    lines = wrapper.wrap(glued(text))
+    shown = [line.replace(NO_BREAK, " ") for line in lines]
+    return [line + behind for line in shown[:-1]] + shown[-1:]
+
+
+def place_line(label: str, place: object) -> str:
+    """A label and a path, which is not broken however long it is."""
+    return f"{label} {place}".replace(" ", NO_BREAK)
+
+
+def labelled(text: str, indent: int) -> list[str]:
+    """A line of a label and what it says, the further lines below the latter."""
+    return wrapped(text[indent:].strip(), text[:indent]) if len(text) > indent else [text]
 
 
 def _single(part: Part) -> Iterator[Table | Finding | str]:
@@ -63,44 +71,103 @@ def _lines(part: Table | Finding | str) -> Iterator[str]:
     if isinstance(part, str):
         yield from (line for text in part.split("\n") for line in wrapped(text) or [""])
     elif isinstance(part, Finding):
-        yield part.title
+        yield from wrapped(part.title)
         yield from wrapped(part.checked, "  checked  ")
         yield from (line for sentence in part.seen for line in wrapped(sentence, "  seen     "))
         yield from (line for sentence in part.inferred for line in wrapped(sentence, "  inferred "))
-        yield from (f"  repeat   {command}" for command in part.repeat)
+        yield from (line for command in part.repeat for line in wrapped(command, "  repeat   ", " \\"))
     else:
+        yield from table_lines(part, line_width())
         yield from (line for note in part.notes for line in wrapped(note))
+        yield ""
 
 
-def _rich(table: Table) -> RichTable:
-    from rich import box
-    from rich.table import Table as RichTable
-    from rich.text import Text
+def table_lines(table: Table, width: int) -> list[str]:
+    """The table within so many columns: words wrap; where numbers take too many, further columns stand below, beside
+    the first column again."""
+    roomy, columns = ([_laid(table, n, least) for n in range(len(table.columns))] for least in (LEAST, 0))
+    if len(list(_blocks(roomy, width))) == 1:
+        columns = roomy
+    lines = wrapped(table.title) if table.title else []
+    for block in _blocks(columns, width):
+        lines += [*_block_lines(block, width), ""]
+    return lines[:-1]
 
-    headed = any(column.label for column in table.columns)
-    made = RichTable(
-        title=table.title or None,
-        title_justify="left",
-        box=box.SIMPLE_HEAD if headed else None,
-        show_header=headed,
-        pad_edge=False,
-        collapse_padding=True,
+
+@dataclass(frozen=True)
+class Laid:
+    """A column as text: lines of its heading, cells, whether these are words, and the narrowest that it can be."""
+
+    heading: list[str]
+    cells: list[str]
+    is_words: bool
+    least: int
+
+    @property
+    def widest(self) -> int:
+        """Columns that it takes without a break."""
+        return max(map(len, (*self.heading, *self.cells)), default=0)
+
+
+def _laid(table: Table, number: int, least: int) -> Laid:
+    """A column; its heading is no wider than its cells or `least`, if words allow that."""
+    column = table.columns[number]
+    cells = [column.text(row) for row in table.rows]
+    words = [word for text in (column.label, *(cells if not column.form else ())) for word in text.split()]
+    longest = max(map(len, words), default=0)
+    numbers = max(map(len, cells), default=0) if column.form else 0
+    wide = max(longest, numbers, least if column.form else LEAST)
+    heading = textwrap.wrap(column.label, wide, break_long_words=False) + (
+        [f"[{column.shown_unit}]"] if column.unit else []
     )
-    for column, heading in zip(table.columns, _headings(table), strict=True):
-        made.add_column(Text(heading), justify="right" if column.form else "left", no_wrap=bool(column.form))
-    for row in table.rows:
-        made.add_row(*(Text(_cell(column, row)) for column in table.columns))
-    return made
+    first = not number or table.columns[number - 1].group != column.group
+    groups = [column.group if first else ""] if table.groups else []
+    narrowest = max([longest, numbers, *map(len, (*heading, *groups))])
+    return Laid([*groups, *heading], cells, not column.form, narrowest)
 
 
-def _cell(column: Column, row: object) -> str:
-    return column.text(row)
+def _blocks(columns: list[Laid], width: int) -> Iterator[list[Laid]]:
+    """Columns that fit side by side, each time with the first one."""
+    block = columns[:1]
+    for column in columns[1:]:
+        if len(block) > 1 and sum(each.least + len(GAP) for each in block) + column.least > width:
+            yield block
+            block = columns[:1]
+        block = [*block, column]
+    yield block
 
 
-def _headings(table: Table) -> Iterator[str]:
-    """Headings of the columns; where there are groups, below the group's, which its first column carries."""
-    last = ""
-    for column in table.columns:
-        group = column.group if column.group != last else ""
-        yield f"{group}\n{column.heading}" if table.groups else column.heading
-        last = column.group
+def _block_lines(block: list[Laid], width: int) -> Iterator[str]:
+    """Heading, a rule, and the rows."""
+    widths = _widths(block, width)
+    deep = max(len(column.heading) for column in block)
+    if any(any(column.heading) for column in block):
+        yield from _row([[""] * (deep - len(c.heading)) + c.heading for c in block], block, widths)
+        yield "─" * (sum(widths) + len(GAP) * (len(block) - 1))
+    for number in range(len(block[0].cells)):
+        cells = [
+            textwrap.wrap(column.cells[number], wide, break_long_words=False, break_on_hyphens=False) or [""]
+            for column, wide in zip(block, widths, strict=True)
+        ]
+        yield from _row(cells, block, widths)
+
+
+def _widths(block: list[Laid], width: int) -> list[int]:
+    """Widths of columns: words give way, the widest first."""
+    widths = [column.widest for column in block]
+    while sum(widths) + len(GAP) * (len(block) - 1) > width:
+        gives = [number for number, column in enumerate(block) if column.least < widths[number]]
+        if not gives:
+            break
+        widths[max(gives, key=lambda number: widths[number])] -= 1
+    return widths
+
+
+def _row(cells: Lines, block: list[Laid], widths: list[int]) -> Iterator[str]:
+    """Lines of a row; words to the left, numbers to the right."""
+    for texts in zip_longest(*cells, fillvalue=""):
+        sides = [
+            text.ljust(wide) if column.is_words else text.rjust(wide)
+            for text, column, wide in zip(texts, block, widths, strict=True)
+        ]
+        yield GAP.join(sides).rstrip()

@@ -7,7 +7,6 @@ from pathlib import Path
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from postprocess.signals.design_forces import design_forces
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.check_text import contact_words, omitted_parts
 from tailslap.impact.figures import (
@@ -22,8 +21,19 @@ from tailslap.impact.paper_method import paper_method
 from tailslap.impact.rigid_text import CURVES
 from tailslap.impact.summary import impact_cost, impact_histories, impact_summary, wall_numbers
 from tailslap.report.footer import footer
-from tailslap.report.run_report import CHECKS, INPUTS
+from tailslap.report.parts import (
+    PEAKS,
+    checks_section,
+    design_table,
+    failed_lines,
+    failed_section,
+    passed_text,
+    record_sections,
+    short,
+)
 from tailslap.scene.inputs import resolved_inputs
+from tailslap.scene.written import scene_text
+from tailslap.verification.check import FINER, STEP
 
 KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
@@ -31,23 +41,17 @@ FOOTER = "SI units; X along the wall in the driving direction, Y away from it; s
 STRIKES = (
     Column("corner", "Strike"),
     Column("model", "Model"),
-    Column("start", "Start", "s", form=".4f"),
+    Column("start", "Start", "ms", form=".1f"),
     Column("duration", "Duration", "ms", form=".1f"),
     Column("peak", "Peak", "kN", form=".1f", style="strong"),
     Column("impulse", "Impulse", "kN s", form=".2f"),
-    Column("attack", "Behind the front", "m", form=".2f"),
+    Column("attack", "Point of attack", "m", form=".2f"),
 )
-PEAKS = (
-    Column("curve", "Peak lateral force"),
-    Column("fe", "FE", "kN", form=".1f", style="strong"),
-    Column("rigid", "Rigid", "kN", form=".1f"),
+FILTERED = (
+    Column("curve", "Peak force, by filter"),
+    Column("fe", "Lateral, FE", "kN", form=".1f", style="strong"),
+    Column("rigid", "Lateral, rigid", "kN", form=".1f"),
     Column("along", "Longitudinal, FE", "kN", form=".1f"),
-)
-DESIGN = (
-    Column("name", "Design force"),
-    Column("force", "Lateral", "kN", form=".0f"),
-    Column("share", "50 ms mean of FE over it", form=".2f", style="strong"),
-    Column("source", "Source", style="soft"),
 )
 DURATIONS = (
     Column("curve", "Read off"),
@@ -62,11 +66,25 @@ RISK = (
     Column("time", "At", "s", form=".3f"),
     Column("lacks", "What it lacks"),
 )
+ATTACK = "Point of attack of the mean force, behind the front."
 DURATIONS_NOTE = (
     "The paper takes the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
     "and the force of a triangular pulse from it; here it is computed. A mean over 50 ms lengthens a strike that "
     "stands free by 50 ms."
 )
+
+
+CURES = {
+    "finite numbers": STEP,
+    "time step": STEP,
+    "energy balance": STEP,
+    "energy gained": STEP,
+    "strikes found": "a stiffer plate, or a later time.end",
+    "sampling": "a softer contact, or a coarser question: the strikes are shorter than rows can tell",
+    "mesh": FINER,
+    "point contact": "give contact.patch_length",
+}
+"""What to do where a check fails."""
 
 
 def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Report:
@@ -78,38 +96,51 @@ def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Repor
         headline=headline(outcome),
         sections=_sections(outcome, folder, pictures),
         footer=f"{footer()} {FOOTER}",
-        scene_text=plan.source.text,
+        scene_text=scene_text(plan.source),
         passed=outcome.passed,
+        contents=True,
     )
     said = tuple(_terminal(outcome))
     return Report(page, impact_summary(outcome, pictures), said, histories=impact_histories(outcome))
 
 
 def headline(outcome: ImpactOutcome) -> str:
-    """The verdict, the forces, and how far flexibility moves them."""
+    """The verdict: whether the numbers hold, and how far flexibility moves them."""
     failed = [check.name for check in outcome.checks if not check.passed]
     if failed:
         return f"Not to be relied on: failed {', '.join(failed)}."
-    fe, rigid = outcome.fe, outcome.rigid
+    impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
+    if not impulses:
+        return "The checks hold; plate and rigid vehicle do not strike in the same order."
     of_wall = " and the wall's" if outcome.fe_plan.plan.scene.wall else ""
-    strikes = "; ".join(
-        f"{s.corner} {s.peak_force / 1e3:.0f} kN for {1e3 * s.duration:.0f} ms" for s in fe.strikes[:2]
-    )
-    impulses = [abs(v) for k, v in outcome.difference.items() if k.endswith("impulse")]
-    flexible = (
-        f" The plate's{of_wall} flexibility moves the impulses by up to {100 * max(impulses):.2g} %"
-        if impulses
-        else ""
-    )
     error = max(map(abs, outcome.mesh_error.values()), default=float("nan"))
     return (
-        f"Peak lateral force {fe.peaks['mean_50ms'] / 1e3:.0f} kN as a 50 ms mean (rigid vehicle "
-        f"{rigid.peaks['mean_50ms'] / 1e3:.0f} kN). Strikes: {strikes}.{flexible}"
-        f"{', mesh error at most ' + format(100 * error, '.2g') + ' %' if impulses else ''}."
+        f"The plate's{of_wall} flexibility moves the impulses of the rigid vehicle by up to "
+        f"{100 * max(impulses):.2g} %; mesh error at most {100 * error:.2g} %."
     )
 
 
-def strikes_table(outcome: ImpactOutcome, title: str = "") -> Table:
+def peak_table(outcome: ImpactOutcome) -> Table:
+    """Peak force of each strike, and of the whole impact as a mean over 50 ms."""
+    fe, rigid = outcome.fe.strikes, outcome.rigid.strikes
+    rows = [
+        {
+            "what": f"Strike {number}, {strike.corner}",
+            "fe": strike.peak_force,
+            "rigid": rigid[number - 1].peak_force if number <= len(rigid) else None,
+        }
+        for number, strike in enumerate(fe, 1)
+    ]
+    mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
+    return Table(PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
+
+
+def _design(outcome: ImpactOutcome) -> Table:
+    """Design forces beside the 50 ms mean."""
+    return design_table(outcome.fe_plan.plan.scene, outcome.fe.peaks["mean_50ms"])
+
+
+def strikes_table(outcome: ImpactOutcome) -> Table:
     """Strikes of both models, in order of time."""
     rows = []
     for model, answer in (("FE", outcome.fe), ("rigid", outcome.rigid)):
@@ -119,17 +150,17 @@ def strikes_table(outcome: ImpactOutcome, title: str = "") -> Table:
                     "order": (number, model),
                     "corner": f"{number} {strike.corner}",
                     "model": model,
-                    "start": strike.start,
+                    "start": 1e3 * strike.start,
                     "duration": 1e3 * strike.duration,
                     "peak": strike.peak_force / 1e3,
                     "impulse": strike.impulse / 1e3,
                     "attack": strike.point_of_attack,
                 }
             )
-    return Table(STRIKES, sorted(rows, key=lambda row: str(row["order"])), title)
+    return Table(STRIKES, sorted(rows, key=lambda row: str(row["order"])), notes=(ATTACK,))
 
 
-def peaks_table(outcome: ImpactOutcome, title: str = "") -> Table:
+def filtered_table(outcome: ImpactOutcome) -> Table:
     """Peaks of raw and filtered forces."""
     from postprocess.signals.peaks import force_peaks
 
@@ -143,20 +174,7 @@ def peaks_table(outcome: ImpactOutcome, title: str = "") -> Table:
         }
         for key, label in CURVES.items()
     ]
-    return Table(PEAKS, rows, title)
-
-
-def design_table(outcome: ImpactOutcome) -> Table:
-    """Design forces of the scene's test level; none without one."""
-    impact = outcome.fe_plan.plan.scene.impact
-    level = impact.test_level if impact else None
-    mean = outcome.fe.peaks["mean_50ms"]
-    forces = design_forces(level) if level else ()
-    rows = [
-        {"name": each.name, "force": each.force / 1e3, "share": mean / each.force, "source": each.source}
-        for each in forces
-    ]
-    return Table(DESIGN, rows)
+    return Table(FILTERED, rows)
 
 
 def durations_table(answer: ImpactAnswer) -> Table:
@@ -175,39 +193,44 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Section]:
     fe_plan, plan = outcome.fe_plan, outcome.fe_plan.plan
-    design = design_table(outcome)
-    levels = {row["name"]: 1e3 * row["force"] for row in design.rows}
+    design = _design(outcome)
+    levels = {row["name"]: row["force"] for row in design.rows}
     chosen = frozenset(decision.key for decision in fe_plan.decisions)
     inputs = resolved_inputs(plan.scene, plan.source, fe_plan.plate, chosen)
-    failed = {number: "failed" for number, check in enumerate(outcome.checks) if not check.passed}
-    omitted = [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)]
     forces, (loops, along) = force_figures(outcome, levels), contact_figures(outcome)
     moving = [animation(outcome, folder)] if pictures else []
     return [
+        Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[strikes_table(outcome)]),
-        Section("Forces on the wall", tables=[peaks_table(outcome), design]),
-        Section("The second strike's duration", tables=[durations_table(outcome.fe)]),
-        Section("The wall, which gives", tables=_wall(outcome)),
-        Section("The paper's method beside it", tables=_paper(outcome)),
+        failed_section(outcome.checks, _cure, diagnosis(outcome)),
+        Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
-        Section("Lateral force over time", figures=forces[:1], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
         Section("Energy, and force along the side", figures=[energy_figure(outcome), *along], layout="wide"),
         Section("Force over crush", figures=loops, layout="narrow"),
         Section("Animation", figures=moving, layout="tall"),
-        Section("What was run", sentences=_statements(outcome)),
-        Section("Checks of the result", tables=[Table(CHECKS, outcome.checks, marks=failed)]),
-        Section("Occupant risk, planar", tables=[Table(RISK, outcome.fe.occupant_risk(fe_plan.model.mass))]),
+        Section("The wall, which gives", tables=_wall(outcome)),
+        Section("Forces by filter", tables=[filtered_table(outcome)], is_folded=True),
+        Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
+        Section("The paper's method beside it", tables=_paper(outcome), is_folded=True),
         Section(
-            "Cost",
-            tables=[pairs([(k.replace("_", " "), v) for k, v in impact_cost(outcome).items()])],
-            layout="half",
+            "Occupant risk, planar",
+            tables=[Table(RISK, outcome.fe.occupant_risk(fe_plan.model.mass))],
+            is_folded=True,
         ),
-        Section(
-            "Left out", tables=[Table((Column("part", "Part"), Column("why", "Why")), omitted)], layout="half"
-        ),
-        Section("Inputs", tables=[Table(INPUTS, inputs)]),
+        Section("What was run", sentences=_statements(outcome), is_folded=True),
+        checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
+        *record_sections(impact_cost(outcome), omitted_parts(plan.scene, pictures), inputs),
     ]
+
+
+def _cure(name: str) -> str:
+    return CURES.get(name, "please report it: a run does not fail this by its scene")
+
+
+def diagnosis(outcome: ImpactOutcome) -> list[str]:
+    """What the program chose."""
+    return [f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions]
 
 
 def _wall(outcome: ImpactOutcome) -> list[Table]:
@@ -257,18 +280,20 @@ def _statements(outcome: ImpactOutcome) -> list[str]:
         f"The vehicle {contact_words(contact)}.",
         "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
         f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
-        *(f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions),
+        *diagnosis(outcome),
     ]
 
 
 def _terminal(outcome: ImpactOutcome) -> list[Table | str]:
-    failed = [check for check in outcome.checks if not check.passed]
-    run = outcome.run
+    run, design = outcome.run, _design(outcome)
     return [
-        strikes_table(outcome, outcome.fe_plan.plan.scene.name),
-        peaks_table(outcome, "Forces on the wall"),
+        f"{outcome.fe_plan.plan.scene.name}: {headline(outcome)}",
+        "",
+        peak_table(outcome),
+        *([short(design)] if design.rows else []),
+        strikes_table(outcome),
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        *(f"FAILED  {c.name}: {c.value:.3g}, limit {c.limit:.3g} ({c.meaning})" for c in failed),
-        f"{headline(outcome)} Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed",
+        *failed_lines(outcome.checks, _cure, ()),
+        passed_text(outcome.checks),
         f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s",
     ]

@@ -94,7 +94,7 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
         return now >= max(until, strikes[1].end + AFTER_SECOND)
 
     try:
-        with progress_bar(f"{scene.name}: {fe_plan.expected_steps} steps") as progress:
+        with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
             return simulate_impact(
                 fe_plan.model,
                 fe_plan.touch,

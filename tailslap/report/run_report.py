@@ -1,31 +1,38 @@
-"""What a run reports: page, summary, histories, and what the terminal says."""
+"""What a run reports: page, summary, histories, and what the terminal says. The answer first; detail folds away."""
 
 from __future__ import annotations
 
-import math
-
 from fem.explicit.columns import COLUMNS
-from postprocess.comparison.comparison import (
-    PAPER_SOURCE,
-    PAPER_TABLE_3,
-    ComparisonRow,
-    comparison_rows,
-    largest,
-)
+from postprocess.comparison.comparison import PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
 from postprocess.figures.curves import draw_histories
 from postprocess.figures.panels import Panel
-from postprocess.report.numbers import number, shown
+from postprocess.report.numbers import number
 from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
+from solver.strike import strike_force
 from tailslap.planning.rigid import rigid_answer
-from tailslap.report.check_text import chosen_lines
 from tailslap.report.footer import footer
 from tailslap.report.omitted_parts import omitted_parts
-from tailslap.report.run_text import is_paper_case, statements
+from tailslap.report.parts import (
+    PEAKS,
+    checks_section,
+    design_table,
+    failed_lines,
+    failed_section,
+    passed_text,
+    record_sections,
+    short,
+)
+from tailslap.report.run_text import diagnosis, is_paper_case, statements
 from tailslap.report.summary import cost, summary
 from tailslap.scene.inputs import resolved_inputs
+from tailslap.scene.written import scene_text
 from tailslap.scene_run import Outcome
+from tailslap.verification.checks import advice
+from tailslap.verification.contact_work import CONTACT
+from tailslap.verification.crash_practice import ENERGY_RATIO, PRACTICE
+from tailslap.verification.mechanics import MECHANICS
 from tailslap.verification.verdict import verdict_sentence
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
@@ -35,21 +42,23 @@ CAPTIONS = {
     "contour_v_gy": "Velocity across the wall at the tail-slap (the paper's Figure 16).",
     "contour_omega": "Angular velocity, half the curl of the velocity, at the tail-slap (the paper's Figure 17).",
 }
-UNITS = {
-    **{"omega": "rad/s", "corner_speed": "m/s", "impulse": "N s", "duration": "s", "peak_force": "N"},
-    **dict.fromkeys(("time_step", "setup_s", "time_loop_s", "pictures_s"), "s"),
+STAGES = {
+    "omega": ("angular velocity", "rad/s"),
+    "corner_speed": ("corner speed", "m/s"),
+    "impulse": ("impulse", "N s"),
+    "duration": ("duration", "s"),
+    "peak_force": ("peak force", "N"),
 }
+GROUPS = {
+    **{kind.name: "Mechanics" for kind in MECHANICS},
+    **{kind.name: "Work of the contact" for kind in CONTACT},
+    **{kind.name: "Customary in crash analysis" for kind in (ENERGY_RATIO, *PRACTICE)},
+}
+"""Under which heading a check stands."""
 
 PAPER = (
     Column("paper_analytical", "Paper, analytical", form=number, style="soft"),
     Column("paper_abaqus", "Paper, ABAQUS", form=number, style="soft"),
-)
-CHECKS = (
-    Column("name", "Check"),
-    Column("value", "Value", form=".4g"),
-    Column("limit", "Limit", form=".4g"),
-    Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
-    Column("meaning", "What it means"),
 )
 METRICS = (
     Column("name", "History"),
@@ -64,13 +73,6 @@ METRICS_NOTE = (
     "peak, as in the analysis of variance of NCHRP W179. All are 0 where the two histories are equal. Their customary "
     "limits are loose; the tight ones are this program's own: numerical error, reaction against rigid."
 )
-INPUTS = (
-    Column("key", "Key"),
-    Column("given", "As given"),
-    Column("value", "SI value", form=lambda value: number(value, 10)),
-    Column("unit", "Unit"),
-    Column("origin", "From"),
-)
 
 
 def run_report(outcome: Outcome, pictures: bool) -> Report:
@@ -82,25 +84,35 @@ def run_report(outcome: Outcome, pictures: bool) -> Report:
         headline=headline(outcome),
         sections=sections(outcome, pictures),
         footer=f"{footer()} {FOOTER}",
-        scene_text=plan.source.text,
+        scene_text=scene_text(plan.source),
         passed=outcome.passed,
+        contents=True,
     )
     histories = {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
     return Report(page, summary(outcome, pictures), tuple(_terminal(outcome)), histories=histories)
 
 
-def comparison(outcome: Outcome, figures: str, title: str = "") -> Table:
-    """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's; figures: format of both."""
+def peak_table(outcome: Outcome) -> Table:
+    """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
+    plan, fe = outcome.fe_plan.plan, outcome.fe
+    mass, duration = plan.scene.vehicle.mass, plan.scene.strike.duration
+    found = strike_force(mass, fe["v_gy"], duration).peak_force if fe else None
+    what = f"Tail-slap, triangle of {1e3 * duration:g} ms"
+    return Table(PEAKS, [{"what": what, "fe": found, "rigid": plan.force.peak_force}])
+
+
+def comparison(outcome: Outcome, title: str = "") -> Table:
+    """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's."""
     of_paper = is_paper_case(outcome.fe_plan.plan)
     paper = PAPER_TABLE_3 if of_paper else None
     rows = comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
     columns = (
         *((Column("quantity.title", "Quantity"),) if not title else ()),
-        Column("quantity.symbol", ""),
-        Column("quantity.unit", "Unit"),
-        Column("fe", "FE", form=figures),
-        Column("rigid", "Rigid, exact", form=figures),
-        Column("difference", "FE/rigid − 1", form="+.2e", style="strong"),
+        Column("quantity.symbol", "" if not title else "Tail-slap"),
+        Column("fe", "FE", form="#.5g", unit_key="quantity.unit"),
+        Column("rigid", "Rigid, exact", form="#.5g", unit_key="quantity.unit"),
+        Column("quantity.unit", "Unit", is_unit=True),
+        Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
         *(PAPER if of_paper else ()),
     )
     note = f"Paper: {PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
@@ -108,44 +120,54 @@ def comparison(outcome: Outcome, figures: str, title: str = "") -> Table:
 
 
 def headline(outcome: Outcome) -> str:
-    """The verdict, failed checks in front, and the five differences behind it."""
+    """The verdict, failed checks in front."""
     failed = [check.name for check in outcome.checks if not check.passed]
-    text = (f"Failed: {', '.join(failed)}. " if failed else "") + verdict_sentence(outcome)
-    if not outcome.fe:
-        return f"{text} There is no comparison: the run did not reach the tail-slap."
-    rows: tuple[ComparisonRow, ...] = tuple(comparison(outcome, "").rows)
-    most = largest(outcome.difference)
-    size = f"by at most {most:.1e}" if math.isfinite(most) else "without bound"
-    each = ", ".join(f"{row.quantity.symbol} {shown(row.difference, '+.2e')}" for row in rows)
-    return f"{text} At the tail-slap FE differs from the exact rigid-body solution {size} (FE/rigid − 1): {each}."
+    return (f"Failed: {', '.join(failed)}. " if failed else "") + verdict_sentence(outcome)
 
 
 def sections(outcome: Outcome, pictures: bool) -> list[Section]:
     """The parts of the page, those without content included."""
     plan, answer = outcome.fe_plan.plan, rigid_answer(outcome.fe_plan.plan)
-    one, three = ([pairs(_with_units(answer[stage] or {}))] for stage in ("stage1", "stage3"))
     chosen = frozenset(decision.key for decision in outcome.fe_plan.decisions)
     inputs = resolved_inputs(plan.scene, plan.source, outcome.fe_plan.plate, chosen)
     metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
-    failed = {number: "failed" for number, check in enumerate(outcome.checks) if not check.passed}
-    parts = [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)]
-    omitted = [Table((Column("part", "Part"), Column("why", "Why")), parts)]
     drawn = [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]
+    stages = [
+        pairs(
+            [(STAGES[name][0], value, STAGES[name][1]) for name, value in (answer[key] or {}).items()],
+            title=title,
+        )
+        for key, title in (
+            ("stage1", "Stage 1: impulse at the front corner"),
+            ("stage3", "Stage 3: tail-slap"),
+        )
+    ]
     return [
-        Section("At the tail-slap", tables=[comparison(outcome, "#.8g")]),
-        Section("What was run, and what it means", sentences=statements(outcome)),
-        Section("Checks of the result", tables=[Table(CHECKS, outcome.checks, marks=failed)]),
-        Section(
-            "FE histories against the rigid ones", tables=[Table(METRICS, metrics, notes=(METRICS_NOTE,))]
-        ),
-        Section("Stage 1: impulse at the front corner", tables=one, layout="half"),
-        Section("Stage 3: lateral force of the tail-slap", tables=three, layout="half"),
+        Section("Peak lateral force", tables=_forces(outcome)),
+        Section("At the tail-slap", tables=[comparison(outcome)]),
+        failed_section(outcome.checks, _cure, diagnosis(outcome)),
         Section("The plate at the tail-slap", figures=drawn, layout="tall"),
         *_curves(outcome),
-        Section("Cost", tables=[pairs(_with_units(cost(outcome)))], layout="half"),
-        Section("Left out", "" if parts else "Nothing.", tables=omitted, layout="half"),
-        Section("Inputs", tables=[Table(INPUTS, inputs)]),
+        Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),
+        checks_section(outcome.checks, GROUPS),
+        Section(
+            "FE histories against the rigid ones",
+            tables=[Table(METRICS, metrics, notes=(METRICS_NOTE,))],
+            is_folded=True,
+        ),
+        Section("Stages 1 and 3 of the rigid body", tables=stages, is_folded=True),
+        *record_sections(cost(outcome), omitted_parts(plan.scene, pictures), inputs),
     ]
+
+
+def _forces(outcome: Outcome) -> list[Table]:
+    peaks = peak_table(outcome)
+    (row,) = peaks.rows
+    return [peaks, design_table(outcome.fe_plan.plan.scene, row["fe"] or row["rigid"])]
+
+
+def _cure(name: str) -> str:
+    return advice([name])
 
 
 def _curves(outcome: Outcome) -> list[Section]:
@@ -154,23 +176,21 @@ def _curves(outcome: Outcome) -> list[Section]:
     return [Section(group, figures=[c for c in curves if c.group == group]) for group in groups]
 
 
-def _with_units(numbers: dict[str, float | int]) -> list[tuple[str, float | int, str]]:
-    return [(name.replace("_", " "), value, UNITS.get(name, "")) for name, value in numbers.items()]
-
-
 def _terminal(outcome: Outcome) -> list[Table | str]:
-    """The comparison, what was chosen, the checks that failed, the verdict, and what it cost."""
-    failed = [check for check in outcome.checks if not check.passed]
+    """The verdict, the forces, the five quantities, what was chosen, the checks that failed, and what it cost."""
     choice, run = outcome.choice, outcome.run
     picked = choice and f"Picked: {', '.join(choice.changes)}; expected error {choice.expected_error:.1e}"
-    named = [f"FAILED  {c.name}: {c.value:.3g}, limit {c.limit:.3g} ({c.meaning})" for c in failed]
+    peaks, design = _forces(outcome)
     return [
-        comparison(outcome, ".7g", f"{outcome.fe_plan.plan.scene.name} at the tail-slap"),
+        f"{outcome.fe_plan.plan.scene.name}: {verdict_sentence(outcome)}",
+        "",
+        peaks,
+        *([short(design)] if design.rows else []),
+        *([comparison(outcome, " ")] if outcome.fe else []),
         *([picked] if picked else []),
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        *named,
-        *(chosen_lines(outcome.fe_plan) if failed else []),
-        f"{verdict_sentence(outcome)} Checks: {len(outcome.checks) - len(failed)} of {len(outcome.checks)} passed",
+        *failed_lines(outcome.checks, _cure, diagnosis(outcome)),
+        passed_text(outcome.checks),
         f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s, pictures "
         f"{outcome.pictures_s:.2f} s",
     ]

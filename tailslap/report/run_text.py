@@ -10,6 +10,7 @@ from fem.contact.friction import FRICTION_LAWS
 from fem.start.start_kinds import START_KINDS
 from tailslap.planning.plan import Plan, other_convention
 from tailslap.scene_run import Outcome
+from tailslap.verification.verdict import flutter_sentence
 
 
 def statements(outcome: Outcome) -> tuple[str, ...]:
@@ -28,6 +29,12 @@ def statements(outcome: Outcome) -> tuple[str, ...]:
         _convention(plan),
     ]
     return tuple(sentence for sentence in made if sentence)
+
+
+def diagnosis(outcome: Outcome) -> tuple[str, ...]:
+    """What is known of why a run failed: what the program chose, and what it predicted of ringing."""
+    chosen = (f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions)
+    return (*chosen, f"Flutter {flutter_sentence(outcome.fe_plan)}.")
 
 
 def is_paper_case(plan: Plan) -> bool:

@@ -67,7 +67,7 @@ def _check_together(scene: Scene) -> None:
 
 def _check_corner(scene: Scene) -> None:
     """Keys of the paper's three stages, with a constrained corner."""
-    for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "impact.test_level"):
+    for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end"):
         value = value_of(scene, key)
         if value is not None:
             raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")

@@ -14,7 +14,7 @@ from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.files.summary import write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Column, Table
-from postprocess.report.terminal import printed
+from postprocess.report.terminal import place_line, printed
 from tailslap.progress import clock
 from tailslap.report.footer import footer
 from tailslap.results.manifest import listed_file
@@ -69,7 +69,9 @@ def sweep_text(sweep: Sweep, place: Path) -> str:
             f"{1e3 * effort.overhead_s:.1f} ms a run beyond the runs themselves"
         )
     said = f"{sweep.definition.scene}: {sweep.definition.runs} runs, {counts(sweep)}"
-    return printed((said, f"Cost:   {cost}", f"Table:  {place / TABLE}", f"Report: {place / REPORT}"))
+    return printed(
+        (said, f"Cost:   {cost}", place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
+    )
 
 
 def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:

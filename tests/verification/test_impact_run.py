@@ -172,7 +172,6 @@ def test_bad_input_names_its_key(change: str) -> None:
         "vehicle.centre_of_mass=5 m",
         "vehicle.yaw_inertia=80000 kg m^2",
         "time.end=1 s",
-        "impact.test_level=TL-4",
     ],
 )
 def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import shlex
@@ -70,7 +71,9 @@ def test_the_page_holds_every_cell_note_and_finding(page: Parsed) -> None:
         for text in (finding.title, finding.checked, *finding.seen, *finding.inferred)
     ]
     missing = [
-        text for text in words if "".join(text.replace("_", "").split()) not in packed.replace("_", "")
+        text
+        for text in (re.sub("<[^>]+>", "", html.unescape(str(prose(word)))) for word in words)
+        if "".join(text.replace("_", "").split()) not in packed.replace("_", "")
     ]
     assert missing == []
     assert all(command in whole for finding in findings(result) for command in finding.repeat)

@@ -3,8 +3,10 @@
 import base64
 import csv
 import hashlib
+import html
 import math
 import re
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
@@ -15,10 +17,21 @@ import pytest
 
 from postprocess.figures.style import Curve
 from postprocess.report.numbers import duration, grouped, number, shown
-from postprocess.report.page import Finding, Page, Picture, Section, write_page
+from postprocess.report.page import (
+    NO_BREAK,
+    Finding,
+    Page,
+    Picture,
+    Section,
+    printed_numbers,
+    prose,
+    write_page,
+)
 from postprocess.report.report import Report, report_text, write_report
 from postprocess.report.table import Column, Table, pairs
 from tailslap.report.run_report import run_report
+from tailslap.report.run_text import diagnosis
+from tailslap.verification.checks import advice
 
 pytestmark = pytest.mark.verification
 
@@ -183,7 +196,7 @@ def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path: Path) -> Non
     assert (first["inner.words"], second["good"]) == ("along <the> wall", "False")
     assert (tmp_path / "summary.json").read_text() == '{\n  "a": null\n}\n'
     said = report_text(report, tmp_path)
-    for piece in ("A table", "measured", "Size [m]", "0.333", "not a number", "A note.", "A sentence."):
+    for piece in ("A table", "measured", "Size", "[m]", "0.333", "not a number", "A note.", "A sentence."):
         assert piece in said
     assert said.endswith(f"Report: {tmp_path / 'report.html'}")
 
@@ -204,18 +217,18 @@ def test_the_headline_of_a_run_names_the_largest_difference(
 ) -> None:
     made = outcome("paper-table-3")
     page = run_page(made, tmp_path)
-    assert f"by at most {max(map(abs, made.difference.values())):.1e} (" in page.text
+    assert printed_numbers(f"confirmed to {max(map(abs, made.difference.values())):.1e};") in page.text
     assert "Failed" not in page.text
     for check in made.checks:
         assert check.name in page.text
     for value in (*made.fe.values(), *made.rigid.values()):
-        assert shown(value, "#.8g") in page.text
+        assert shown(value, "#.5g").replace("-", "−") in page.text
     for printed in (
         "0.383",
         "23.27",
-        "-3.274",
+        "−3.274",
         "23.305",
-        "-3.289",
+        "−3.289",
         "8.915",
         "Infrastructures 2025, 10(11), 307",
     ):
@@ -231,9 +244,54 @@ def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> No
     assert page.pieces.count("failed") == 2
     assert page.pieces.count("passed") == len(others)
     assert f"Failed: {first.name}." in page.text
-    assert "without bound" in page.text
+    assert "Failed checks, and what to do" in page.text
+    for said in (*advice([first.name]).split("; "), *diagnosis(made)):
+        assert re.sub("<[^>]+>", "", html.unescape(str(prose(said)))).replace(NO_BREAK, " ") in page.text
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("confirmed to 2.2e-06", "confirmed to 2.2×10⁻⁶"),
+        ("at most 1e-03, 1.0e+00, 0.0e+00", "at most 10⁻³, 1.0, 0"),
+        ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
+        ("TL-4, 2025-10-11, CFC-180", "TL-4, 2025-10-11, CFC-180"),
+        ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
+        ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
+        ("from v_GX", "from <i>v</i><sub>GX</sub>"),
+        ("`omega = -1e-06`", "<code>omega = -1e-06</code>"),
+    ],
+)
+def test_numbers_are_set_as_in_print(text: str, expected: str) -> None:
+    assert str(prose(text)).replace(NO_BREAK, " ") == expected
+
+
+def test_the_answer_comes_first_and_detail_is_folded(outcome: Callable[..., Any], tmp_path: Path) -> None:
+    """Forces, design forces and the five quantities before all else; no more than 60 numbers are in the open."""
+    made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
+    report = run_report(made, pictures=False)
+    titles = [section.title for section in report.page.sections if not section.is_empty]
+    assert titles[:2] == ["Peak lateral force", "At the tail-slap"]
+    force = made.fe_plan.plan.force.peak_force
+    assert f"{force / 1e3:#.4g}" in report.page.sections[0].tables[0].columns[2].text({"rigid": force})
+    assert report.page.sections[0].tables[1].rows[0]["name"] == "AASHTO LRFD, TL-4"
+    assert str(report.terminal[0]).startswith("mash-tl4-sut: The rigid motion is confirmed to")
+    opened = [section for section in report.page.sections if not section.is_folded]
+    cells = [c.text(r) for s in opened for t in s.tables for r in t.rows for c in t.columns if c.form]
+    assert 15 <= len(cells) <= 60
+    write_report(report, tmp_path)
+    assert (tmp_path / "report.html").read_text().count("<details>") >= 6
+
+
+def test_the_page_shows_the_scene_as_it_was_run(outcome: Callable[..., Any]) -> None:
+    text = run_report(outcome("mash-tl4-sut", "impact.speed=20 m/s"), pictures=False).page.scene_text
+    given = tomllib.loads(text)
+    assert given["impact"]["speed"] == "20 m/s"
+    assert "56 mph" not in text
+    assert given["vehicle"] == {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"}
+    assert "changed: impact.speed" in text
 
 
 def test_a_run_without_a_strike(outcome: Callable[..., Any], tmp_path: Path) -> None:

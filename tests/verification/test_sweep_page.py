@@ -118,7 +118,7 @@ def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
         "a&lt;b",
         "2 passed all checks, 1 failed a check, 1 refused",
         "name = 1",
-        "+1.00e-03",
+        "+1.00×10⁻³",
         "1, 10",
     ):
         assert text in plain

@@ -46,7 +46,7 @@ def draw_forces(
         for key, (label, look) in LINES.items()
         if key in curves
     ]
-    across = [Level(f"{label}\n{force / 1e3:.0f} kN", force / 1e3) for label, force in (levels or {}).items()]
+    across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
     plot = Plot((*shaded(strikes), *across, *lines), Axis("force on the wall [kN]"), 230.0)
     return draw_chart(name, caption, (plot,), START, "Force", WIDE)
 

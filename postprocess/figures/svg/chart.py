@@ -6,7 +6,7 @@ The text stands by itself as an SVG file, and goes into a page as it is: it has 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
@@ -40,6 +40,19 @@ class Axis:
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
         return Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
+
+    @property
+    def unit(self) -> str:
+        """What stands in brackets behind the label."""
+        return self.label.partition("[")[2].rstrip("]")
+
+    def scaled(self, factor: float, unit: str) -> Axis:
+        """The axis of values so many times as large, in another unit."""
+        low, high = (None if end is None else factor * end for end in (self.low, self.high))
+        named = self.named and tuple((factor * value, text) for value, text in self.named)
+        return replace(
+            self, label=self.label.replace(f"[{self.unit}]", f"[{unit}]"), low=low, high=high, named=named
+        )
 
     def ticks(self, scale: Scale, room: float) -> list[tuple[float, str]]:
         """Values and their texts; room: for one of them."""
@@ -75,9 +88,29 @@ class Frame:
     y_ticks: list[tuple[float, str]]
 
 
+@dataclass(frozen=True)
+class Chart(Curve):
+    """A curve that knows what it was drawn from, so that it can be drawn in other units."""
+
+    plots: tuple[Plot, ...] = ()
+    x: Axis = Axis()
+
+    def in_units(self, convert: Callable[[str], tuple[float, str]]) -> Chart:
+        """The same in other units; convert: unit -> how many of another one it is, and what that is called."""
+        along, x_unit = convert(self.x.unit)
+        plots = []
+        for plot in self.plots:
+            up, unit = convert(plot.y.unit)
+            marks = tuple(mark.scaled(along, up) for mark in plot.marks)
+            plots.append(replace(plot, marks=marks, y=plot.y.scaled(up, unit)))
+        return draw_chart(
+            self.name, self.caption, plots, self.x.scaled(along, x_unit), self.group, self.width
+        )
+
+
 def draw_chart(
     name: str, caption: str, plots: Sequence[Plot], x: Axis, group: str = "", width: float = 400.0
-) -> Curve:
+) -> Chart:
     """The chart as SVG text of so many pixels' width."""
     with np.errstate(all="ignore"):
         legend, top = _legend(plots[0], width)
@@ -90,7 +123,7 @@ def draw_chart(
         f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
         '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
     )
-    return Curve(name, group, caption, head + "".join(drawn) + "</svg>", width)
+    return Chart(name, group, caption, head + "".join(drawn) + "</svg>", width, tuple(plots), x)
 
 
 def _framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
@@ -102,7 +135,12 @@ def _framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fr
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
     left = 8.0 + max(text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
-    beside = [text_width(_level_text(mark), 10.0) for mark in _levels(plots)]
+    beside = [
+        text_width(line, 10.0)
+        for plot in plots
+        for level in _levels(plot)
+        for line in _level_lines(plot, level)
+    ]
     along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
@@ -183,19 +221,20 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     return coloured(line, "grey") + coloured("".join(texts), "soft") + coloured(label, "ink")
 
 
-def _levels(plots: Sequence[Plot]) -> list[Level]:
-    return [mark for plot in plots for mark in plot.marks if isinstance(mark, Level)]
+def _levels(plot: Plot) -> list[Level]:
+    return [mark for mark in plot.marks if isinstance(mark, Level)]
 
 
-def _level_text(level: Level) -> str:
-    return max(level.label.split("\n"), key=len)
+def _level_lines(plot: Plot, level: Level) -> list[str]:
+    """Name and value of a level."""
+    return [level.label, f"{level.value:.4g} {plot.y.unit}".rstrip()]
 
 
 def _level_names(frame: Frame) -> str:
     """Names of levels beside the plot, from below, each clear of the one before."""
     lowest, drawn = np.inf, []
-    for level in sorted(_levels([frame.plot]), key=lambda level: level.value):
-        lines = level.label.split("\n")
+    for level in sorted(_levels(frame.plot), key=lambda level: level.value):
+        lines = _level_lines(frame.plot, level)
         lowest = min(float(frame.y.at(level.value)) + 3.0, lowest - 12.0 * len(lines))
         texts = [
             words(line, frame.x.end + 5.0, lowest - 11.0 * (len(lines) - 1 - number), size=10.0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Protocol
 from xml.sax.saxutils import escape
@@ -48,6 +48,9 @@ class Mark(Protocol):
     def ranges(self) -> tuple[Range, Range]:
         """Smallest and largest x and y."""
 
+    def scaled(self, along: float, up: float) -> Mark:
+        """The same with x and y so many times as large."""
+
     def draw(self, x: Scale, y: Scale) -> str:
         """SVG elements."""
 
@@ -70,6 +73,10 @@ class Line:
     def ranges(self) -> tuple[Range, Range]:
         """Of its points."""
         return extent(self.x), extent(self.y)
+
+    def scaled(self, along: float, up: float) -> Line:
+        """With all x and y so many times as large."""
+        return replace(self, x=along * self.x, y=up * self.y)
 
     def draw(self, x: Scale, y: Scale) -> str:
         """A path, and dots at its points where it has any."""
@@ -105,6 +112,10 @@ class Layer:
         """Of both lines."""
         return extent(self.x), extent(np.concatenate([self.low, self.high]))
 
+    def scaled(self, along: float, up: float) -> Layer:
+        """With all x and y so many times as large."""
+        return replace(self, x=along * self.x, low=up * self.low, high=up * self.high)
+
     def draw(self, x: Scale, y: Scale) -> str:
         """The upper line forth, the lower line back."""
         along = x.at(self.x)
@@ -135,6 +146,10 @@ class Span:
         """None of its own."""
         return NOTHING, NOTHING
 
+    def scaled(self, along: float, up: float) -> Span:
+        """With its ends so many times as large."""
+        return replace(self, start=along * self.start, end=along * self.end)
+
     def draw(self, x: Scale, y: Scale) -> str:
         """The band, and the name at its top."""
         left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
@@ -158,6 +173,10 @@ class Level:
     def ranges(self) -> tuple[Range, Range]:
         """Its value."""
         return NOTHING, (self.value, self.value)
+
+    def scaled(self, along: float, up: float) -> Level:
+        """With a value so many times as large."""
+        return replace(self, value=up * self.value)
 
     def draw(self, x: Scale, y: Scale) -> str:
         """The line; charts set the name, which may have to make room for others."""
@@ -183,6 +202,10 @@ class Outline:
     def ranges(self) -> tuple[Range, Range]:
         """Of its corners."""
         return extent(self.points[:, 0]), extent(self.points[:, 1])
+
+    def scaled(self, along: float, up: float) -> Outline:
+        """With all x and y so many times as large."""
+        return replace(self, points=self.points * (along, up))
 
     def draw(self, x: Scale, y: Scale) -> str:
         """A closed path."""
@@ -211,6 +234,10 @@ class Words:
         """Those of its point."""
         return (self.x, self.x), (self.y, self.y)
 
+    def scaled(self, along: float, up: float) -> Words:
+        """With x and y so many times as large."""
+        return replace(self, x=along * self.x, y=up * self.y)
+
     def draw(self, x: Scale, y: Scale) -> str:
         """The text."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
@@ -233,6 +260,11 @@ class Image:
     def ranges(self) -> tuple[Range, Range]:
         """Its own."""
         return self.x, (min(self.y), max(self.y))
+
+    def scaled(self, along: float, up: float) -> Image:
+        """With its ends so many times as large."""
+        (left, right), (first, last) = self.x, self.y
+        return replace(self, x=(along * left, along * right), y=(up * first, up * last))
 
     def draw(self, x: Scale, y: Scale) -> str:
         """The image, stretched."""
@@ -257,6 +289,10 @@ class Swatch:
     def ranges(self) -> tuple[Range, Range]:
         """None."""
         return NOTHING, NOTHING
+
+    def scaled(self, along: float, up: float) -> Swatch:
+        """As it is."""
+        return self
 
     def draw(self, x: Scale, y: Scale) -> str:
         """Nothing in the plot."""

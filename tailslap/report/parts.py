@@ -1,0 +1,124 @@
+"""What the reports of both calculations have alike: design forces, checks, and the record of the run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from postprocess.report.numbers import duration, grouped, number
+from postprocess.report.page import Section
+from postprocess.report.table import Column, Table, pairs
+from postprocess.signals.design_forces import design_forces
+from tailslap.verification.check import Check
+
+if TYPE_CHECKING:
+    from tailslap.scene.inputs import SceneInput
+    from tailslap.scene.schema import Scene
+
+PEAKS = (
+    Column("what", "Peak lateral force"),
+    Column("fe", "FE", "N", form="#.4g", style="strong"),
+    Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
+)
+DESIGN = (
+    Column("name", "Design force"),
+    Column("force", "Lateral", "N", form="#.3g", style="strong"),
+    Column("share", "FE over it", form=".2f"),
+    Column("source", "Source", style="soft"),
+)
+CHECKS = (
+    Column("name", "Check"),
+    Column("value", "Value", form=".3g"),
+    Column("limit", "Limit", form=".3g"),
+    Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
+    Column("meaning", "What it means"),
+)
+FAILED = (
+    Column("name", "Failed check"),
+    Column("value", "Value", form=".3g", style="strong"),
+    Column("limit", "Limit", form=".3g"),
+    Column("cure", "What to do"),
+)
+INPUTS = (
+    Column("key", "Key", form=lambda key: f"`{key}`"),
+    Column("given", "As given"),
+    Column("value", "Value", form=lambda value: number(value, 6), unit_key="unit"),
+    Column("unit", "Unit", is_unit=True),
+    Column("origin", "From"),
+)
+COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
+    "elements": ("elements", grouped),
+    "nodes": ("nodes", grouped),
+    "points": ("points that may touch", grouped),
+    "steps": ("time steps", grouped),
+    "time_step": ("time step", duration),
+    "setup_s": ("set-up", duration),
+    "time_loop_s": ("time loop", duration),
+    "pictures_s": ("pictures", duration),
+}
+"""Sizes and times of a run, as they are told."""
+
+
+def design_table(scene: Scene, peak: float) -> Table:
+    """Design forces of the scene's test level, and the peak force [N] over each; empty without a test level."""
+    level = scene.impact.test_level if scene.impact else None
+    rows = [
+        {
+            "name": f"{each.name}, {level}",
+            "force": each.force,
+            "share": peak / each.force,
+            "source": each.source,
+        }
+        for each in (design_forces(level) if level else ())
+    ]
+    return Table(DESIGN, rows)
+
+
+def short(table: Table) -> Table:
+    """A table for the terminal, without its last column, which is long."""
+    return Table(table.columns[:-1], table.rows)
+
+
+def failed_section(checks: Sequence[Check], cure: Callable[[str], str], diagnosis: Sequence[str]) -> Section:
+    """The checks that failed, with what to do against each, and what was found of the cause; empty if none failed."""
+    rows = [vars(check) | {"cure": cure(check.name)} for check in checks if not check.passed]
+    return Section(
+        "Failed checks, and what to do", tables=[Table(FAILED, rows)], sentences=diagnosis if rows else ()
+    )
+
+
+def failed_lines(checks: Sequence[Check], cure: Callable[[str], str], diagnosis: Sequence[str]) -> list[str]:
+    """The same for the terminal."""
+    failed = [check for check in checks if not check.passed]
+    lines = [f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g}" for check in failed]
+    cures = dict.fromkeys(part for check in failed for part in cure(check.name).split("; "))
+    return [*lines, f"What to do: {'; '.join(cures)}.", *diagnosis] if lines else []
+
+
+def passed_text(checks: Sequence[Check]) -> str:
+    """How many passed."""
+    return f"Checks: {sum(check.passed for check in checks)} of {len(checks)} passed"
+
+
+def checks_section(checks: Sequence[Check], groups: Mapping[str, str]) -> Section:
+    """All checks by the group of each name, which is the title of its table."""
+    tables = []
+    for title in dict.fromkeys(groups.get(check.name, "Others") for check in checks):
+        own = [check for check in checks if groups.get(check.name, "Others") == title]
+        marks = {number: "failed" for number, check in enumerate(own) if not check.passed}
+        tables.append(Table(CHECKS, own, title, marks=marks))
+    return Section(passed_text(checks), tables=tables, is_folded=True)
+
+
+def record_sections(
+    cost: Mapping[str, Any], omitted: Sequence[tuple[str, str]], inputs: Sequence[SceneInput]
+) -> list[Section]:
+    """Cost, what was left out, and the inputs."""
+    told = {COST[name][0]: COST[name][1](value) for name, value in cost.items() if name in COST}
+    parts = [{"part": part, "why": why} for part, why in omitted]
+    left_out = Table((Column("part", "Part"), Column("why", "Why")), parts)
+    return [
+        Section("Cost", tables=[pairs(told)], is_folded=True),
+        Section("Left out", "" if parts else "Nothing.", tables=[left_out], is_folded=True),
+        Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
+    ]
