@@ -98,6 +98,7 @@ def flat(root: Path = ROOT) -> Counter[str]:
 
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
+    from fem.kept import forget
     from tailslap.planning.plan import make_plan
     from tailslap.scene.files import read_scene
     from tailslap.scene_run import run_scene
@@ -112,6 +113,7 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
                 sys.setprofile(None)
 
     run_scene(plan)  # what is imported or compiled once is no part of it
+    forget()
     sys.setprofile(note)
     try:
         run_scene(plan)

@@ -25,7 +25,7 @@ from main_job import row
 
 from tailslap.sweeps.folder import TABLE
 from tailslap.sweeps.journal import NAME as JOURNAL
-from tailslap.sweeps.row import TIMES
+from tailslap.sweeps.row import CIRCUMSTANCES
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),
@@ -129,7 +129,7 @@ def _table(place: Path) -> list[dict[str, Any]]:
     import pyarrow.parquet as pq
 
     rows = pq.read_table(place / TABLE).to_pylist()
-    return [{name: value for name, value in line.items() if name not in TIMES} for line in rows]
+    return [{name: value for name, value in line.items() if name not in CIRCUMSTANCES} for line in rows]
 
 
 def _same(folder: Path, pattern: str) -> bool:

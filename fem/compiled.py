@@ -70,6 +70,7 @@ def _keep_in(folder: Path, *dispatchers: Any) -> None:
 
 def _follow_laws() -> None:
     """Laws have changed: code that knows of them belongs into another folder."""
+    cache_folder.cache_clear()
     _keep_in(cache_folder(), *_dispatchers)
 
 
@@ -152,6 +153,7 @@ def _kind(first: Any) -> type | None:
     return getattr(first, "instance_class", none)
 
 
+@functools.cache
 def cache_folder() -> Path:
     """Folder of the compiled code: under $NUMBA_CACHE_DIR, else under the user's cache folder."""
     digest = _own_digest().copy()

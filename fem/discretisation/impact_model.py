@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from fem.constitutive.materials import MATERIALS
+from fem.constitutive.materials import MATERIALS, st_venant_kirchhoff
 from fem.contact.boundary import wall_contact
-from fem.discretisation.model import PlateModel, assemble, carried_span, plate_viscosity, with_elastic_damping
+from fem.discretisation.model import PlateModel, carried_span, hourglass_of, unfinished_model, with_time_step
 from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties, WallProperties
-from fem.discretisation.spectrum import Spectrum
-from fem.discretisation.stiffness import stiffness_matrix
+from fem.discretisation.spectrum import spectrum_of
+from fem.discretisation.unit_plate import unit_plate
 from fem.explicit.impact_loop import ImpactLoop
-from fem.start.elastic import ElasticSolver
 
 if TYPE_CHECKING:
     import meshio
@@ -51,28 +50,22 @@ def build_impact_model(
         Where the mesh cannot carry the inertia, or has too few nodes for the patch of a corner; where the wall has no
         foundation or too many elements.
     """
-    d, moduli, masses, stiffness, hourglass = assemble(mesh, plate)
-    spectrum = Spectrum(stiffness, masses)  # contact does not bound the step: fem.contact.unilateral
-    viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
-    damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
+    unit, moduli = unit_plate(mesh, plate), st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     loop = ImpactLoop(
-        table=d.table,
+        table=unit.discretisation.table,
         material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
-        mass=masses,
-        contact=wall_contact(d, masses, plate, contact),
-        viscosity=viscosity,
-        hourglass=hourglass,
+        mass=unit.masses,
+        contact=wall_contact(unit.discretisation, unit.masses, plate, contact),
+        viscosity=None,
+        hourglass=hourglass_of(unit, plate),
         elastic_damping=None,
         time_step=math.nan,
-        span=carried_span(d),
+        span=carried_span(unit.discretisation),
         wall=None,
     )
-    undamped = spectrum.stable_time_step(damping)
-    elastic = ElasticSolver(stiffness, masses, d.positions)
-    model = PlateModel(
-        d, stiffness, spectrum.frequency, undamped, math.nan, loop, moduli, plate.thickness, elastic
-    )
-    model = with_elastic_damping(model, step)
+    model = unfinished_model(unit, plate, moduli, loop)
+    # Contact does not bound the step: fem.contact.unilateral.
+    model = with_time_step(model, spectrum_of(model.elastic), plate, step)
     if wall is None:
         return model
     from fem.discretisation.wall_model import with_wall

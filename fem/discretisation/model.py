@@ -12,13 +12,11 @@ from fem.constitutive.materials import MATERIALS, StVenantKirchhoff, st_venant_k
 from fem.contact.constraints import CONSTRAINTS, ConstraintInput
 from fem.contact.corner import Corner
 from fem.contact.support_patch import corner_weights
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.discretisation.elements import Discretisation, Hourglass, discretise, hourglass_control
-from fem.discretisation.lumpings import LUMPINGS
-from fem.discretisation.mass import given_inertia_masses
+from fem.discretisation.elements import Discretisation, Hourglass
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
-from fem.discretisation.spectrum import corner_spectrum
-from fem.discretisation.stiffness import hourglass_matrix, stiffness_matrix
+from fem.discretisation.spectrum import ScaledSpectrum, hold_of, spectrum_of
+from fem.discretisation.stiffness import stiffness_matrix
+from fem.discretisation.unit_plate import UnitPlate, unit_plate
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.time_loop import LoopParameters
@@ -50,7 +48,9 @@ class PlateModel:
     thickness : float
         [m].
     elastic : ElasticSolver
-        The stiffness inverted beside rigid motion, when it is first asked for; kept with the model.
+        The stiffness inverted beside rigid motion, when it is first asked for; plates that differ in modulus share it.
+    highest_mode : ndarray or None, shape (2, nodes)
+        Mode of the highest frequency, times the roots of the masses, body frame; None where that is not known.
     """
 
     discretisation: Discretisation
@@ -62,6 +62,7 @@ class PlateModel:
     tangent_moduli: StVenantKirchhoff  # [Pa], at small strain
     thickness: float  # [m]
     elastic: ElasticSolver
+    highest_mode: np.ndarray | None = None
 
     @property
     def mass(self) -> float:
@@ -102,15 +103,24 @@ def finished_model(
     model: PlateModel, plate: PlateProperties, corner: CornerProperties, step: StepProperties
 ) -> PlateModel:
     """The static model of the same properties with its highest frequency, damping and time step."""
-    d, loop = model.discretisation, model.loop
-    spectrum = corner_spectrum(model.stiffness, loop.mass, loop.corner, corner.angles)
+    loop = model.loop
+    corner_hold = hold_of(loop.corner, corner.angles, plate.youngs_modulus)
+    return with_time_step(model, spectrum_of(model.elastic, corner_hold), plate, step)
+
+
+def with_time_step(
+    model: PlateModel, spectrum: ScaledSpectrum, plate: PlateProperties, step: StepProperties
+) -> PlateModel:
+    """The model with what its spectrum tells, and damping."""
+    d = model.discretisation
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
     damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
         model,
         highest_frequency=spectrum.frequency,
+        highest_mode=spectrum.mode,
         undamped_time_step=spectrum.stable_time_step(damping),
-        loop=loop._replace(viscosity=viscosity),
+        loop=model.loop._replace(viscosity=viscosity),
     )
     return with_elastic_damping(model, step)
 
@@ -133,30 +143,45 @@ def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
 
 def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
     """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
-    discretisation, moduli, masses, stiffness, hourglass = assemble(mesh, plate)
+    unit, moduli = unit_plate(mesh, plate), st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     loop = LoopParameters(
-        table=discretisation.table,
+        table=unit.discretisation.table,
         material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
-        mass=masses,
-        corner=_corner(discretisation, masses, plate, corner),
+        mass=unit.masses,
+        corner=_corner(unit.discretisation, unit.masses, plate, corner),
         friction=corner.friction,
         viscosity=None,
-        hourglass=hourglass,
+        hourglass=hourglass_of(unit, plate),
         elastic_damping=None,
         time_step=math.nan,
-        span=carried_span(discretisation),
+        span=carried_span(unit.discretisation),
     )
+    return unfinished_model(unit, plate, moduli, loop)
+
+
+def unfinished_model(
+    unit: UnitPlate, plate: PlateProperties, moduli: StVenantKirchhoff, loop: Any
+) -> PlateModel:
+    """A model of this plate and this loop without frequency and time step."""
+    modulus = plate.youngs_modulus
     return PlateModel(
-        discretisation,
-        stiffness,
-        math.nan,
-        math.nan,
-        math.nan,
-        loop,
-        moduli,
-        plate.thickness,
-        ElasticSolver(stiffness, masses, discretisation.positions),
+        discretisation=unit.discretisation,
+        stiffness=modulus * unit.inverse.stiffness,
+        highest_frequency=math.nan,
+        undamped_time_step=math.nan,
+        stable_time_step=math.nan,
+        loop=loop,
+        tangent_moduli=moduli,
+        thickness=plate.thickness,
+        elastic=ElasticSolver(unit.inverse, modulus),
     )
+
+
+def hourglass_of(unit: UnitPlate, plate: PlateProperties) -> Hourglass | None:
+    """Its control with the plate's modulus."""
+    if unit.hourglass is None:
+        return None
+    return unit.hourglass._replace(stiffness=plate.youngs_modulus * unit.hourglass.stiffness)
 
 
 def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
@@ -165,31 +190,8 @@ def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: floa
     The stiffness is in proportion to the modulus: the frequency with the modulus of `plate` tells the other.
     Raises ModelError where the mesh cannot carry the exact inertia.
     """
-    discretisation, _, masses, stiffness, _ = assemble(mesh, plate)
-    frequency = lowest_frequency(ElasticSolver(stiffness, masses, discretisation.positions))
+    frequency = lowest_frequency(ElasticSolver(unit_plate(mesh, plate).inverse, plate.youngs_modulus))
     return plate.youngs_modulus * (first_frequency / frequency) ** 2
-
-
-def assemble(
-    mesh: meshio.Mesh, plate: PlateProperties
-) -> tuple[Discretisation, StVenantKirchhoff, np.ndarray, Any, Hourglass | None]:
-    """Discretisation, moduli, masses [kg], stiffness [N/m] and hourglass control of the plate alone."""
-    discretisation = discretise(mesh, plate.thickness, plate.element)
-    moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
-    masses = LUMPINGS[plate.lumping].masses(discretisation.scalar, plate.density, plate.thickness)
-    if plate.inertia is not None:
-        masses = given_inertia_masses(discretisation.positions, masses, plate.inertia)
-    stiffness: Any = stiffness_matrix(discretisation.scalar, plate.thickness, moduli)
-    hourglass = _hourglass(discretisation, plate, moduli)
-    if hourglass is not None:
-        stiffness = stiffness + hourglass_matrix(discretisation.table, hourglass, masses.size)
-    return discretisation, moduli, masses, stiffness, hourglass
-
-
-def _hourglass(d: Discretisation, plate: PlateProperties, moduli: StVenantKirchhoff) -> Hourglass | None:
-    if not ELEMENT_KINDS[plate.element].hourglass:
-        return None
-    return hourglass_control(d, plate.thickness, moduli.c_11, plate.hourglass)
 
 
 def _corner(

@@ -8,17 +8,23 @@ residual itself: no closer is the eigenvalue known that Lanczos has found.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem.contact.corner import Corner
+from fem.kept import kept
+from fem.start.elastic import ElasticSolver, Inverse
 
 TOLERANCE, ROUGH = 1e-4, 1e-3
 """Residual over the eigenvalue at which Lanczos ends, and where it only tells whether an angle may be above another."""
 
 BASIS = 12
 """Lanczos vectors that are kept: more take fewer products and more time."""
+
+LARGE = 10_000
+"""Nodes from which on a spectrum is not kept."""
 
 SETTLED = 1e-6
 """Relative change of the damped time step at which Newton's method ends."""
@@ -27,17 +33,17 @@ SETTLED = 1e-6
 class Hold(NamedTuple):
     """How the corner is held.
 
-    unknowns: that the constraint acts on, shape (m,); across: their weights in the direction across the wall in the
-    body frame, at each angle of the plate that is looked at, shape (angles, m); spring [N/m]; dashpot [N s/m].
+    nodes: that the constraint acts on; across: weights of their x and then their y unknowns in the direction across
+    the wall in the body frame, at each angle of the plate that is looked at; spring [N/m]; dashpot [N s/m].
     """
 
-    unknowns: np.ndarray
-    across: np.ndarray
+    nodes: tuple[int, ...]
+    across: tuple[tuple[float, ...], ...]
     spring: float
     dashpot: float
 
 
-FREE = Hold(np.zeros(0, dtype=int), np.zeros((1, 0)), 0.0, 0.0)
+FREE = Hold((), ((),), 0.0, 0.0)
 """A plate that nothing holds."""
 
 
@@ -70,6 +76,8 @@ class Spectrum:
 
     def __init__(self, stiffness: Any, masses: np.ndarray, hold: Hold = FREE) -> None:
         self._stiffness, self._hold = stiffness, hold
+        nodes = np.array(hold.nodes, dtype=int)
+        self._held, self._across = np.concatenate([nodes, nodes + masses.size]), np.array(hold.across)
         self._root = 1.0 / np.sqrt(np.tile(masses, 2))
         self._first = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
         self._peak = self._highest(stiffness, hold.spring, self._first)
@@ -83,6 +91,11 @@ class Spectrum:
     def bound(self) -> float:
         """A circular frequency [rad/s] that the highest is not above."""
         return math.sqrt(self._peak.bound)
+
+    @property
+    def mode(self) -> np.ndarray:
+        """The mode of the highest frequency times the roots of the masses, of unit length, shape (2, nodes)."""
+        return self._peak.vector.reshape(2, -1)
 
     def stable_time_step(self, damping: Any = None) -> float:
         """Largest stable step [s] of central differences, the damping forces being half a step late.
@@ -107,20 +120,19 @@ class Spectrum:
 
     def _step_for(self, peak: Peak, plate: Any) -> float:
         """The step [s] at which the motion of this vector changes sign every step without growing."""
-        move, held = self._root * peak.vector, self._hold.across[peak.angle] @ self._touching(peak.vector)
+        move, held = self._root * peak.vector, self._across[peak.angle] @ self._touching(peak.vector)
         stiffness = float(move @ (self._stiffness @ move)) + self._hold.spring * held**2
         damping = float(move @ (plate @ move)) + self._hold.dashpot * held**2
         return 4.0 / (damping + math.sqrt(damping**2 + 4.0 * stiffness))
 
     def _touching(self, vector: np.ndarray) -> np.ndarray:
         """Displacements of the unknowns that are held."""
-        held = self._hold.unknowns
-        return np.asarray(self._root[held] * vector[held])
+        return np.asarray(self._root[self._held] * vector[self._held])
 
     def _highest(self, matrix: Any, spring: float, first: np.ndarray) -> Peak:
         """The largest eigenvalue over all angles; an angle that is not above another is not looked at closely."""
         best = self._largest(matrix, spring, 0, first, TOLERANCE)
-        for angle in range(1, len(self._hold.across)):
+        for angle in range(1, len(self._across)):
             rough = self._largest(matrix, spring, angle, best.vector, ROUGH)
             if rough.bound > best.bound:
                 close = self._largest(matrix, spring, angle, rough.vector, TOLERANCE)
@@ -131,7 +143,7 @@ class Spectrum:
         """The largest eigenvalue at an angle, from a vector near to its own."""
         from scipy.sparse.linalg import LinearOperator, eigsh
 
-        unknowns, across = self._hold.unknowns, self._hold.across[angle]
+        unknowns, across = self._held, self._across[angle]
         pull = self._root[unknowns] * across
 
         def product(vector: np.ndarray) -> np.ndarray:
@@ -150,16 +162,56 @@ class Spectrum:
         return Peak(float(value), float(np.linalg.norm(product(vector) - value * vector)), vector, angle)
 
 
-def corner_spectrum(
-    stiffness: Any, masses: np.ndarray, corner: Corner, angles: tuple[float, ...] = (0.0,)
-) -> Spectrum:
-    """The spectrum of a plate whose corner is constrained.
+@dataclass(frozen=True)
+class ScaledSpectrum:
+    """The spectrum of a plate whose stiffness, springs included, is that of `unit` times the modulus [Pa]."""
+
+    unit: Spectrum
+    modulus: float
+
+    @property
+    def frequency(self) -> float:
+        """Highest circular frequency [rad/s]."""
+        return math.sqrt(self.modulus) * self.unit.frequency
+
+    @property
+    def mode(self) -> np.ndarray:
+        """As `Spectrum.mode`."""
+        return self.unit.mode
+
+    def stable_time_step(self, damping: Any = None) -> float:
+        """As `Spectrum.stable_time_step` [s]."""
+        root = math.sqrt(self.modulus)
+        return self.unit.stable_time_step(None if damping is None else damping / root) / root
+
+
+def spectrum_of(elastic: ElasticSolver, hold: Hold = FREE) -> ScaledSpectrum:
+    """The spectrum of the plate of this solver; hold: see `hold_of`."""
+    plate = elastic.inverse
+    find = _unit_spectrum if plate.masses.size < LARGE else _unit_spectrum.__wrapped__
+    return ScaledSpectrum(find(plate, hold), elastic.modulus)
+
+
+@kept("spectrum")
+def _unit_spectrum(plate: Inverse, hold: Hold) -> Spectrum:
+    return Spectrum(plate.stiffness, plate.masses, hold)
+
+
+def hold_of(corner: Corner, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0) -> Hold:
+    """How this corner holds a plate of unit modulus: as it holds one of this modulus [Pa].
 
     angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.
     """
     if not corner.spring:  # all angles are alike
-        return Spectrum(stiffness, masses)
-    unknowns = np.concatenate([corner.nodes, corner.nodes + masses.size])
-    turned = [(-math.sin(angle), math.cos(angle)) for angle in angles]
-    across = np.array([np.kron(direction, corner.weights) for direction in turned])
-    return Spectrum(stiffness, masses, Hold(unknowns, across, corner.spring, corner.dashpot))
+        return FREE
+    weights, nodes = corner.weights.tolist(), corner.nodes.tolist()
+    turned = ((-math.sin(angle), math.cos(angle)) for angle in angles)
+    across = tuple(tuple(part * weight for part in direction for weight in weights) for direction in turned)
+    return Hold(
+        tuple(nodes), across, _rounded(corner.spring / modulus), _rounded(corner.dashpot / math.sqrt(modulus))
+    )
+
+
+def _rounded(value: float) -> float:
+    """To twelve digits: those in which the quotients of springs and moduli in proportion are the same."""
+    return float(f"{value:.12g}")

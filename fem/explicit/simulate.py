@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import functools
+import math
 import time
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem.compiled import has_code, one_process_compiles
-from fem.contact.corner import add_corner_reaction
 from fem.discretisation.model import PlateModel
 from fem.explicit.checkpoint import Arrays, Checkpoint, NoCheckpoint
 from fem.explicit.columns import COLUMNS, Measures, row_of
-from fem.explicit.elastic_damping import SUMS, damp
-from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.explicit.internal_force import scratch_for
 from fem.explicit.measures import measure
+from fem.explicit.recording import advance_and_measure, all_forces
 from fem.explicit.snapshots import SnapshotKeeper, Snapshots
 from fem.explicit.time_loop import State, advance, copy_state
 from fem.stability.deformed import deformed_frequency
@@ -27,6 +27,9 @@ from fem.start.start import start_fields
 
 LOOKS = 4
 """Instants of a run at which the stable time step is looked at again, in the deformed plate."""
+
+LONGEST_S = 0.1
+"""Time [s] that rows recorded at once may take, about: between them a run says how far it is, and can be ended."""
 
 GLANCES = 50
 """Instants of a run at which it is asked whether it is corrupted."""
@@ -80,6 +83,15 @@ class Run:
     snapshots: Snapshots | None = None
 
 
+class Recorded(NamedTuple):
+    """Rows of the history, shape (rows, columns), and the states of the last but one, or of the beginning, and of the
+    last."""
+
+    rows: np.ndarray
+    before: State
+    state: State
+
+
 class Stepper:
     """The compiled loop with its parameters and its workspace; the state is the caller's.
 
@@ -102,7 +114,13 @@ class Stepper:
     def has_code(self) -> bool:
         """Whether this process has the machine code of the step."""
         state = State(self._reference, self._reference, np.zeros(4), np.zeros(1))
-        return has_code(advance, state, 1, self.loop, *self._parts, self._force, self._scratch)
+        return has_code(
+            advance_and_measure, state, state, 1, *self._all_parts, np.zeros((0, len(Measures._fields)))
+        )
+
+    @property
+    def _all_parts(self) -> tuple[Any, ...]:
+        return self.loop, *self._parts, self._reference, self._force, self._scratch
 
     def start(self, start: RigidStart, kind: str) -> State:
         """State at t = 0, its velocities set back by half a step."""
@@ -120,17 +138,10 @@ class Stepper:
     def _react(self, state: State) -> tuple[float, float, float]:
         """Put all forces into the workspace; returns the normal and the tangential reaction [N], and the power
         [W] of the elastic damping with the velocities half a step back."""
-        loop, force, motion = self.loop, self._force, np.zeros(SUMS)
-        positions, velocities, *_ = state
-        force[:] = 0.0
-        subtract_internal_forces(
-            positions, velocities, *self._parts, force, loop.table, loop.material, self._scratch
+        forces: tuple[float, float, float] = all_forces(
+            state.positions, state.velocities, self.loop, *self._parts, self._force, self._scratch
         )
-        damping = damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
-        normal, tangential, *_ = add_corner_reaction(
-            positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
-        )
-        return normal, tangential, damping
+        return forces
 
     def advance(self, state: State, steps: int) -> State:
         """The state this many steps later; the one given stays as it is."""
@@ -148,13 +159,33 @@ class Stepper:
         )
         return measures
 
+    def record_rows(self, state: State, stride: int, count: int) -> Recorded:
+        """Rows of the history from a state on, which stays as it is, `stride` steps apart: `count` of them, or fewer
+        where the last has an angle that is not above zero, or a number that is not finite."""
+        if self._team or any(column.value for column in COLUMNS.values()):
+            return self._record_singly(state, stride, count)
+        later, before = copy_state(state), copy_state(state)
+        rows = np.empty((count, len(Measures._fields)))
+        made = advance_and_measure(later, before, stride, *self._all_parts, rows)
+        return Recorded(rows[:made], before, later)
+
+    def _record_singly(self, state: State, stride: int, count: int) -> Recorded:
+        """The same in Python: on several threads, and for columns that are worked out here."""
+        rows: list[tuple[float, ...]] = []
+        while len(rows) < count:
+            before, state = state, self.advance(state, stride)
+            rows.append(row_of(self.measure(state), state, self.model))
+            if not (rows[-1][0] > 0.0 and np.isfinite(rows[-1]).all()):
+                break
+        return Recorded(np.array(rows), before, state)
+
     def row(self, state: State) -> tuple[float, ...]:
         """Values of all COLUMNS at the state's instant."""
-        return row_of(self.measure(state), state, self.model)
+        return tuple(self.record_rows(state, 0, 1).rows[0].tolist())
 
     def nodal_velocities(self, state: State) -> np.ndarray:
         """Velocities [m/s] at the state's instant, shape (2, nodes)."""
-        later = self.advance(state, 1)
+        later = self.record_rows(state, 1, 1).state
         return 0.5 * (state.velocities + later.velocities)
 
     def nodal(self, state: State) -> tuple[np.ndarray, np.ndarray]:
@@ -166,8 +197,7 @@ def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
     stepper = Stepper(model, threads)
     with nullcontext() if stepper.has_code else one_process_compiles():
-        state = stepper.start(start, "unstressed")
-        stepper.measure(stepper.advance(state, 0))
+        stepper.row(stepper.start(start, "unstressed"))
 
 
 def simulate(
@@ -228,21 +258,28 @@ def simulate(
         table, seen = [(0.0, *stepper.row(state))], []
         if keeper:
             keeper.look(0.0, 0.0, functools.partial(stepper.nodal, state))
+    pace = math.inf
     while strike is None and step < last and np.isfinite(table[-1]).all():
-        later = stepper.advance(state, stride)
-        row = (time_step * (step + stride), *stepper.row(later))
-        if row[1] <= 0.0:
-            strike, step = _locate(stepper, state, step)
-            row = tuple(strike.values[name] for name in ("t", *COLUMNS))
+        most = 1 if keeper else min(_rows_to_next_look(len(table), rows), math.ceil((last - step) / stride))
+        entered = time.perf_counter()
+        found = stepper.record_rows(state, stride, max(1, min(most, int(LONGEST_S / pace))))
+        pace = (time.perf_counter() - entered) / len(found.rows)
+        steps = step + stride * np.arange(1, len(found.rows) + 1)
+        instants = [
+            (time_step * at, *row) for at, row in zip(steps.tolist(), found.rows.tolist(), strict=True)
+        ]
+        if instants[-1][1] <= 0.0:
+            strike, step = _locate(stepper, found.before, int(steps[-1]) - stride)
+            instants[-1] = tuple(strike.values[name] for name in ("t", *COLUMNS))
         else:
-            if len(table) % (rows // LOOKS) == 0:
-                seen.append(later.positions)
-            state, step = later, step + stride
+            if (len(table) + len(instants) - 1) % max(1, rows // LOOKS) == 0:
+                seen.append(found.state.positions)
+            state, step = found.state, int(steps[-1])
             if keeper:
-                keeper.look(row[0], stride * time_step, functools.partial(stepper.nodal, state))
-        table.append(row)
-        progress(min(1.0, row[0] / duration))
-        if len(table) % max(1, rows // GLANCES) == 0 and corrupted(_named(row)):
+                keeper.look(instants[-1][0], stride * time_step, functools.partial(stepper.nodal, state))
+        table.extend(instants)
+        progress(min(1.0, table[-1][0] / duration))
+        if len(table) % max(1, rows // GLANCES) == 0 and corrupted(_named(table[-1])):
             break
         if strike is None:
             checkpoint.save(functools.partial(_kept, state, step, table, seen, keeper))
@@ -257,6 +294,12 @@ def simulate(
         end = (strike.positions, strike.velocities) if strike else stepper.nodal(state)
         snaps = keeper.finished(float(history["t"][-1]), end)
     return Run(history, strike, step, elapsed, frequency, snaps)
+
+
+def _rows_to_next_look(made: int, rows: int) -> int:
+    """How many rows may be recorded at once, when so many are made: up to the one after which the run is looked at."""
+    glance, look = max(1, rows // GLANCES), max(1, rows // LOOKS)
+    return min(glance - made % glance, -made % look + 1)
 
 
 def _kept(
@@ -287,8 +330,9 @@ def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
     """
     found = [(step, state, stepper.row(state))]
     while len(found) < 2 or found[-2][2][0] > 0.0:
-        step, state = step + 1, stepper.advance(state, 1)
-        found = [*found[-3:], (step, state, stepper.row(state))]
+        later = stepper.record_rows(state, 1, 1)
+        step, state = step + 1, later.state
+        found = [*found[-3:], (step, state, tuple(later.rows[0].tolist()))]
     steps, states, rows = zip(*found, strict=True)
     weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
     values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from fem.start.elastic import ElasticSolver, rigid_motions
+from fem.kept import kept
+from fem.start.elastic import ElasticSolver, Inverse, rigid_motions
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,14 @@ def free_modes(model: Any, count: int) -> FreeModes:
     ValueError
         For a count that the mesh cannot give.
     """
-    return plate_modes(model.elastic, count)
+    elastic = model.elastic
+    unit, root = plate_modes(elastic.inverse, count), math.sqrt(elastic.modulus)
+    return replace(unit, frequencies=root * unit.frequencies, rigid_frequencies=root * unit.rigid_frequencies)
 
 
-def plate_modes(elastic: ElasticSolver, count: int) -> FreeModes:
-    """The lowest `count` elastic modes of the plate of this solver."""
-    stiffness, masses, positions = elastic.stiffness, elastic.masses, elastic.positions
+def plate_modes(plate: Inverse, count: int) -> FreeModes:
+    """The lowest `count` elastic modes of the plate with the stiffness that is inverted here."""
+    stiffness, masses, positions = plate.stiffness, plate.masses, plate.positions
     nodes = masses.size
     if not 0 <= count <= most_modes(nodes):
         raise ValueError(f"{count} modes were asked for; {nodes} nodes give 0 to {most_modes(nodes)}")
@@ -79,7 +82,7 @@ def plate_modes(elastic: ElasticSolver, count: int) -> FreeModes:
     rigid, _ = np.linalg.qr(root[:, None] * rigid_motions(body))
     shapes = (rigid / root[:, None]).T
     quotients = np.abs(((stiffness @ shapes.T).T * shapes).sum(axis=1))
-    values, vectors = _lowest(elastic, root, rigid, count)
+    values, vectors = _lowest(plate, root, rigid, count)
     return FreeModes(
         frequencies=values,
         shapes=(vectors / root[:, None]).T.reshape(count, 2, nodes),
@@ -89,14 +92,20 @@ def plate_modes(elastic: ElasticSolver, count: int) -> FreeModes:
 
 
 def lowest_frequency(elastic: ElasticSolver) -> float:
-    """Lowest elastic frequency [Hz] of the plate of this solver: of a large one by multigrid, else as `plate_modes`."""
-    from fem.start.multigrid import NotConvergedError
+    """Lowest elastic frequency [Hz] of the plate of this solver."""
+    find = _lowest_unit_frequency.__wrapped__ if elastic.inverse.is_large else _lowest_unit_frequency
+    return math.sqrt(elastic.modulus) * float(find(elastic.inverse)) / (2.0 * math.pi)
 
-    if elastic.is_large:
+
+@kept("first frequency")
+def _lowest_unit_frequency(plate: Inverse) -> float:
+    """The same with a modulus of 1 Pa [rad/s]: of a large plate by multigrid, else as `plate_modes`."""
+    if plate.is_large:
+        from fem.start.multigrid import NotConvergedError
+
         with suppress(NotConvergedError):
-            square = elastic.multigrid.lowest_square(elastic.masses, _smooth(elastic.positions))
-            return math.sqrt(square) / (2.0 * math.pi)
-    return float(plate_modes(elastic, 1).frequencies[0]) / (2.0 * math.pi)
+            return math.sqrt(plate.multigrid.lowest_square(plate.masses, _smooth(plate.positions)))
+    return float(plate_modes(plate, 1).frequencies[0])
 
 
 def _smooth(positions: np.ndarray) -> np.ndarray:
@@ -105,15 +114,13 @@ def _smooth(positions: np.ndarray) -> np.ndarray:
     return np.array([np.concatenate([-2.0 * x * y, x**2]), np.concatenate([x * (1.0 - x**2), 0.0 * y])]).T
 
 
-def _lowest(
-    elastic: ElasticSolver, root: np.ndarray, rigid: np.ndarray, count: int
-) -> tuple[np.ndarray, np.ndarray]:
+def _lowest(plate: Inverse, root: np.ndarray, rigid: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [rad/s] and eigenvectors of M^-1/2 K M^-1/2 beside the rigid ones, shape (2 nodes, count)."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     if not count:
         return np.zeros(0), np.zeros((root.size, 0))
-    solve = elastic.factorised
+    solve = plate.factorised
 
     def relieved(vector: np.ndarray) -> np.ndarray:
         return np.asarray(vector - rigid @ (rigid.T @ vector))

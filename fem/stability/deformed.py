@@ -11,6 +11,10 @@ import numpy as np
 from fem.discretisation.model import PlateModel
 from fem.explicit.impact_loop import ImpactLoop
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.start.rigid_state import to_global
+
+TOLERANCE, BASIS = 1e-4, 12
+"""Residual over the eigenvalue at which Lanczos ends, and vectors that it keeps."""
 
 STEP = 1e-5
 """Displacement of the finite difference over the element's size; the forces are cubic in it."""
@@ -53,15 +57,35 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
         hold(move, difference)
         return np.asarray((root * difference).ravel())
 
-    start = np.cos(1.7 * np.arange(positions.size)) + 0.1
+    start = _first_vector(model, positions)
     operator = LinearOperator((positions.size, positions.size), matvec=product, dtype=float)
     if not np.isfinite(product(start)).all():
         return math.inf
     try:
-        (largest,) = eigsh(operator, k=1, which="LA", v0=start, tol=1e-4, return_eigenvectors=False)
+        (largest,) = eigsh(
+            operator,
+            k=1,
+            which="LA",
+            v0=start,
+            ncv=min(BASIS, positions.size),
+            tol=TOLERANCE,
+            return_eigenvectors=False,
+        )
     except ArpackError:  # forces that leave the finite on the way
         return math.inf
     return math.sqrt(max(float(largest), 0.0))
+
+
+def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
+    """The mode of the highest frequency of the plate at rest, turned as the plate is, and a little of all others."""
+    some = np.cos(1.7 * np.arange(positions.size)) + 0.1  # fixed, so that runs repeat to the bit
+    if model.highest_mode is None:
+        return some
+    share, body = model.loop.mass / model.mass, model.discretisation.positions
+    x, y = positions - (positions @ share)[:, None]
+    r_x, r_y = (body - (body @ share)[:, None]) * share
+    angle = math.atan2((r_y * x - r_x * y).sum(), (r_x * x + r_y * y).sum())
+    return np.asarray((to_global(angle) @ model.highest_mode).ravel() + 1e-3 * some)
 
 
 def _springs(loop: Any) -> Callable[[np.ndarray, np.ndarray], None]:
@@ -69,9 +93,9 @@ def _springs(loop: Any) -> Callable[[np.ndarray, np.ndarray], None]:
     contact does not bound the time step."""
     if isinstance(loop, ImpactLoop):
         return lambda move, forces: None
-    corner = loop.corner
+    nodes, weights, spring = loop.corner.nodes, loop.corner.weights, loop.corner.spring
 
     def hold(move: np.ndarray, forces: np.ndarray) -> None:
-        forces[1, corner.nodes] += corner.spring * (move[1, corner.nodes] @ corner.weights) * corner.weights
+        forces[1, nodes] += spring * (move[1, nodes] @ weights) * weights
 
     return hold

@@ -22,6 +22,8 @@ import numpy as np
 from fem.compiled import compiled
 from fem.contact.friction import friction_slope
 from fem.discretisation.model import PlateModel
+from fem.kept import kept
+from fem.start.elastic import Inverse
 from fem.start.rigid_state import RigidStart, to_global
 
 MAX_UNKNOWNS = 1200
@@ -107,12 +109,18 @@ def viscous_rate(model: PlateModel) -> float:
 
 def corner_modes(model: PlateModel) -> CornerModes:
     """All modes of the free plate as the corner sees them."""
-    masses, corner = model.loop.mass, model.loop.corner
-    root = 1.0 / np.sqrt(np.tile(masses, 2))
-    squares, shapes = np.linalg.eigh(root[:, None] * model.stiffness.toarray() * root)
-    scaled = (root[:, None] * shapes).reshape(2, masses.size, -1)
-    moved = np.einsum("n,inm->im", corner.weights, scaled[:, corner.nodes])
-    return CornerModes(np.maximum(squares, 0.0), moved)
+    corner, nodes = model.loop.corner, model.loop.mass.size
+    squares, shapes = _unit_modes(model.elastic.inverse)
+    moved = np.einsum("n,inm->im", corner.weights, shapes.reshape(2, nodes, -1)[:, corner.nodes])
+    return CornerModes(model.elastic.modulus * squares, moved)
+
+
+@kept("free modes")
+def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
+    """Squares [rad^2/s^2] and shapes of unit modal mass, shape (2 nodes, modes), of all modes of a plate."""
+    root = 1.0 / np.sqrt(np.tile(plate.masses, 2))
+    squares, shapes = np.linalg.eigh(root[:, None] * plate.stiffness.toarray() * root)
+    return np.maximum(squares, 0.0), root[:, None] * shapes
 
 
 def _rate(

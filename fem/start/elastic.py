@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +35,11 @@ def rigid_motions(body: np.ndarray) -> np.ndarray:
     return rigid
 
 
-class ElasticSolver:
+class Inverse:
     """Solver of K u = f for a few loads in equilibrium, with u free of mass-weighted rigid motion.
 
-    Nothing is computed before the first load. Above LARGE unknowns it iterates (`fem.start.multigrid`), and where that
-    does not converge, as below, it factorises.
+    Nothing is computed before the first load; the last solutions are kept. Above LARGE unknowns it iterates
+    (`fem.start.multigrid`), and where that does not converge, as below, it factorises.
 
     Parameters
     ----------
@@ -89,6 +90,18 @@ class ElasticSolver:
         from fem.start.multigrid import Multigrid
 
         return Multigrid(self.stiffness, rigid_motions(self.positions - self.positions.mean(axis=1)[:, None]))
+
+
+@dataclass(frozen=True)
+class ElasticSolver:
+    """The same of a plate whose stiffness is that of `inverse` times the modulus [Pa]."""
+
+    inverse: Inverse
+    modulus: float
+
+    def __call__(self, load: np.ndarray) -> np.ndarray:
+        """Displacement [m], shape (2 nodes,), under the load [N]."""
+        return self.inverse(load) / self.modulus
 
 
 def without_rigid_motion(displacement: np.ndarray, masses: np.ndarray, body: np.ndarray) -> np.ndarray:

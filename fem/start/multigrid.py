@@ -46,7 +46,7 @@ class Multigrid:
         unknowns = rigid.shape[0]
         self._order = np.arange(unknowns).reshape(2, -1).T.ravel()  # both unknowns of a node side by side
         blocks = sp.csr_matrix(stiffness)[self._order][:, self._order].tobsr((2, 2))
-        self._rigid = rigid[self._order]
+        self._rigid, _ = np.linalg.qr(rigid[self._order])
         with _same_random_numbers():
             self._levels = pyamg.smoothed_aggregation_solver(
                 blocks,
@@ -56,15 +56,26 @@ class Multigrid:
                 postsmoother=SMOOTHER,
                 max_coarse=COARSEST,
             )
+        self._cycle = self._levels.aspreconditioner()
 
     def solve(self, load: np.ndarray) -> np.ndarray:
         """Displacement [m], up to a rigid motion, under loads in equilibrium [N]. Raises NotConvergedError."""
-        ordered, status = self._levels.solve(
-            load[self._order], tol=TOLERANCE, maxiter=MOST, accel="cg", return_info=True
-        )
-        if status != 0:
+        from scipy.sparse.linalg import LinearOperator, cg
+
+        stiffness = self._levels.levels[0].A
+        cycle = LinearOperator(stiffness.shape, matvec=self._improved, dtype=float)
+        ordered, status = cg(stiffness, load[self._order], rtol=TOLERANCE, maxiter=MOST, M=cycle)
+        if status != 0 or not np.isfinite(ordered).all():
             raise NotConvergedError(f"{MOST} iterations leave a residual above {TOLERANCE:g} of the load")
         return self._in_order(ordered)
+
+    def _improved(self, residual: np.ndarray) -> np.ndarray:
+        """One cycle, free of rigid motion before and after: what the coarsest level makes of it is rounding, divided
+        by a stiffness that is rounding."""
+        return self._elastic(self._cycle.matvec(self._elastic(residual)))
+
+    def _elastic(self, values: np.ndarray) -> np.ndarray:
+        return np.asarray(values - self._rigid @ (self._rigid.T @ values))
 
     def lowest_square(self, masses: np.ndarray, guesses: np.ndarray) -> float:
         """Square of the lowest elastic frequency [rad^2/s^2], from displacements near to its mode, shape (2 nodes, n),
@@ -73,14 +84,14 @@ class Multigrid:
         from scipy.sparse.linalg import LinearOperator, lobpcg
 
         stiffness, weights = self._levels.levels[0].A, np.repeat(masses, 2)
-        cycle, guesses = self._levels.aspreconditioner(), guesses[self._order]
+        guesses = guesses[self._order]
         first = guesses[:, 0] @ (stiffness @ guesses[:, 0]) / (guesses[:, 0] ** 2 @ weights)
         tolerance = MODE_TOLERANCE * first * np.sqrt(masses.mean())
         (square, *_), vectors = lobpcg(
             stiffness,
             guesses,
             B=sp.diags(weights),
-            M=LinearOperator(stiffness.shape, matvec=cycle.matvec, dtype=float),
+            M=LinearOperator(stiffness.shape, matvec=self._improved, dtype=float),
             Y=self._rigid,
             tol=tolerance,
             maxiter=MODE_STEPS,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fem.contact.friction import FRICTION_LAWS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.kept import kept
 from tailslap.errors import InputError
 from tailslap.planning.cost import costly_key
 from tailslap.planning.plan import Plan
@@ -24,6 +26,9 @@ MIN_STEPS = 1000
 MAX_STEPS = 2_000_000_000
 """A run above this is refused: it would take days, and its instants could not be told apart."""
 
+
+LARGE = 10_000
+"""Elements from which on a mesh is not kept."""
 
 REFERENCE_MODULUS = 1e9
 """Young's modulus [Pa] with which a first frequency is looked for; any would do."""
@@ -85,11 +90,18 @@ def resolved_plate(plan: Plan, plate: Plate, mesh: meshio.Mesh | None = None) ->
 
 def fe_mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
     """The plate's mesh in its body frame."""
+    vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
+    make = _mesh if math.prod(plate.counts) < LARGE else _mesh.__wrapped__
+    mesh: meshio.Mesh = make(vehicle.length, vehicle.width, plate.counts, cells, plate.distortion)
+    return mesh
+
+
+@kept("mesh")
+def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, distortion: float) -> meshio.Mesh:
     from meshes import distorted, plate_mesh
 
-    vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
-    mesh = plate_mesh(vehicle.length, vehicle.width, plate.counts, cells)
-    return distorted(mesh, plate.distortion, plate.counts) if plate.distortion else mesh
+    mesh = plate_mesh(length, width, counts, cells)
+    return distorted(mesh, distortion, counts) if distortion else mesh
 
 
 def same_mesh(plate: Plate, other: Plate) -> bool:

@@ -41,8 +41,6 @@ class FePlan:
         Of the fastest mode by friction.
     plate : Plate
         The scene's, with the modulus that its first frequency asks for where the scene gives that instead.
-    wall : meshio.Mesh or None
-        For pictures alone: the wall is rigid.
     model : PlateModel
         Mesh, masses, stiffness, parameters of the time loop.
     start : RigidStart
@@ -60,7 +58,6 @@ class FePlan:
     decisions: tuple[Decision, ...]
     growth: Growth
     plate: Plate
-    wall: meshio.Mesh | None
     model: PlateModel
     start: RigidStart
     travel: float
@@ -75,6 +72,16 @@ class FePlan:
         if self.plate.first_frequency is not None:
             return self.plate.first_frequency
         return lowest_frequency(self.model.elastic)
+
+    @property
+    def wall(self) -> meshio.Mesh | None:
+        """The wall's mesh, with the middle of the corner's path in its middle: for pictures, the wall is rigid."""
+        from meshes import wall_mesh
+
+        wall, slide = self.plan.scene.wall, self.plan.motion.strike.slide
+        if wall is None:
+            return None
+        return wall_mesh(0.5 * (slide - wall.length), wall.length, wall.depth, wall.elements)
 
     @cached_property
     def damping_lag(self) -> float:
@@ -150,13 +157,13 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     if damping_decisions:
         model = with_elastic_damping(model, fe_input(plan, plate).step)
         demand_steps(plan, plate, model)
+    _demand_wall(plan)
     return FePlan(
         asked=asked,
         plan=plan,
         decisions=(*mesh_decisions, *thread_decisions, *constraint_decisions, *damping_decisions),
         growth=growth,
         plate=plate,
-        wall=_wall(plan),
         model=model,
         start=start,
         travel=travel,
@@ -176,14 +183,9 @@ def _completed(plan: Plan, mesh: Mesh, normal: float) -> tuple[PlateModel, Growt
     return model, predict_growth(plan, mesh.plate, model, normal)
 
 
-def _wall(plan: Plan) -> meshio.Mesh | None:
-    """The wall's mesh, with the middle of the corner's path in its middle."""
-    from meshes import wall_mesh
-
+def _demand_wall(plan: Plan) -> None:
+    """Raise InputError where the corner slides beyond the wall."""
     wall, slide = plan.scene.wall, plan.motion.strike.slide
-    if wall is None:
-        return None
-    if wall.length < abs(slide):
+    if wall is not None and wall.length < abs(slide):
         allowed = f"the corner slides {slide:.4g} m along the wall; allowed is a length of at least that"
         raise InputError("wall.length", wall.length, allowed)
-    return wall_mesh(0.5 * (slide - wall.length), wall.length, wall.depth, wall.elements)

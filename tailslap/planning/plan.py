@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
+from fem.kept import kept
 from solver import (
     CONVENTIONS,
     ImpulseResult,
@@ -176,7 +177,7 @@ def _start(scene: Scene, stage1: ImpulseResult[float] | None) -> StageTwoStart:
 
 def _motion(scene: Scene, body: RectangularBody[float], start: StageTwoStart) -> PlaneMotion:
     with _refusals(scene, "start"):
-        return plane_motion(
+        motion: PlaneMotion = _solved_motion(
             body,
             start.angle,
             start.omega,
@@ -184,6 +185,12 @@ def _motion(scene: Scene, body: RectangularBody[float], start: StageTwoStart) ->
             scene.corner_friction,
             scene.corner.rigid_reaction,
         )
+    return motion
+
+
+@kept("rigid motion")
+def _solved_motion(body: RectangularBody[float], *given: Any) -> PlaneMotion:
+    return plane_motion(body, *given)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from importlib.metadata import version
 from typing import Any
 
 import tailslap
+from fem import kept
 from tailslap.analyses import analysis_of
 from tailslap.errors import InputError
 from tailslap.planning.affordable import demand_affordable
@@ -20,12 +21,16 @@ PASSED, FAILED, REFUSED, ERROR = STATUSES = ("passed", "failed", "refused", "err
 KILLS = "its worker died each time that it was computed, alone at last"
 
 TIMES = ("cost.run_s", "cost.setup_s", "cost.time_loop_s")
+REUSED = "cost.reused"
+"""Column with the parts of the model that were there already, from runs that this worker has made before."""
+
+CIRCUMSTANCES = (*TIMES, REUSED)
 """Columns that differ when the same run is made again; all others are the same to the bit."""
 
 
 def compute_row(run: int, source: Source, changes: Changes) -> dict[str, Any]:
     """Make a run of the scene with these changes. Whatever goes wrong is the row's status and reason."""
-    began = time.perf_counter()
+    began, before = time.perf_counter(), kept.looks()
     try:
         found = _columns(source, changes)
     except InputError as refusal:
@@ -34,7 +39,8 @@ def compute_row(run: int, source: Source, changes: Changes) -> dict[str, Any]:
         found = {"status": ERROR, "reason": "the memory of the machine does not hold this mesh"}
     except Exception as error:  # a sweep goes on, whatever one of its runs does
         found = {"status": ERROR, "reason": f"{type(error).__name__}: {error}"}
-    return {"run": run, **found, **versions(), "cost.run_s": time.perf_counter() - began}
+    spent = {REUSED: ", ".join(kept.reused(before)), "cost.run_s": time.perf_counter() - began}
+    return {"run": run, **found, **versions(), **spent}
 
 
 def killing_row(run: Any) -> dict[str, Any]:

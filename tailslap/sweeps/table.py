@@ -14,7 +14,7 @@ from tailslap.results.manifest import listed_file
 from tailslap.sweeps.definition import Definition
 from tailslap.sweeps.folder import TABLE
 from tailslap.sweeps.journal import Rows
-from tailslap.sweeps.row import TIMES, versions
+from tailslap.sweeps.row import REUSED, TIMES, versions
 from tailslap.sweeps.variation import Variation
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def _schema(definition: Definition, checks: list[str]) -> pa.Schema:
     types = {name: {float: real, int: whole, str: text}[kind] for name, kind in definition.kinds.items()}
     columns |= {name: kind for name, kind in types.items() if not name.startswith("cost.")}
     columns |= dict.fromkeys(checks, real) | types
-    columns |= dict.fromkeys(TIMES, real) | dict.fromkeys(versions(), text)
+    columns |= dict.fromkeys(TIMES, real) | {REUSED: text} | dict.fromkeys(versions(), text)
     return pa.schema(list(columns.items()))
 
 

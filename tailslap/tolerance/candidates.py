@@ -87,7 +87,6 @@ def with_modal_quantities(made: Candidate) -> Candidate:
         (),
         none,
         plate,
-        None,
         made.model,
         rigid_start(plan),
         centre_travel(plan),

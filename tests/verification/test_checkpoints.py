@@ -56,7 +56,7 @@ def same(a: Any, b: Any) -> None:
             )
 
 
-@pytest.mark.parametrize("at", [1, 57, 200])
+@pytest.mark.parametrize("at", [1, 20, 45])
 def test_the_loop_goes_on_with_the_same_bits(at: int) -> None:
     fe_plan = make_fe_plan(make_plan(*read_scene("paper-table-3")))
 

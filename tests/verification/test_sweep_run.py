@@ -37,7 +37,7 @@ from tailslap.sweeps.definition import Definition, make_definition
 from tailslap.sweeps.folder import _has_rows
 from tailslap.sweeps.journal import NAME as JOURNAL
 from tailslap.sweeps.perform import StoppedError, perform
-from tailslap.sweeps.row import TIMES, compute_row
+from tailslap.sweeps.row import CIRCUMSTANCES, compute_row
 
 pytestmark = pytest.mark.verification
 
@@ -135,7 +135,7 @@ def table(place: Path) -> list[dict[str, Any]]:
     import pyarrow.parquet as pq
 
     rows = pq.read_table(place / "sweep.parquet").to_pylist()
-    return [{name: value for name, value in row.items() if name not in TIMES} for row in rows]
+    return [{name: value for name, value in row.items() if name not in CIRCUMSTANCES} for row in rows]
 
 
 @pytest.fixture(scope="module")

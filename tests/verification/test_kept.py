@@ -1,0 +1,106 @@
+"""Verification: parts that rows of a sweep share are made once, and change nothing but time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from tailslap.sweeps.row import CIRCUMSTANCES, REUSED, compute_row
+
+from fem import kept
+from fem.explicit.columns import COLUMNS, Column
+from fem.explicit.simulate import Stepper, simulate
+from fem.start.rigid_state import RigidStart
+from tailslap.scene.files import read_scene
+
+pytestmark = pytest.mark.verification
+
+SMALL = ("plate.elements=[6, 2]",)
+START = RigidStart(0.26, 0.707, 25.053)
+
+
+def row(*changes: tuple[str, Any]) -> dict[str, Any]:
+    _, source = read_scene("paper-table-3", SMALL)
+    found = compute_row(0, source, dict(changes))
+    assert found["status"] in ("passed", "failed"), found
+    return found
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "shared"),
+    [
+        (
+            "plate.youngs_modulus",
+            (1e11, 3e11),
+            {"rigid motion", "mesh", "assembly", "spectrum", "free modes"},
+        ),
+        ("corner.friction", (0.3, 0.4), {"mesh", "assembly", "spectrum", "free modes"}),
+        ("start.omega", (0.6, 0.7), {"mesh", "assembly", "spectrum", "free modes"}),
+        ("plate.elements", ([6, 2], [7, 2]), set()),
+    ],
+)
+def test_rows_share_what_they_have_in_common_and_are_the_same_alone(
+    key: str, values: tuple[Any, Any], shared: set[str]
+) -> None:
+    kept.forget()
+    row((key, values[0]))
+    after_another = row((key, values[1]))
+    kept.forget()
+    alone = row((key, values[1]))
+    assert {part for part in after_another[REUSED].split(", ") if part} >= shared
+    assert ("mesh" in after_another[REUSED]) == (key != "plate.elements")
+    assert "mesh" not in alone[REUSED]
+    for name in alone.keys() - set(CIRCUMSTANCES):
+        assert alone[name] == after_another[name], name
+
+
+def test_large_parts_and_many_parts_are_let_go() -> None:
+    calls = []
+
+    @kept.kept("a part of this test")
+    def double(n: int) -> int:
+        calls.append(n)
+        return 2 * n
+
+    assert [double(1), double(1), double.__wrapped__(1)] == [2, 2, 2]
+    assert calls == [1, 1]
+    before = kept.looks()
+    double(1)
+    assert kept.reused(before) == ["a part of this test"]
+    for n in range(2, kept.MOST + 2):
+        double(n)
+    before = kept.looks()
+    double(1)
+    assert kept.reused(before) == []
+    kept._PARTS.pop("a part of this test")
+
+
+def test_rows_of_compiled_code_are_those_of_single_steps(plate_model: Callable[..., Any]) -> None:
+    """Recorded many at once, or each by itself in Python, as columns from outside need it: the same history."""
+    model = plate_model(reaction="drag", elements=(6, 2))
+    plain = simulate(model, START, 0.384)
+    COLUMNS.register(Column("twice_theta", "rad", lambda measures, state, model: 2.0 * measures.theta))
+    try:
+        single = simulate(model, START, 0.384)
+    finally:
+        COLUMNS.remove("twice_theta")
+    np.testing.assert_array_equal(single.history["twice_theta"][:-1], 2.0 * single.history["theta"][:-1])
+    assert single.steps == plain.steps
+    for name, column in plain.history.items():
+        scale = max(1e-300, np.abs(column).max())
+        np.testing.assert_allclose(single.history[name], column, rtol=0.0, atol=1e-9 * scale, err_msg=name)
+
+
+def test_recording_ends_at_the_wall_with_the_state_before(plate_model: Callable[..., Any]) -> None:
+    model = plate_model(elements=(6, 2))
+    stepper = Stepper(model)
+    state = stepper.start(START, "unstressed")
+    stride = round(0.05 / model.loop.time_step)
+    found = stepper.record_rows(state, stride, 100)
+    assert len(found.rows) < 15
+    assert found.rows[-1][0] <= 0.0 < found.rows[-2][0]
+    assert stepper.measure(found.before).theta == pytest.approx(found.rows[-2][0], rel=1e-12)
+    assert stepper.measure(found.state).theta == pytest.approx(found.rows[-1][0], rel=1e-12)
+    assert stepper.measure(state).theta == pytest.approx(START.angle, rel=1e-12)
