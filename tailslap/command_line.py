@@ -12,7 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tailslap.options import Folder, Real, Whole
+from tailslap.options import (
+    FORCE,
+    JSON,
+    PROGRESS,
+    QUIET,
+    UNITS,
+    Folder,
+    Real,
+    Whole,
+    complete_key,
+    complete_scene,
+    with_options,
+)
 
 # The matrices are small or sparse: threads of BLAS would only disturb each other, a hundredfold where cores are busy.
 # Set before NumPy is loaded, and taken over by worker processes.
@@ -32,6 +44,9 @@ if TYPE_CHECKING:
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
 
+COMPLETE = "_TAILSLAP_COMPLETE"
+"""Set by a shell that asks for completions."""
+
 HELP = {"help_option_names": ["-h", "--help"]}
 
 
@@ -43,8 +58,9 @@ def scene_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
         multiple=True,
         metavar="KEY=VALUE",
         help="Change a key, like plate.thickness=20mm; KEY= takes it out.",
+        shell_complete=complete_key,
     )(function)
-    return click.argument("name", metavar="SCENE")(function)
+    return click.argument("name", metavar="SCENE", shell_complete=complete_scene)(function)
 
 
 allow_large = click.option(
@@ -88,25 +104,35 @@ def commands() -> None:
     help="Pick the cheapest mesh and constraint for this relative error.",
 )
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
+@with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
 def run(
-    analysis: Analysis, plan: Any, out: Path | None, no_pictures: bool, tolerance: float | None, resume: bool
+    analysis: Analysis,
+    plan: Any,
+    out: Path | None,
+    no_pictures: bool,
+    tolerance: float | None,
+    resume: bool,
+    force: bool,
+    units: str,
+    as_json: bool,
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from tailslap.execution.checkpoints import checkpointed
     from tailslap.report.deliver import deliver
+    from tailslap.results.earlier_result import demand_own
 
     def report(folder: Path) -> Report:
         return analysis.run_report(plan, folder, tolerance, not no_pictures)
 
     place = out or Path("results") / plan.scene.name
+    demand_own(place, plan.scene.name, force)
     with checkpointed(place, {"scene": plan.source.given, "tolerance": tolerance}, resume):
-        return deliver(place, report)
+        return deliver(place, report, as_json=as_json, units=units)
 
 
 @commands.command()
 @scene_arguments
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
-@click.option("--units", type=click.Choice(["si", "us"]), default="si", help="Units of the printed numbers.")
+@with_options(UNITS, JSON, QUIET)
 def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int:
     """The rigid-body method, or the rigid vehicle's whole impact, alone."""
     from postprocess.files.summary import summary_text
@@ -114,8 +140,10 @@ def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
     analysis, plan = _planned(name, changes)
-    lines = analysis.rigid_lines(plan, units) if not as_json else []
-    click.echo(summary_text(analysis.rigid_numbers(plan)) if as_json else "\n".join(lines))
+    if as_json:
+        click.echo(summary_text(analysis.rigid_numbers(plan)))
+    else:
+        _say(analysis.rigid_lines(plan, units), 19)
     return DONE
 
 
@@ -126,17 +154,22 @@ commands.add_command(sweep)
 @commands.command()
 @scene_arguments
 @allow_large
-def check(name: str, changes: tuple[str, ...], allow_large: bool) -> int:
+@with_options(UNITS, JSON, QUIET)
+def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as_json: bool) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
+    from postprocess.files.summary import summary_text
     from tailslap.planning.affordable import demand_affordable, is_large
-    from tailslap.report.check_text import estimate_part
+    from tailslap.report.check_text import as_numbers, estimate_part, in_units
 
     analysis, plan = _planned(name, changes)
     scene, duration = plan.scene, analysis.duration(plan)
     if not allow_large:
         demand_affordable(scene, duration)
     lines = estimate_part(scene, duration) if is_large(scene) else analysis.check_lines(plan)
-    click.echo("\n".join(lines))
+    if as_json:
+        click.echo(summary_text(as_numbers(scene.name, lines)))
+    else:
+        _say(in_units(lines, units), 13)
     return DONE
 
 
@@ -146,11 +179,13 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool) -> int:
     "--count", type=Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
 )
 @click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-modes]")
-def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
+@with_options(FORCE, JSON, QUIET, PROGRESS)
+def modes(analysis: Analysis, plan: Any, count: int, out: Path | None, force: bool, as_json: bool) -> int:
     """Natural frequencies of the plate, with pictures."""
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
     from tailslap.report.deliver import deliver
+    from tailslap.results.earlier_result import demand_own
 
     def report(folder: Path) -> Report:
         from tailslap.free_modes.plate_modes import find_modes
@@ -159,7 +194,9 @@ def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
         return modes_report(find_modes(fe_plan, count))
 
     fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
-    return deliver(out or Path("results") / f"{plan.scene.name}-modes", report)
+    place = out or Path("results") / f"{plan.scene.name}-modes"
+    demand_own(place, plan.scene.name, force)
+    return deliver(place, report, as_json=as_json)
 
 
 @commands.command()
@@ -175,7 +212,7 @@ def modes(analysis: Analysis, plan: Any, count: int, out: Path | None) -> int:
     show_default=True,
     help="Relative error allowed.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI.")
+@with_options(JSON, QUIET)
 def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, as_json: bool) -> int:
     """Run a scene with a few modes of the plate."""
     from tailslap.modal_run import modal_run
@@ -190,20 +227,59 @@ def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: floa
 
 
 @commands.command()
-def scenes() -> int:
+@with_options(JSON, QUIET)
+def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
+    from postprocess.files.summary import summary_text
     from tailslap.scene.files import shipped_scenes, title
 
-    shipped = shipped_scenes()
+    shipped = {name: title(text) for name, text in shipped_scenes().items()}
     width = max(map(len, shipped))
-    for name, text in shipped.items():
-        click.echo(f"{name:<{width}}  {title(text)}")
+    if as_json:
+        click.echo(summary_text(shipped))
+    else:
+        _say([f"{name:<{width}}  {text}" for name, text in shipped.items()], width + 2)
+    return DONE
+
+
+@commands.command()
+@click.argument("name", metavar="NAME")
+@with_options(JSON, QUIET)
+def new(name: str, as_json: bool) -> int:
+    """Write NAME.toml: a scene with every key, its meaning, and an example."""
+    from postprocess.files.summary import summary_text
+    from tailslap.scene.written import write_new_scene
+
+    path = write_new_scene(name)
+    click.echo(
+        summary_text({"scene": name, "file": str(path)})
+        if as_json
+        else f"{path}: see `tailslap check {path}`"
+    )
+    return DONE
+
+
+@commands.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@with_options(JSON, QUIET)
+def completion(shell: str, as_json: bool) -> int:
+    """Print what makes a shell complete commands, options, scenes and keys.
+
+    For bash, in ~/.bashrc: eval "$(tailslap completion bash)"
+    """
+    from click.shell_completion import get_completion_class
+
+    from postprocess.files.summary import summary_text
+
+    made = get_completion_class(shell)
+    script = made(commands, {}, "tailslap", COMPLETE).source() if made else ""
+    click.echo(summary_text({"shell": shell, "script": script}) if as_json else script)
     return DONE
 
 
 @commands.command()
 @click.option("--out", type=Folder(), help="Result folder  [default: results/paper]")
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, in SI, instead of tables.")
+@with_options(JSON, QUIET)
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
     from tailslap.report.deliver import deliver
@@ -215,6 +291,13 @@ def paper(out: Path | None, as_json: bool) -> int:
         return paper_report(review_paper())
 
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
+
+
+def _say(lines: list[str], indent: int) -> None:
+    """Lines of a label and a text, which goes on below itself where the terminal ends."""
+    from postprocess.report.terminal import labelled
+
+    click.echo("\n".join(part for line in lines for part in labelled(line, indent)))
 
 
 def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
@@ -277,6 +360,10 @@ def _status(arguments: list[str] | None) -> int:
 def _run(arguments: list[str] | None) -> int:
     """Not by `commands.main`, which ends with 1 where the reader of a pipe leaves."""
     given = sys.argv[1:] if arguments is None else list(arguments)
+    if COMPLETE in os.environ:
+        from click.shell_completion import shell_complete
+
+        return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
     try:
         with commands.make_context("tailslap", given) as context:
             status = commands.invoke(context)

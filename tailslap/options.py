@@ -3,11 +3,16 @@ empty. Anything else is wrong input, which the message of the option names."""
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Callable
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
 import click
+
+from tailslap.progress import shown_as
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -56,3 +61,68 @@ class Text(click.ParamType):
         if not value.strip():
             self.fail("it is empty.", param, ctx)
         return value.strip()
+
+
+def _quiet(context: click.Context, parameter: click.Parameter, given: bool) -> None:
+    """Until the command ends, standard output leads nowhere, and there is no progress."""
+    if given:
+        nowhere = context.with_resource(open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        context.with_resource(redirect_stdout(nowhere))
+        context.with_resource(shown_as("none"))
+
+
+def _progress(context: click.Context, parameter: click.Parameter, given: bool) -> None:
+    if given:
+        context.with_resource(shown_as("lines"))
+
+
+def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
+    """Names of shipped scenes and TOML files, for the completion of a shell."""
+    from tailslap.scene.files import shipped_scenes
+
+    names = [*shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
+    return [name for name in names if name.startswith(typed)]
+
+
+def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
+    """Keys of a scene, with the equals sign."""
+    from tailslap.scene.meanings import MEANINGS
+
+    return [f"{key}=" for key in MEANINGS if key.startswith(typed)]
+
+
+JSON = click.Option(["--json", "as_json"], is_flag=True, help="Print the numbers as JSON, in SI.")
+QUIET = click.Option(
+    ["--quiet", "-q"],
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_quiet,
+    help="Print errors alone.",
+)
+PROGRESS = click.Option(
+    ["--progress"],
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_progress,
+    help="Say how far it is from time to time, also where standard error is no terminal.",
+)
+UNITS = click.Option(
+    ["--units"],
+    type=click.Choice(["si", "us"]),
+    default="si",
+    help="Units of what people read; files are in SI.",
+)
+FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another scene.")
+
+
+def with_options(*options: click.Option) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A decorator that gives a command these options."""
+
+    def decorated(function: Callable[..., Any]) -> Callable[..., Any]:
+        given = getattr(function, "__click_params__", [])
+        function.__click_params__ = [*given, *reversed(options)]  # type: ignore[attr-defined]
+        return function
+
+    return decorated

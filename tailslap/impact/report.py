@@ -9,6 +9,7 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.check_text import contact_words, omitted_parts
+from tailslap.impact.checks import MESH_CHECKS
 from tailslap.impact.figures import (
     animation,
     contact_figures,
@@ -81,7 +82,7 @@ CURES = {
     "energy gained": STEP,
     "strikes found": "a stiffer plate, or a later time.end",
     "sampling": "a softer contact, or a coarser question: the strikes are shorter than rows can tell",
-    "mesh": FINER,
+    **dict.fromkeys(MESH_CHECKS, FINER),
     "point contact": "give contact.patch_length",
 }
 """What to do where a check fails."""

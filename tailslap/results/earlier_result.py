@@ -7,6 +7,7 @@ in its place the earlier one is kept whole beside it, under a name that is not h
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import tempfile
 from dataclasses import dataclass
@@ -52,6 +53,19 @@ def find_earlier(place: Path) -> Earlier:
     _refuse_changed(place, ours)
     known = {NAME, *(item.path for item in ours)}
     return Earlier(ours, tuple(name for name in names if name not in known), empty=False)
+
+
+def demand_own(place: Path, scene: str, force: bool) -> None:
+    """Raise InputError where the place holds the result of another scene, unless that is to be replaced by force."""
+    if force or read_manifest(place) is None:
+        return
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        other = json.loads((place / "summary.json").read_text(encoding="utf-8")).get("scene", scene)
+        if other != scene:
+            allowed = (
+                f"it holds the result of the scene {other!r}; --force replaces it, or give another folder"
+            )
+            raise InputError("--out", str(place), allowed)
 
 
 def put_in_place(folder: Path, place: Path) -> None:

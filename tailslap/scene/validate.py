@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any
 
 from pydantic import ValidationError
@@ -10,6 +11,7 @@ from fem.contact.constraints import CONSTRAINTS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.lumpings import LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.scene.meanings import MEANINGS
 from tailslap.scene.schema import Damping, Scene, Wall
 from tailslap.scene.validate_impact import check_impact
 
@@ -32,7 +34,8 @@ def key_by_key(data: dict[str, Any]) -> Scene:
 
 
 def _input_error(error: ValidationError) -> InputError:
-    first = error.errors()[0]
+    found = error.errors()
+    first = next((each for each in found if each["type"] == "extra_forbidden"), found[0])
     key = ".".join(str(part) for part in first["loc"])
     kind = first["type"]
     if kind == "missing":
@@ -52,7 +55,11 @@ def _known(location: tuple[int | str, ...]) -> str:
     for part in location[:-1]:
         kinds = model.model_fields[part].annotation
         model = next(k for k in (kinds, *getattr(kinds, "__args__", ())) if hasattr(k, "model_fields"))
-    return f"allowed are {', '.join(model.model_fields)}"
+    table = "".join(f"{part}." for part in location[:-1])
+    near = difflib.get_close_matches(str(location[-1]), model.model_fields, 1)
+    elsewhere = [key for key in MEANINGS if key.rpartition(".")[2] == location[-1]]
+    hint = f"; did you mean {(table + near[0]) if near else elsewhere[0]}?" if near or elsewhere else ""
+    return f"allowed are {', '.join(model.model_fields)}{hint}"
 
 
 def _check_together(scene: Scene) -> None:

@@ -1,11 +1,21 @@
-"""Scenes as text: one as it was run."""
+"""Scenes as text: one as it was run, and a new one with every key."""
 
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, get_args
 
+from pydantic.fields import FieldInfo
+
+from fem.constitutive.materials import MATERIALS
+from tailslap.errors import InputError
+from tailslap.scene.meanings import MEANINGS
+from tailslap.scene.schema import Scene, Table
+from tailslap.scene.units import Quantity
+from tailslap.scene.validate import validate
 from tailslap.scene.vary import Source
 
 
@@ -33,3 +43,73 @@ def toml_value(value: Any) -> str:
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml_value, value))}]"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
+
+
+EXAMPLE: Mapping[str, Mapping[str, Any]] = {
+    "vehicle": {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"},
+    "impact": {
+        "speed": "56 mph",
+        "angle": "15 deg",
+        "friction": 0.47,
+        "restitution": 0.22,
+        "test_level": "TL-4",
+    },
+    "plate": {"thickness": "53 mm", "youngs_modulus": "200 GPa", "poissons_ratio": 0.3},
+}
+"""What a new scene gives; all else stands in it as a comment."""
+
+
+def write_new_scene(name: str) -> Path:
+    """Write NAME.toml in the current folder. Raises InputError for a name that is none, or a file that is there."""
+    stem = name.removesuffix(".toml")
+    path, text = Path(f"{stem}.toml"), new_scene(stem)
+    validate(tomllib.loads(text))
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(
+            "NAME", name, f"{path} is there already; allowed is the name of a new file"
+        ) from None
+    return path
+
+
+def new_scene(name: str) -> str:
+    """A scene with every key of the definition, its meaning and what is allowed; what may be left out is a comment."""
+    lines = [f"# {name}: change the values; lines that begin with # are keys that may be left out", ""]
+    for key, field in Scene.model_fields.items():
+        table = next(
+            (kind for kind in (field.annotation, *get_args(field.annotation)) if _is_table(kind)), None
+        )
+        if table is None:
+            lines.append(f"{key} = {toml_value(name)}")
+            continue
+        given = EXAMPLE.get(key, {})
+        lines += ["", f"{'' if given else '# '}[{key}]"]
+        lines += [_line(key, name, own, given.get(name)) for name, own in table.model_fields.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _is_table(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Table)
+
+
+def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:
+    """A key with its value, or one like it behind a #, and what it means."""
+    default = None if field.is_required() else field.default
+    values = [toml_value(value) for value in (given, default) if value is not None]
+    front = "" if given is not None else "# "
+    return (
+        f"{front}{name} = {(values or [example(field)])[0]}".ljust(34) + f"  # {MEANINGS[f'{table}.{name}']}"
+    )
+
+
+def example(field: FieldInfo) -> str:
+    """A value that a key may have, as TOML."""
+    marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
+    for mark in marks:
+        if isinstance(mark, Quantity):
+            return mark.example
+        if isinstance(mark, str):
+            return toml_value(mark)
+    return "[20, 6]" if "tuple" in str(field.annotation) else toml_value(next(iter(MATERIALS)))

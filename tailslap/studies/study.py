@@ -6,13 +6,13 @@ import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from tailslap.analysis import CORNER, Analysis
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.options import Folder
+from tailslap.options import FORCE, JSON, PROGRESS, QUIET, UNITS, Folder, complete_scene
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -61,10 +61,18 @@ class Study:
     analyses: tuple[str, ...] = (CORNER,)
 
 
+class Shown(NamedTuple):
+    """Whether another scene's result is replaced, and how results are said."""
+
+    force: bool
+    units: str
+    as_json: bool
+
+
 def study_command(study: Study) -> click.Command:
     """The study on the command line: SCENE, --set, --out, and its own options."""
     shared: list[click.Parameter] = [
-        click.Argument(["name"], metavar="SCENE"),
+        click.Argument(["name"], metavar="SCENE", shell_complete=complete_scene),
         click.Option(
             ["--set", "changes"],
             multiple=True,
@@ -79,10 +87,12 @@ def study_command(study: Study) -> click.Command:
         click.Option(
             ["--allow-large"], is_flag=True, help="Also where it takes more memory or time than there is."
         ),
+        *(FORCE, UNITS, JSON, QUIET, PROGRESS),
     ]
 
     def run(name: str, changes: tuple[str, ...], out: Path | None, allow_large: bool, **options: Any) -> int:
-        return _run(study, name, changes, out, allow_large, options)
+        shown = Shown(*(options.pop(option) for option in ("force", "units", "as_json")))
+        return _run(study, name, changes, out, allow_large, shown, options)
 
     return click.Command(study.name, params=[*shared, *study.options], callback=run, help=study.summary)
 
@@ -93,6 +103,7 @@ def _run(
     changes: tuple[str, ...],
     out: Path | None,
     allow_large: bool,
+    shown: Shown,
     options: dict[str, Any],
 ) -> int:
     """Compute, fill the result folder, say what was found; 1 if the study failed."""
@@ -100,6 +111,7 @@ def _run(
     from tailslap.planning.affordable import demand_affordable
     from tailslap.planning.fe_plan import needed_plate
     from tailslap.report.deliver import deliver
+    from tailslap.results.earlier_result import demand_own
     from tailslap.results.result_folder import demand_place
     from tailslap.scene.files import read_scene
 
@@ -114,8 +126,11 @@ def _run(
     ending = study.folder(options) if study.folder else study.name
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
+    demand_own(place, plan.scene.name, shown.force)
     found = _named(study.compute)(Call(name, changes, plan, place), **options)
-    return deliver(place, lambda folder: _named(study.report)(found))
+    return deliver(
+        place, lambda folder: _named(study.report)(found), as_json=shown.as_json, units=shown.units
+    )
 
 
 def _demand_analysis(study: Study, analysis: Analysis) -> None:

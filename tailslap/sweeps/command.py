@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from tailslap.options import Folder, Text, Whole
+from tailslap.options import JSON, PROGRESS, QUIET, Folder, Text, Whole, complete_scene, with_options
 from tailslap.sweeps.values import MAX_RUNS
 
 SEED = 307
 
 
 @click.command("sweep")
-@click.argument("name", metavar="SCENE")
+@click.argument("name", metavar="SCENE", shell_complete=complete_scene)
 @click.option(
     "--vary",
     "varied",
@@ -44,6 +44,7 @@ SEED = 307
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )
+@with_options(JSON, QUIET, PROGRESS)
 def sweep(
     name: str,
     varied: tuple[str, ...],
@@ -53,6 +54,7 @@ def sweep(
     out: Path | None,
     cluster: str | None,
     workers: int | None,
+    as_json: bool,
 ) -> int:
     """Run a scene for many values of its keys: one table, a row a run.
 
@@ -67,6 +69,7 @@ def sweep(
     definition = make_definition(name, changes, varied, sample, seed)
     place = out or Path("results") / f"{definition.scene}-sweep"
 
+    from tailslap.sweeps.folder import SUMMARY
     from tailslap.sweeps.perform import StoppedError, perform
     from tailslap.sweeps.report import sweep_text
 
@@ -75,5 +78,5 @@ def sweep(
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
-    click.echo(sweep_text(done, place))
+    click.echo((place / SUMMARY).read_text(encoding="utf-8").rstrip() if as_json else sweep_text(done, place))
     return 1 if done.failures else 0

@@ -181,13 +181,16 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "result"
     assert _status(["modes", "paper-table-3", "--count", "6", "--out", str(out)]) == DONE
     assert "bending 1" in capsys.readouterr().out
-    assert {path.name for path in out.iterdir()} == {"report.html", "summary.json", MANIFEST}
+    assert {path.name for path in out.iterdir()} == {
+        *("report.html", "summary.json", MANIFEST),
+        *(f"mode-{number}.svg" for number in range(1, 7)),
+    }
     summary = json.loads((out / "summary.json").read_text())
     assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
     assert abs(summary["modes"][0]["difference"]) < 6e-3
     page = (out / "report.html").read_text()
     assert page.count("<svg") == 6
-    assert "http" not in page.replace("http://www.w3.org", "")
+    assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 
 @pytest.mark.parametrize("count", ["0", "-3", "291"])

@@ -1,0 +1,265 @@
+"""Verification: what commands print fits 80 columns, no word broken; it is the same as JSON; quiet is quiet."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from postprocess.report.table import Column, Table
+from postprocess.report.terminal import labelled, printed, table_lines
+from tailslap.command_line import _status
+from tailslap.errors import InputError
+from tailslap.scene.files import read_scene
+from tailslap.scene.meanings import MEANINGS
+from tailslap.scene.schema import Scene
+from tailslap.scene.schema import Table as SceneTable
+from tailslap.scene.validate import validate
+from tailslap.scene.written import new_scene
+
+pytestmark = pytest.mark.verification
+
+QUICK = (
+    ("scenes",),
+    ("rigid", "mash-tl4-sut"),
+    ("rigid", "mash-tl4-sut", "--units", "us"),
+    ("rigid", "impact-mash-tl4-sut"),
+    ("check", "mash-tl4-sut"),
+    ("check", "mash-tl5-tractor-van", "--units", "us"),
+    ("check", "impact-mash-tl4-sut"),
+    ("modal", "paper-table-3"),
+    ("modes", "paper-table-3", "--count", "4", "--out", "modes"),
+    ("run", "paper-table-3", "--no-pictures", "--out", "run"),
+    ("run", "mash-tl4-sut", "--no-pictures", "--out", "run-us", "--units", "us"),
+    ("paper", "--out", "paper"),
+)
+FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
+
+
+def said(*arguments: str, cwd: Path) -> str:
+    command = [sys.executable, "-m", "tailslap", *arguments]
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=cwd, env=os.environ | {"COLUMNS": "80"}, check=False
+    )
+    assert done.returncode in (0, 1), done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("arguments", QUICK, ids=" ".join)
+def test_no_line_is_longer_than_80_columns(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    out = said(*arguments, cwd=tmp_path)
+    assert out.strip()
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+
+
+def test_a_failed_run_fits_too(tmp_path: Path) -> None:
+    out = said("run", "mash-tl4-sut", "--no-pictures", "--out", "bad", *FLUTTER, cwd=tmp_path)
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+    assert "What to do: leave damping.kind out" in out
+
+
+WORDS = Table(
+    (Column("a", "Name of the thing"), Column("b", "Much", "kN", form=".3f"), Column("c", "What it means")),
+    [
+        {"a": f"thing {i}", "b": 10.0**i, "c": "words enough that they go on in the next line " * 3}
+        for i in range(4)
+    ],
+)
+
+
+@pytest.mark.parametrize("width", [50, 64, 80, 100])
+def test_words_of_a_table_wrap_between_them(width: int) -> None:
+    lines = table_lines(WORDS, width)
+    assert max(map(len, lines)) <= width
+    shown = " ".join(lines).split()
+    assert shown.count("enough") == 12
+    assert {"1.000", "1000.000", "[kN]"} <= set(shown)
+
+
+def test_a_table_too_wide_goes_on_below_with_its_first_column() -> None:
+    columns = (Column("name", "Name"), *(Column(f"n{i}", f"Column{i}", form=".6f") for i in range(12)))
+    wide = Table(columns, [{"name": "row one"} | {f"n{i}": float(i) for i in range(12)}])
+    lines = table_lines(wide, 80)
+    assert max(map(len, lines)) <= 80
+    assert sum(line.startswith("row one") for line in lines) == 2
+    assert all(f"{i}.000000" in " ".join(lines) for i in range(12))
+
+
+def test_labels_hang(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    lines = labelled("steps        " + "many words " * 8, 13)
+    assert all(line.startswith((" " * 13, "steps")) for line in lines)
+    assert max(map(len, lines)) <= 40
+
+
+def test_paths_are_not_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    from postprocess.report.terminal import place_line
+
+    monkeypatch.setenv("COLUMNS", "40")
+    path = "/a folder/" + "x" * 60
+    assert printed((place_line("Report:", path),)) == f"Report: {path}"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("scenes",),
+        ("check", "mash-tl4-sut"),
+        ("check", "impact-mash-tl4-sut"),
+        ("rigid", "mash-tl4-sut"),
+        ("run", "paper-table-3", "--no-pictures"),
+        ("modes", "paper-table-3", "--count", "3"),
+        ("modal", "paper-table-3"),
+        ("completion", "fish"),
+        ("new", "my-truck"),
+    ],
+    ids=" ".join,
+)
+def test_every_command_speaks_json_or_not_at_all(
+    arguments: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert _status([*arguments, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)
+    for path in tmp_path.iterdir():
+        path.unlink() if path.is_file() else shutil.rmtree(path)
+    assert _status([*arguments, "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_json_of_a_run_is_its_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["run", "paper-table-3", "--no-pictures", "--out", str(tmp_path / "a"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == json.loads((tmp_path / "a" / "summary.json").read_text())
+
+
+def test_us_units_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Terminal, page and curves in ft, kip and so on; the files stay in SI."""
+    place = tmp_path / "us"
+    assert _status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us"]) == 0
+    out = capsys.readouterr().out
+    force = json.loads((place / "summary.json").read_text())["stage3"]["peak_force"]
+    assert 600e3 < force < 700e3, "SI"
+    assert f"{force / 4448.2216152605:.1f}" in out
+    assert {"[kip]", "ft/s", "ft"} <= set(out.split())
+    assert not {"[kN]", "m/s"} & set(out.split())
+    assert "[ft/s]" in (place / "v_gx.svg").read_text()
+    assert "[kip]" in (place / "reaction_normal.svg").read_text()
+    assert "54.0" in out, "AASHTO's force for TL-4, as printed there"
+
+
+def test_another_scene_s_result_is_replaced_by_force_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = ["--no-pictures", "--quiet", "--out", str(tmp_path / "a")]
+    assert _status(["run", "paper-table-3", *place]) == 0
+    before = (tmp_path / "a" / "summary.json").read_bytes()
+    assert _status(["run", "paper-abaqus", *place]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert (tmp_path / "a" / "summary.json").read_bytes() == before
+    assert _status(["run", "paper-table-3", *place]) == 0
+    assert _status(["run", "paper-abaqus", *place, "--force"]) == 0
+    assert json.loads((tmp_path / "a" / "summary.json").read_text())["scene"] == "paper-abaqus"
+
+
+def scene_keys() -> set[str]:
+    found = set()
+    for name, field in Scene.model_fields.items():
+        kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
+        table = next((k for k in kinds if isinstance(k, type) and issubclass(k, SceneTable)), None)
+        found |= {f"{name}.{key}" for key in table.model_fields} if table else {name}
+    return found
+
+
+def test_every_key_has_a_meaning_and_stands_in_a_new_scene() -> None:
+    assert set(MEANINGS) == scene_keys()
+    text = new_scene("my-truck")
+    assert validate(tomllib.loads(text)).name == "my-truck"
+    bare = [line.lstrip("# ") for line in text.splitlines()]
+    for key in MEANINGS:
+        assert any(line.startswith(f"{key.rpartition('.')[2]} = ") for line in bare), key
+    everything = "\n".join([line for line in bare if "=" in line or line.startswith("[")])
+    tables = tomllib.loads(everything)
+    assert {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys} | {
+        "name"
+    } == set(MEANINGS)
+
+
+def test_examples_in_a_new_scene_are_allowed() -> None:
+    """Each example by itself, in the table that it stands in."""
+    from tailslap.scene.validate import key_by_key
+
+    text = "\n".join(line.lstrip("# ") for line in new_scene("x").splitlines()[1:])
+    key_by_key(tomllib.loads(text))
+
+
+def test_a_new_scene_is_not_written_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert _status(["new", "my-truck", "-q"]) == 0
+    assert _status(["check", "my-truck.toml", "-q"]) == 0
+    written = (tmp_path / "my-truck.toml").read_text()
+    assert _status(["new", "my-truck", "-q"]) == 2
+    assert (tmp_path / "my-truck.toml").read_text() == written
+    assert _status(["new", "../x", "-q"]) == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["my-truck.toml"]
+
+
+@pytest.mark.parametrize(
+    ("change", "hint"),
+    [
+        ("plate.thicknes=1 mm", "did you mean plate.thickness?"),
+        ("contact.stifness=1 MN/m", "did you mean contact.stiffness?"),
+        ("plate.mass=1 kg", "did you mean vehicle.mass?"),
+        ("pltae.thickness=1 mm", "did you mean plate?"),
+    ],
+)
+def test_did_you_mean(change: str, hint: str) -> None:
+    with pytest.raises(InputError, match="there is no such key") as caught:
+        read_scene("mash-tl4-sut", (change,))
+    assert hint in str(caught.value)
+
+
+def test_a_shell_completes_scenes_and_keys(tmp_path: Path) -> None:
+    def completed(*words: str) -> list[str]:
+        line = " ".join(("tailslap", *words))
+        asked = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
+        command = [sys.executable, "-m", "tailslap"]
+        done = subprocess.run(
+            command, capture_output=True, text=True, cwd=tmp_path, env=os.environ | asked, check=True
+        )
+        return [row.partition(",")[2] for row in done.stdout.splitlines()]
+
+    assert "run" in completed("ru")
+    assert completed("run", "paper-t") == ["paper-table-3"]
+    assert "plate.thickness=" in completed("run", "paper-table-3", "--set", "plate.th")
+    assert "--tolerance" in completed("run", "paper-table-3", "--to")
+
+
+def test_progress_off_a_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing by itself; lines with n of N, rate and time left where asked for; one thing at a time; never if quiet."""
+    from tailslap import progress
+
+    monkeypatch.setattr(progress, "ASKED_EVERY", 0.0)
+
+    def work() -> str:
+        with progress.progress_bar("steps", 200) as outer:
+            outer(0.5)
+            with progress.counted("inner", 3, 0) as inner:
+                inner(2)
+        return capsys.readouterr().err
+
+    assert work() == ""
+    with progress.shown_as("lines"):
+        assert work().startswith("tailslap: steps: 100 of 200, ")
+        assert "inner" not in work()
+        assert "/s, 0:0" in work()
+    with progress.shown_as("none"):
+        assert work() == ""
