@@ -112,4 +112,6 @@ def example(field: FieldInfo) -> str:
             return mark.example
         if isinstance(mark, str):
             return toml_value(mark)
+    if field.annotation is int:
+        return "10"
     return "[20, 6]" if "tuple" in str(field.annotation) else toml_value(next(iter(MATERIALS)))
