@@ -33,6 +33,8 @@ class Analysis:
         (scene, source) -> plan; the rigid vehicle is solved in it, or when it is asked for.
     rigid_numbers, rigid_lines : callable
         plan -> what `tailslap rigid` says, as numbers, and (plan, units) -> as lines.
+    rigid_history : callable
+        (plan, rows) -> columns of the rigid motion by name, SI.
     check_lines : callable
         plan -> what `tailslap check` says.
     run : callable
@@ -58,6 +60,7 @@ class Analysis:
     make_plan: Callable[[Scene, Source], Any]
     rigid_numbers: Callable[[Any], dict[str, Any]]
     rigid_lines: Callable[[Any, str], list[str]]
+    rigid_history: Callable[[Any, int], dict[str, np.ndarray]]
     check_lines: Callable[[Any], list[str]]
     run: Callable[[Any, float | None], Any]
     report: Callable[[Any, Path, bool], Report]

@@ -33,6 +33,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 import tailslap
+from tailslap.api.commands import compare, export
 from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
 from tailslap.studies import study
 from tailslap.sweeps.command import sweep
@@ -149,6 +150,8 @@ def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int
 
 commands.add_command(study)
 commands.add_command(sweep)
+commands.add_command(export)
+commands.add_command(compare)
 
 
 @commands.command()

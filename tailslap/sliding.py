@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from tailslap.scene_run import Outcome
 
 
+def _rigid_history(plan: Plan, rows: int) -> dict[str, np.ndarray]:
+    import numpy as np
+
+    from fem.explicit.columns import COLUMNS
+
+    state = plan.motion.at(np.linspace(0.0, plan.motion.strike.t, rows))
+    names = [name for name in ("t", *COLUMNS) if hasattr(state, name)]
+    return {name: getattr(state, name) for name in names}
+
+
 def _check_lines(plan: Plan) -> list[str]:
     from tailslap.report.check_text import chosen_lines, fe_part, rigid_part
 
@@ -83,6 +93,7 @@ SLIDING = Analysis(
     make_plan=make_plan,
     rigid_numbers=rigid_answer,
     rigid_lines=rigid_lines,
+    rigid_history=_rigid_history,
     check_lines=_check_lines,
     run=_run,
     report=_report,

@@ -31,15 +31,11 @@ COLUMNS = (
 
 def modes_report(found: PlateModes) -> Report:
     """Page, summary, and what the terminal says."""
-    plan, first = found.fe_plan.plan, found.modes[0]
-    table = Table(COLUMNS, found.modes)
-    headline = (
-        f"The first elastic mode of the free plate in its plane is {first.name}, at {first.frequency:.4g} Hz."
-    )
+    plan, table, said = found.fe_plan.plan, modes_table(found), headline(found)
     page = Page(
         kicker="Natural frequencies of the free plate in its plane",
         title=plan.scene.name,
-        headline=headline,
+        headline=said,
         sections=(
             Section("Frequencies, beside those of a free beam", tables=(table,)),
             Section("Shapes", _drawing(found), _pictures(found)),
@@ -48,7 +44,20 @@ def modes_report(found: PlateModes) -> Report:
         footer=footer("summary.json, these numbers and the shares of energy behind the kinds"),
         scene_text=plan.source.text,
     )
-    return Report(page, summary(found), (f"{plan.scene.name}: {headline}", table))
+    return Report(page, summary(found), (f"{plan.scene.name}: {said}", table))
+
+
+def modes_table(found: PlateModes) -> Table:
+    """Frequencies beside beam theory's."""
+    return Table(COLUMNS, found.modes)
+
+
+def headline(found: PlateModes) -> str:
+    """The first mode, in a sentence."""
+    first = found.modes[0]
+    return (
+        f"The first elastic mode of the free plate in its plane is {first.name}, at {first.frequency:.4g} Hz."
+    )
 
 
 def summary(found: PlateModes) -> dict[str, Any]:

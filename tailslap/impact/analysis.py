@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from tailslap.impact.outcome import ImpactOutcome
 
 
+def _rigid_history(plan: ImpactPlan, rows: int) -> dict[str, np.ndarray]:
+    from tailslap.impact.rigid_text import rigid_impact
+
+    return dict(rigid_impact(plan).history)
+
+
 def _check_lines(plan: ImpactPlan) -> list[str]:
     from tailslap.impact.check_text import fe_part, rigid_part
 
@@ -77,6 +83,7 @@ IMPACT = Analysis(
     make_plan=make_impact_plan,
     rigid_numbers=rigid_numbers,
     rigid_lines=rigid_lines,
+    rigid_history=_rigid_history,
     check_lines=_check_lines,
     run=_run,
     report=_report,

@@ -49,6 +49,14 @@ def with_elements(plan: Plan) -> Plan:
     return make_plan(*vary(plan.source, changes))
 
 
+def find_study(name: str) -> Study:
+    """The study of this name, imported now. Raises InputError, listing the studies, for a name that is none."""
+    if name not in study_names():
+        raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
+    found: Study = _registered.get(name) or importlib.import_module(f"{__name__}.{name}").STUDY
+    return found
+
+
 class Studies(click.Group):
     """The commands below `tailslap study`, each imported when it is asked for."""
 
@@ -58,11 +66,7 @@ class Studies(click.Group):
 
     def get_command(self, context: click.Context, name: str) -> click.Command:
         """The study's command; InputError, listing the studies, for a name that is none."""
-        if name not in study_names():
-            raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
-        if name in _registered:
-            return study_command(_registered[name])
-        return study_command(importlib.import_module(f"{__name__}.{name}").STUDY)
+        return study_command(find_study(name))
 
 
 @click.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")

@@ -107,10 +107,33 @@ def _run(
     options: dict[str, Any],
 ) -> int:
     """Compute, fill the result folder, say what was found; 1 if the study failed."""
+    from tailslap.report.deliver import deliver
+
+    place, found = compute_study(study, name, changes, out, allow_large, options, shown.force)
+    return deliver(
+        place, lambda folder: study_report(study, found), as_json=shown.as_json, units=shown.units
+    )
+
+
+def study_report(study: Study, found: Any) -> Report:
+    """The report of what the study has found."""
+    report: Report = _named(study.report)(found)
+    return report
+
+
+def compute_study(
+    study: Study,
+    name: str,
+    changes: tuple[str, ...],
+    out: Path | None,
+    allow_large: bool,
+    options: dict[str, Any],
+    force: bool = True,
+) -> tuple[Path, Any]:
+    """The place of the result folder, and what was found; the journal is kept beside that place. Raises InputError."""
     from tailslap.analyses import analysis_of
     from tailslap.planning.affordable import demand_affordable
     from tailslap.planning.fe_plan import needed_plate
-    from tailslap.report.deliver import deliver
     from tailslap.results.earlier_result import demand_own
     from tailslap.results.result_folder import demand_place
     from tailslap.scene.files import read_scene
@@ -126,11 +149,8 @@ def _run(
     ending = study.folder(options) if study.folder else study.name
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
-    demand_own(place, plan.scene.name, shown.force)
-    found = _named(study.compute)(Call(name, changes, plan, place), **options)
-    return deliver(
-        place, lambda folder: _named(study.report)(found), as_json=shown.as_json, units=shown.units
-    )
+    demand_own(place, plan.scene.name, force)
+    return place, _named(study.compute)(Call(name, changes, plan, place), **options)
 
 
 def _demand_analysis(study: Study, analysis: Analysis) -> None:

@@ -24,7 +24,7 @@ LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"(?:\.venv/bin/)?tailslap( [^`\n]+)?")
 QUOTED = re.compile(r"`([^`\n]+)`")
 FILE = re.compile(r"[\w./-]*\w\.(?:py|md|toml|txt|css|j2|cff)")
-STAND_INS = {"SHELL": "bash", "X": "0.5", "N": "20", "--samples N": "1000"}
+STAND_INS = {"SHELL": "bash", "X": "0.5", "FORMAT": "vtkhdf", "N": "20", "--samples N": "1000"}
 """Values for the placeholders of a synopsis; others are accepted as they stand."""
 
 

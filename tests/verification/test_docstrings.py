@@ -20,7 +20,7 @@ import pytest
 pytestmark = pytest.mark.verification
 
 HEADING = re.compile(r"^(\S.*)\n(-{3,})$", re.MULTILINE)
-ENTRY = re.compile(r"^(\w[\w, *]*?)(?: : (.+))?$")
+ENTRY = re.compile(r"^([\w*][\w, *]*?)(?: : (.+))?$")
 NUMBER = re.compile(r"(float|Number|V|Array|ArrayLike|np\.ndarray|NDArray\[.*\])( \| None)?$")
 ARRAY = re.compile(r"(Array|ArrayLike|np\.ndarray|NDArray\[.*\])( \| None)?$")
 UNIT = re.compile(r"\[[^\]]+\]")

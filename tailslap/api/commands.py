@@ -1,0 +1,54 @@
+"""The commands that take results: `tailslap export` and `tailslap compare`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from postprocess.fields import FORMATS
+from tailslap.options import Folder, Text
+
+
+@click.command("export")
+@click.argument("folder", metavar="RESULT", type=Folder())
+@click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
+@click.option("--out", type=Folder(), help="Folder for them  [default: RESULT-FORMAT]")
+def export(folder: Path, to: str, out: Path | None) -> int:
+    """Write a result's fields and histories for ParaView, Gmsh or a data frame.
+
+    RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
+    histories of any run.
+    """
+    from tailslap.api.exports import export as write
+
+    click.echo(f"Written: {write(folder, to, out)}")
+    return 0
+
+
+@click.command("compare")
+@click.argument("given", metavar="RESULT RESULT...", nargs=-1, required=True, type=Folder())
+@click.option(
+    "--columns",
+    type=Text(),
+    metavar="NAME=THEIRS,...",
+    help="What columns of files are called, like 'time=t,v_gy=-VY [mph]': a minus turns the sign.",
+)
+@click.option("--only", type=Text(), metavar="NAME,...", help="Columns to compare.")
+@click.option("--out", type=Folder(), help="Folder of the page  [default: results/compare]")
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON instead of a table.")
+def compare(
+    given: tuple[Path, ...], columns: str | None, only: str | None, out: Path | None, as_json: bool
+) -> int:
+    """Set results beside the first: curves, differences, metrics of validation.
+
+    A RESULT is a result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test. Exit status 1 if
+    a metric is beyond the limits of NCHRP W179.
+    """
+    from tailslap.comparing.compared import compare_items
+    from tailslap.comparing.report import compare_report
+    from tailslap.report.deliver import deliver
+
+    names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
+    found = compare_items(given, columns, names)
+    return deliver(out or Path("results") / "compare", lambda folder: compare_report(found), as_json=as_json)

@@ -1,0 +1,94 @@
+"""Results for other programs: ParaView, Gmsh, spreadsheets, data frames."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from postprocess.fields import FORMATS
+from tailslap.api.result import FE, RIGID, Result
+from tailslap.api.saved import load
+from tailslap.errors import InputError, Verbatim
+
+if TYPE_CHECKING:
+    from postprocess.fields.series import FieldSeries
+
+FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", "msh": "fields.msh"}
+"""The file to open."""
+
+
+def export(
+    result: Result | str | os.PathLike[str], to: str, folder: str | os.PathLike[str] | None = None
+) -> Path:
+    """Write a run's fields and histories in a format of other programs.
+
+    Parameters
+    ----------
+    result : Result or path
+        A run, or its result folder.
+    to : str
+        "vtkhdf", "xdmf", "vtu" or "msh": mesh and fields over time, for a run with `[output] fields = N`; "csv" or
+        "parquet": the histories, and the fields where there are any.
+    folder : path, optional
+        A new or empty folder, or an earlier export; without it, the result's folder with "-FORMAT" behind its name.
+
+    Returns
+    -------
+    Path
+        The file to open, or the folder where there are several tables.
+
+    Raises
+    ------
+    InputError
+        For another format, a result without fields, or a folder that holds other files.
+    ImportError
+        Where the format needs a library that is not installed.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> result = tailslap.run("paper-table-3", {"output.fields": 20})
+    >>> tailslap.export(result, "vtkhdf", "results/paraview")  # doctest: +SKIP
+    PosixPath('results/paraview/fields.vtkhdf')
+    """
+    from tailslap.results.result_folder import result_folder
+
+    if to not in FORMATS:
+        raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")
+    found = result if isinstance(result, Result) else load(result)
+    place = _place(result, found, to) if folder is None else Path(folder)
+    fields = found.fields if to in FIRST else None
+    with result_folder(place) as unfinished:
+        if fields is None:
+            _write_tables(found, to, unfinished)
+        else:
+            _writer(to)(unfinished / FIRST[to], fields)
+    return place / FIRST.get(to, "")
+
+
+def _place(given: object, found: Result, to: str) -> Path:
+    base = Path("results") / found.scene if isinstance(given, Result) else Path(str(given)).resolve()
+    return base.with_name(f"{base.name}-{to}")
+
+
+def _writer(to: str) -> Callable[[Path, FieldSeries], Path]:
+    from postprocess.fields.meshio_formats import write_msh, write_vtu, write_xdmf
+    from postprocess.fields.vtkhdf import write_vtkhdf
+
+    return {"vtkhdf": write_vtkhdf, "xdmf": write_xdmf, "vtu": write_vtu, "msh": write_msh}[to]
+
+
+def _write_tables(found: Result, to: str, folder: Path) -> None:
+    from postprocess.fields.tables import field_tables, write_csv, write_parquet
+
+    write = write_csv if to == "csv" else write_parquet
+    names = {FE: "history", RIGID: "rigid"}
+    if not found.histories:
+        raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed is a run or a sweep")
+    for label, columns in found.histories.items():
+        write(folder / f"{names.get(label, label)}.{to}", (columns.arrays, columns.units))
+    if found.make_fields is not None:
+        for name, table in field_tables(found.fields).items():
+            write(folder / f"{name}.{to}", table)

@@ -1,0 +1,185 @@
+"""A scene run, solved as a rigid body, or checked."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from postprocess.files.histories import write_history
+from postprocess.files.summary import plain, write_summary
+from tailslap.analysis import Analysis
+from tailslap.api.columns import Columns
+from tailslap.api.result import FE, RIGID, Result
+from tailslap.api.run_tables import run_headline, run_tables
+from tailslap.api.scenes import Changes, Scene, planned, planned_plate
+from tailslap.results.columns import column_units
+
+RIGID_ROWS = 401
+"""Instants of the rigid motion that `rigid` samples."""
+
+
+def run(
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    tolerance: float | None = None,
+    allow_large: bool = False,
+) -> Result:
+    """Run a scene: rigid solution, mesh, FE run, comparison, checks. Nothing is written.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene that comes with the program, path of a TOML file, or its tables as a dict.
+    changes : mapping, optional
+        Values by dotted key: numbers in SI, texts with their unit, None to take a key out. A friction law, a constraint
+        or a material of your own stands in the place of its name: {"corner.reaction": law}.
+    tolerance : float, optional
+        Relative error [-] for which the cheapest mesh and constraint are picked.
+    allow_large : bool
+        Also where it takes more memory, time or threads than there are.
+
+    Returns
+    -------
+    Result
+        `summary` is what `summary.json` of the command holds, to the bit but for the times it took.
+
+    Raises
+    ------
+    InputError
+        For a scene, a key or a value that is wrong; it names the key, what was given and what is allowed.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> result = tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"})
+    >>> result.passed, round(result.summary["fe"]["t"], 4)
+    (True, 0.3867)
+    """
+    analysis, plan = planned_plate(scene, changes, allow_large)
+    return run_result(analysis, analysis.run(plan, tolerance))
+
+
+def run_result(analysis: Analysis, outcome: Any) -> Result:
+    """The record of a finished run."""
+    summary = plain(analysis.summary(outcome, True))
+    histories = analysis.histories(outcome)
+
+    def fill(folder: Path, pictures: bool) -> None:
+        from postprocess.report.report import write_report
+
+        write_report(analysis.report(outcome, folder, pictures), folder)
+
+    def fields() -> Any:
+        from tailslap.report.fields import field_series
+
+        return field_series(outcome.fe_plan.model, outcome.run.snapshots)
+
+    return Result(
+        "run",
+        summary["scene"],
+        summary,
+        run_headline(summary),
+        summary["passed"],
+        run_tables(summary),
+        {FE: history(histories["history.csv"]), RIGID: history(histories["rigid.csv"])},
+        fill=fill,
+        make_fields=None if outcome.run.snapshots is None else fields,
+    )
+
+
+def history(columns: dict[str, np.ndarray]) -> Columns:
+    """Columns with the units that their names have."""
+    return Columns(columns, column_units(columns))
+
+
+def rigid(scene: Scene, changes: Changes | None = None) -> Result:
+    """Solve the rigid-body method, or the rigid vehicle's whole impact, alone; loads no mesh or FE library.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        As of `run`.
+    changes : mapping, optional
+        As of `run`.
+
+    Returns
+    -------
+    Result
+        `summary` is what `tailslap rigid --json` prints; the history is the motion to its end.
+
+    Raises
+    ------
+    InputError
+        As `run`.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> round(tailslap.rigid("mash-tl4-sut").summary["stage3"]["peak_force"] / 1e3)
+    653
+    """
+    analysis, plan = planned(scene, changes)
+    summary, columns = plain(analysis.rigid_numbers(plan)), analysis.rigid_history(plan, RIGID_ROWS)
+
+    def fill(folder: Path, pictures: bool) -> None:
+        write_summary(folder / "summary.json", summary)
+        write_history(folder / "rigid.csv", columns)
+
+    return Result(
+        "rigid",
+        summary["scene"],
+        summary,
+        histories={RIGID: history(columns)},
+        text="\n".join(analysis.rigid_lines(plan, "si")),
+        fill=fill,
+    )
+
+
+def check(scene: Scene, changes: Changes | None = None, *, allow_large: bool = False) -> Result:
+    """Say what a run would use, choose, leave out and cost; runs nothing.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        As of `run`.
+    changes : mapping, optional
+        As of `run`.
+    allow_large : bool
+        As of `run`.
+
+    Returns
+    -------
+    Result
+        Printed, it says what `tailslap check` does; `summary` has these lines by their first words.
+
+    Raises
+    ------
+    InputError
+        As `run`.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.check("paper-table-3").summary["plate"][:23]
+    '120 elements, 147 nodes'
+    """
+    from tailslap.planning.affordable import demand_affordable
+
+    analysis, plan = planned(scene, changes)
+    if not allow_large:
+        demand_affordable(plan.scene, analysis.duration(plan))
+    lines = analysis.check_lines(plan)
+    return Result("check", plan.scene.name, _by_first_words(lines), text="\n".join(lines))
+
+
+def _by_first_words(lines: list[str]) -> dict[str, Any]:
+    """Lines "word   what it is" by their words; a list where several have the same."""
+    found: dict[str, Any] = {}
+    for line in lines[1:]:
+        word, *rest = re.split(r"\s{2,}", line, maxsplit=1)
+        found.setdefault(word, []).append(rest[0] if rest else "")
+    return {word: said[0] if len(said) == 1 else said for word, said in found.items()}

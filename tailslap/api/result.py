@@ -1,0 +1,154 @@
+"""What the functions return: one frozen record for all of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from postprocess.report.table import Table
+from tailslap.api.columns import Columns
+from tailslap.errors import InputError, Missing
+
+if TYPE_CHECKING:
+    from postprocess.fields.series import FieldSeries
+    from postprocess.figures.overlay import Plot
+
+Fill = Callable[[Path, bool], None]
+"""Fills an empty folder with the result's files; the second argument: whether with pictures."""
+
+RIGID, FE = "rigid", "FE"
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Result:
+    """What a command has found.
+
+    Attributes
+    ----------
+    command : str
+        The command that finds the same: "run", "rigid", "study strike" and so on.
+    scene : str
+        Name of the scene.
+    summary : dict
+        Numbers and words, SI, by the names of `summary.json`; None where there is no finite number.
+    headline : str
+        What was found, in a sentence.
+    passed : bool or None
+        Whether every check passed; None where nothing is judged.
+    tables : mapping of Table
+        What the terminal shows, by title.
+    histories : mapping of Columns
+        "FE" and "rigid", where there are any; of a sweep its table.
+    fill : callable or None
+        Fills a folder with the files that the command leaves.
+    make_fields : callable or None
+        Makes the fields that were kept.
+    text : str
+        What the terminal says, where it is no table.
+    """
+
+    command: str
+    scene: str
+    summary: dict[str, Any]
+    headline: str = ""
+    passed: bool | None = None
+    tables: Mapping[str, Table] = field(default_factory=dict)
+    histories: Mapping[str, Columns] = field(default_factory=dict)
+    fill: Fill | None = None
+    make_fields: Callable[[], FieldSeries] | None = None
+    text: str = ""
+
+    @property
+    def history(self) -> Columns:
+        """The FE run's history, or the only one that there is."""
+        return self._history(FE, *self.histories)
+
+    @property
+    def rigid(self) -> Columns:
+        """The rigid vehicle's history, at the same instants."""
+        return self._history(RIGID)
+
+    @property
+    def fields(self) -> FieldSeries:
+        """Fields of the plate at the instants of `[output] fields = N`, shape as `FieldSeries` says."""
+        if self.make_fields is None:
+            raise InputError("output.fields", Missing, "no fields were kept; run with {'output.fields': 20}")
+        return self.make_fields()
+
+    def plot(self, *names: str) -> Plot:
+        """Draw columns over time, the rigid vehicle's beside the FE run's.
+
+        Parameters
+        ----------
+        *names : str
+            Columns of the history; without any, the first few of the result's kind.
+
+        Returns
+        -------
+        Plot
+            Shown by a notebook as it is; `save` writes it as PNG, SVG or PDF.
+
+        Raises
+        ------
+        InputError
+            For a column that is not there, or a result without histories.
+        """
+        from tailslap.api.plots import plot_histories
+
+        return plot_histories(self.histories, names)
+
+    def save(self, folder: str | os.PathLike[str], pictures: bool = True) -> Path:
+        """Write the files that the command leaves.
+
+        Parameters
+        ----------
+        folder : path
+            A new or empty folder, or an unchanged earlier result, which is replaced.
+        pictures : bool
+            Whether with contour pictures or an animation.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        InputError
+            Where the folder cannot be written or holds other files, or the result leaves none.
+        """
+        from tailslap.results.result_folder import result_folder
+
+        if self.fill is None:
+            raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
+        place = Path(folder)
+        with result_folder(place) as unfinished:
+            self.fill(unfinished, pictures)
+        return place
+
+    def __repr__(self) -> str:
+        judged = {None: "", True: " passed", False: " FAILED"}[self.passed]
+        said = f": {self.headline}" if self.headline else ""
+        text = f"<{self.command} {self.scene}{judged}{said}"
+        return f"{text if len(text) < 159 else text[:156] + '...'}>".replace("\n", " ")
+
+    def __str__(self) -> str:
+        if self.text:
+            return self.text
+        from postprocess.report.terminal import printed
+
+        return printed((*self.tables.values(), self.headline or repr(self)))
+
+    def _repr_html_(self) -> str:
+        from tailslap.api.notebook import result_html
+
+        return result_html(self.headline, self.text or repr(self), self.tables)
+
+    def _history(self, *names: str) -> Columns:
+        found: Sequence[str] = [name for name in names if name in self.histories]
+        if not found:
+            raise InputError(names[0], Missing, f"`tailslap {self.command}` leaves no such history")
+        return self.histories[found[0]]

@@ -1,0 +1,98 @@
+"""Results that lie in folders."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+from postprocess.fields.series import FILE, read_fields
+from postprocess.files.histories import read_history
+from tailslap.api.columns import Columns
+from tailslap.api.one_run import history
+from tailslap.api.result import FE, RIGID, Result
+from tailslap.api.run_tables import run_headline, run_tables
+from tailslap.errors import InputError, Verbatim
+from tailslap.results.manifest import NAME, read_manifest
+
+SWEEP, SUMMARY = "sweep.parquet", "summary.json"
+FILES = {FE: "history.csv", RIGID: "rigid.csv"}
+
+
+def load(folder: str | os.PathLike[str]) -> Result:
+    """Read a result folder again, of a run, a study or a sweep.
+
+    Parameters
+    ----------
+    folder : path
+        That a command, or `Result.save`, has left.
+
+    Returns
+    -------
+    Result
+        With the numbers and histories of its files, every bit of them.
+
+    Raises
+    ------
+    InputError
+        Where there is no result in the folder.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.load("results/mash-tl4-sut").history["v_gy"]  # doctest: +SKIP
+    """
+    place = Path(folder)
+    summary = _summary(place)
+    if (place / SWEEP).is_file():
+        return sweep_result(place)
+    if not (place / FILES[FE]).is_file():
+        command = f"study {summary['study']}" if "study" in summary else "modes"
+        return Result(command, str(summary.get("scene", "")), summary, fill=_copies(place))
+    return Result(
+        "run",
+        summary["scene"],
+        summary,
+        run_headline(summary),
+        summary["passed"],
+        run_tables(summary),
+        {label: history(read_history(place / name)) for label, name in FILES.items()},
+        fill=_copies(place),
+        make_fields=(lambda: read_fields(place / FILE)) if (place / FILE).is_file() else None,
+    )
+
+
+def sweep_result(place: Path) -> Result:
+    """The table of a sweep's folder."""
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(place / SWEEP)
+    columns = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+    summary = _summary(place)
+    scene = str(summary.get("scene", place.name))
+    passed = not any(status in ("failed", "error") for status in columns["status"])
+    return Result("sweep", scene, summary, passed=passed, histories={"table": Columns(columns)})
+
+
+def _summary(place: Path) -> dict[str, Any]:
+    try:
+        found: dict[str, Any] = json.loads((place / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        allowed = f"there is no {SUMMARY} that can be read; allowed is a result folder of tailslap"
+        raise InputError("folder", str(place), allowed) from None
+    if not isinstance(found, dict):
+        raise InputError("folder", Verbatim(place), f"its {SUMMARY} is not one of tailslap's")
+    return found
+
+
+def _copies(place: Path) -> Any:
+    """What fills another folder with the files of this one."""
+
+    def fill(folder: Path, pictures: bool) -> None:
+        for entry in read_manifest(place) or ():
+            if entry.path != NAME and (pictures or not entry.path.startswith("contour_")):
+                shutil.copyfile(place / entry.path, folder / entry.path)
+
+    return fill

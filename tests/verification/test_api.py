@@ -1,0 +1,294 @@
+"""Verification: the functions of `import tailslap` do what the commands do, to the bit, and are described."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import inspect
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import numpy as np
+import pytest
+
+import tailslap
+from fem import FRICTION_LAWS, MATERIALS
+from postprocess.report.numbers import number
+from tailslap import Columns, InputError, Result
+from tailslap.api.laws import named
+from tailslap.command_line import main
+
+pytestmark = pytest.mark.verification
+
+EXTENSIONS = Path(__file__).parents[1] / "extensions"
+FUNCTIONS = ("check", "compare", "export", "load", "modal", "modes", "rigid", "run", "study", "sweep")
+TIMES = {"setup_s", "time_loop_s", "pictures_s", "integration_s", "estimate_s", "seconds"}
+SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
+
+
+def command(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    with pytest.raises(SystemExit) as left:
+        main(list(arguments))
+    assert left.value.code == 0
+    return capsys.readouterr().out
+
+
+def without_times(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: without_times(inner) for key, inner in value.items() if key not in TIMES}
+    return value
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"})
+
+
+def test_import_loads_nothing() -> None:
+    code = "import sys, tailslap; dir(tailslap); print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numpy", "pydantic", "click", "tailslap.errors"} & set(run.stdout.split())
+
+
+def test_a_run_has_the_bits_of_the_command(
+    result: Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command(
+        capsys, "run", "mash-tl4-sut", "--set", "plate.youngs_modulus=2 TPa", "--out", str(tmp_path / "a")
+    )
+    expected = json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert without_times(result.summary) == without_times(expected)
+    saved = result.save(tmp_path / "b")
+    assert {path.name for path in saved.iterdir()} == {path.name for path in (tmp_path / "a").iterdir()}
+    for name in ("history.csv", "rigid.csv"):
+        assert (saved / name).read_bytes() == (tmp_path / "a" / name).read_bytes()
+
+
+def test_a_whole_impact_has_the_bits_of_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = tailslap.run("impact-mash-tl4-sut", {"plate.elements": (10, 3), "time.end": "0.4 s"})
+    words = ("--set", "plate.elements=[10,3]", "--set", "time.end=0.4 s", "--no-pictures")
+    command(capsys, "run", "impact-mash-tl4-sut", *words, "--out", str(tmp_path / "a"))
+    expected = json.loads((tmp_path / "a" / "summary.json").read_text())
+    mine, its = without_times(found.summary), without_times(expected)
+    assert its.pop("left_out") != mine.pop("left_out")  # the pictures
+    assert mine == its
+    saved = found.save(tmp_path / "b", pictures=False)
+    assert (saved / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
+
+
+def test_what_is_loaded_is_what_was_saved(result: Result, tmp_path: Path) -> None:
+    again = tailslap.load(result.save(tmp_path / "a", pictures=False))
+    assert without_times(again.summary) | {"left_out": 0} == without_times(result.summary) | {"left_out": 0}
+    for name in result.history:
+        np.testing.assert_array_equal(again.history[name], result.history[name])
+        np.testing.assert_array_equal(again.rigid[name], result.rigid[name])
+    assert again.history.units == result.history.units
+    assert (again.headline, again.passed) == (result.headline, result.passed)
+    copied = again.save(tmp_path / "b")
+    assert (copied / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
+
+
+@pytest.mark.parametrize("scene", ["mash-tl4-sut", "impact-mash-tl4-sut"])
+def test_rigid_has_the_bits_of_the_command(scene: str, capsys: pytest.CaptureFixture[str]) -> None:
+    found = tailslap.rigid(scene)
+    assert found.summary == json.loads(command(capsys, "rigid", scene, "--json"))
+    assert f"{found}\n" == command(capsys, "rigid", scene)
+    assert found.rigid is not None
+    assert found.history["t"][0] == 0.0
+
+
+def test_check_modal_and_modes_have_the_bits_of_the_commands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = "paper-table-3"
+    assert f"{tailslap.check(scene)}\n" == command(capsys, "check", scene)
+    found = tailslap.modal(scene, modes=2)
+    expected = json.loads(command(capsys, "modal", scene, "--modes", "2", "--json"))
+    assert without_times(found.summary) == without_times(expected)
+    command(capsys, "modes", scene, "--count", "3", "--out", str(tmp_path / "a"))
+    its = json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert tailslap.modes(scene, count=3).summary == its
+
+
+def test_a_study_has_the_bits_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--samples", "1000", "--range", "impact.friction=0.2:0.5", "--fix", "impact.speed")
+    command(capsys, "study", "uncertainty", "mash-tl4-sut", *words, "--out", str(tmp_path / "a"))
+    found = tailslap.study(
+        "uncertainty",
+        "mash-tl4-sut",
+        samples=1000,
+        range={"impact.friction": "0.2:0.5"},
+        fix=["impact.speed"],
+    )
+    expected = json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert without_times(found.summary) == without_times(expected)
+    saved = found.save(tmp_path / "b")
+    assert (saved / "report.html").read_bytes() == (tmp_path / "a" / "report.html").read_bytes()
+    assert tailslap.load(saved).command == "study uncertainty"
+
+
+def test_a_sweep_has_a_row_a_run(tmp_path: Path) -> None:
+    values = {"corner.friction": [0.2, 0.47]}
+    found = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
+    assert list(found.history["corner.friction"]) == [0.2, 0.47]
+    assert set(found.history["status"]) == {"passed"}
+    assert tailslap.load(tmp_path / "s").history.rows == 2
+
+
+def test_a_scene_may_be_tables_or_a_path(tmp_path: Path) -> None:
+    from tailslap.scene.files import read_source, scene_text
+
+    tables = read_source("paper-table-3").given
+    path = tmp_path / "own.toml"
+    path.write_text(scene_text("paper-table-3"))
+    changes = {"vehicle.mass": np.float64(9000.0)}
+    found = [tailslap.rigid(scene, changes).summary for scene in (tables, path, str(path), "paper-table-3")]
+    assert all(each == found[0] for each in found)
+
+
+def law(rounding: float, name: str = "own") -> Any:
+    """A friction law that a user has written: as in tests/extensions, with its own type of constants."""
+    module: dict[str, Any] = {"__name__": f"own_{rounding:g}"}
+    text = (EXTENSIONS / "smoothed_friction.py").read_text().replace("FRICTION_LAWS.register(LAW)", "")
+    text = text.replace('name="smoothed"', f'name="{name}"').replace("= 1.0", f"= {rounding}")
+    exec(compile(text, f"<cell {rounding}>", "exec"), module)
+    return module["LAW"]
+
+
+def test_a_law_of_ones_own_is_an_object() -> None:
+    first, second = law(1.0), law(2000.0)
+    try:
+        near = tailslap.run("paper-table-3", {"corner.reaction": first})
+        assert near.passed
+        assert FRICTION_LAWS["own"] is first
+        limit = 0.47 * np.sqrt(near.history["reaction_normal"] ** 2 + 1.0)
+        np.testing.assert_allclose(np.abs(near.history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
+        assert named({"corner.reaction": second}) == {"corner.reaction": "own"}
+        assert FRICTION_LAWS["own"] is second
+    finally:
+        FRICTION_LAWS.remove("own")
+
+
+def test_objects_that_are_none_are_refused() -> None:
+    with pytest.raises(InputError, match=r"^corner.reaction: given .*; allowed is a name or a FrictionLaw$"):
+        tailslap.run("paper-table-3", {"corner.reaction": MATERIALS["neo-hookean"]})
+    with pytest.raises(InputError, match="the program has one of this name; give yours another"):
+        tailslap.run("paper-table-3", {"corner.reaction": law(1.0, "drag")})
+    assert FRICTION_LAWS["drag"].constants.__name__ == "Drag"
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"), [({"plate.colour": 1}, "plate.colour"), ({"vehicle.mass": "9 m"}, "vehicle.mass")]
+)
+def test_wrong_input_names_its_key(changes: dict[str, Any], key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        tailslap.run("paper-table-3", changes)
+    assert caught.value.key == key
+
+
+def test_unusual_numbers_are_remarked_upon() -> None:
+    with pytest.warns(UserWarning, match=r"impact.speed = 56 without a unit is 56 m/s"):
+        tailslap.rigid("mash-tl4-sut", {"impact.speed": 56})
+
+
+def test_a_result_is_a_line_a_page_and_a_plot(result: Result, tmp_path: Path) -> None:
+    assert repr(result).startswith("<run mash-tl4-sut passed: ")
+    assert "\n" not in repr(result)
+    html = result._repr_html_()
+    for value in (result.summary["fe"]["v_gy"], result.summary["rigid"]["t"]):
+        assert f"<td>{number(value)}</td>" in html
+    plot = result.plot("v_gy")
+    (axes,) = plot.figure.axes
+    assert axes.get_ylabel() == "v_gy [m/s]"
+    drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
+    np.testing.assert_array_equal(drawn["FE"], result.history["v_gy"])
+    np.testing.assert_array_equal(drawn["rigid"], result.rigid["v_gy"])
+    for ending, start in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
+        assert plot.save(tmp_path / f"plot{ending}").read_bytes().startswith(start)
+    with pytest.raises(InputError, match="allowed are t, theta"):
+        result.plot("colour")
+
+
+def test_what_failed_is_told() -> None:
+    found = tailslap.run("paper-table-3", {"verify.tolerance": 1e-9})
+    assert not found.passed
+    assert repr(found).startswith("<run paper-table-3 FAILED: ")
+    assert "agreement with rigid motion" in found._repr_html_() or "Failed check" in found._repr_html_()
+
+
+def test_columns_say_what_is_missing(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    for library in ("pandas", "polars"):
+        monkeypatch.setitem(sys.modules, library, None)
+        with pytest.raises(ImportError, match=f"{library} is not installed: `pip install {library}`"):
+            getattr(result.history, f"to_{library}")()
+
+
+def test_columns_go_to_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Frame(dict[str, Any]):
+        def __init__(self, columns: dict[str, Any]) -> None:
+            super().__init__(columns)
+            self.attrs: dict[str, Any] = {}
+
+    fake = type(sys)("pandas")
+    fake.DataFrame = Frame  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pandas", fake)
+    frame = Columns({"t": np.arange(3.0)}, {"t": "s"}).to_pandas()
+    assert list(frame["t"]) == [0.0, 1.0, 2.0]
+    assert frame.attrs["units"] == {"t": "s"}
+
+
+def test_every_column_has_its_unit(result: Result) -> None:
+    impact = tailslap.rigid("impact-mash-tl4-sut")
+    for columns in (result.history, result.rigid, impact.history):
+        assert [name for name in columns if name not in columns.units] == []
+
+
+def test_records_are_frozen(result: Result) -> None:
+    with pytest.raises(AttributeError):
+        result.scene = "another"  # type: ignore[misc]
+
+
+def test_the_interface_is_complete_and_its_types_are_known() -> None:
+    assert {*FUNCTIONS, "Columns", "InputError", "Result"} == set(tailslap.__all__)
+    stub = (Path(tailslap.__file__).parent / "__init__.pyi").read_text()
+    assert [name for name in tailslap.__all__ if f" as {name}\n" not in stub] == []
+    for name in FUNCTIONS:
+        function = getattr(tailslap, name)
+        hints = get_type_hints(function)
+        assert {*inspect.signature(function).parameters, "return"} <= hints.keys()
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_function_is_described_with_an_example(name: str) -> None:
+    text = inspect.getdoc(getattr(tailslap, name)) or ""
+    assert [title for title in SECTIONS if f"\n{title}\n{'-' * len(title)}\n" not in text] == []
+    assert ">>> " in text
+
+
+@pytest.mark.parametrize("name", [*FUNCTIONS, "Columns"])
+def test_examples_are_right(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    value = getattr(tailslap, name)
+    module = importlib.import_module(value.__module__)
+    tests = doctest.DocTestFinder(recurse=False).find(value, name, globs={**vars(module), "np": np})
+    runner = doctest.DocTestRunner(verbose=False)
+    assert all(runner.run(test).failed == 0 for test in tests)
+    assert sum(len(test.examples) for test in tests) > 0
+
+
+def test_modules_do_not_hide_the_functions() -> None:
+    """An import of a module of the same name would put it in the function's place."""
+    code = "import tailslap.command_line as c, tailslap; c.commands.get_command; print(*map(callable, ({})))"
+    names = ", ".join(f"tailslap.{name}" for name in FUNCTIONS)
+    run = subprocess.run(
+        [sys.executable, "-c", code.format(names)], capture_output=True, text=True, check=True, env=os.environ
+    )
+    assert set(run.stdout.split()) == {"True"}
+    folder = Path(tailslap.__file__).parent
+    assert [name for name in FUNCTIONS if (folder / name).exists() or (folder / f"{name}.py").exists()] == []
