@@ -53,11 +53,11 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
         elif value is not None:
             origin = "--set" if key in changed else "scene" if name in given else "default"
             shown = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
-            rows.append(SceneInput(key, str(given.get(name, "")), shown, _unit(field), origin))
+            rows.append(SceneInput(key, str(given.get(name, "")), shown, unit_of(field), origin))
     return rows
 
 
-def _unit(field: FieldInfo) -> str:
+def unit_of(field: FieldInfo) -> str:
     """SI unit of a key, from its annotation; "" for what has none."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     return next((mark.unit for mark in marks if isinstance(mark, Quantity)), "")

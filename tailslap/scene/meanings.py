@@ -57,7 +57,7 @@ MEANINGS = MappingProxyType(
         "time.rows": "of the history",
         "time.threads": "of the time loop",
         "time.end": "of a whole impact; if left out 0.1 s after the second strike",
-        "output.fields": "instants of a run at which fields of the whole plate are kept; without the table none",
+        "output.fields": "instants of a run at which displacement, velocity and stress of the plate are kept",
         "wall.length": "of the wall's mesh",
         "wall.depth": "of the wall's mesh",
         "wall.elements": "along and across",

@@ -110,9 +110,7 @@ def _run(
     from tailslap.report.deliver import deliver
 
     place, found = compute_study(study, name, changes, out, allow_large, options, shown.force)
-    return deliver(
-        place, lambda folder: study_report(study, found), as_json=shown.as_json, units=shown.units
-    )
+    return deliver(place, lambda folder: study_report(study, found), as_json=shown.as_json, units=shown.units)
 
 
 def study_report(study: Study, found: Any) -> Report:
