@@ -10,12 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from postprocess.figures.style import FE, RIGID, Curve, style, svg_text
+from postprocess.figures.curves import TIME, thinned
+from postprocess.figures.style import Curve, style
+from postprocess.figures.svg import chart, marks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOURS = (FE, RIGID, "#2c8a4b", "#8a1c3b", "#6a4ca3", "#3aa0a8", "#7a7f85", "#b5762a")
+SHADES = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
+"""Colours of the lines, in order: names of the palette of pages."""
+
+COLOURS = tuple(marks.PALETTE[name] for name in SHADES)
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
 WIDTH, HEIGHT = 6.4, 2.5
 """Size of a panel [inches]."""
@@ -87,10 +92,13 @@ def overlay_plot(panels: Sequence[Overlay]) -> Plot:
         return Plot(_figure(panels))
 
 
-def overlay_curve(panel: Overlay, caption: str) -> Curve:
-    """One panel as SVG for a page."""
-    with style():
-        return Curve(panel.name, "", caption, svg_text(_figure([panel]), f"overlay-{panel.name}", caption))
+def overlay_curve(name: str, panel: Overlay, caption: str) -> Curve:
+    """One panel as SVG for a page; name: of its file."""
+    lines = tuple(
+        marks.Line(line.label, *thinned(line.t, line.values), SHADES[number % len(SHADES)])
+        for number, line in enumerate(panel.lines)
+    )
+    return chart.draw_chart(name, caption, (chart.Plot(lines, chart.Axis(panel.heading)),), TIME)
 
 
 def _figure(panels: Sequence[Overlay]) -> Figure:

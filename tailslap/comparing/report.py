@@ -148,7 +148,7 @@ def _curves(found: Comparison) -> list[Curve]:
         ]
 
     return [
-        overlay_curve(Overlay(name, found.reference.units.get(name, ""), lines(name)), name)
+        overlay_curve(name, Overlay(name, found.reference.units.get(name, ""), lines(name)), name)
         for name in found.names
     ]
 
@@ -164,6 +164,7 @@ def _differences(found: Comparison) -> list[Curve]:
 
     return [
         overlay_curve(
+            f"difference_{name}",
             Overlay(f"difference of {name}", found.reference.units.get(name, ""), lines(name)),
             f"{name} less that of {found.reference.label}",
         )

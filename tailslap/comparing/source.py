@@ -69,8 +69,16 @@ def _table(path: Path) -> ForeignTable:
 
 
 def _item(path: Path, table: ForeignTable, mapping: Mapping[str, str]) -> Item:
-    """The file's columns by this program's names: those of the mapping, and those that are called so already."""
-    wanted = {TIME if name.lower() == "time" else name: theirs for name, theirs in mapping.items()}
+    """The file's columns by this program's names: those of the mapping, and those that are called so already.
+
+    A name of the mapping that the file has not, where it has this program's own, is another file's.
+    """
+    given = {TIME if name.lower() == "time" else name: theirs for name, theirs in mapping.items()}
+    wanted = {
+        ours: theirs
+        for ours, theirs in given.items()
+        if ours not in table.columns or _parts(theirs, table)[1] in table.columns
+    }
     known = column_units([*wanted, *table.columns])
     for name in table.columns:
         ours = TIME if name.lower() in TIMES else name
@@ -89,15 +97,20 @@ def _column(
     ours: str, theirs: str, table: ForeignTable, known: Mapping[str, str], path: Path
 ) -> tuple[np.ndarray, str]:
     """Values in SI, and the unit that the file or the mapping gives."""
-    match = THEIRS.fullmatch(theirs)
-    plain = match is None or theirs in table.columns
-    name = theirs if plain or match is None else match["name"]
+    minus, name, given = _parts(theirs, table)
     if name not in table.columns:
         allowed = f"{path.name} has no such column; allowed are {', '.join(table.columns)}"
         raise InputError("--columns", theirs, allowed)
-    unit = table.units.get(name, "") if plain or match is None else match["unit"] or table.units.get(name, "")
-    sign = 1.0 if plain or match is None or not match["minus"] else -1.0
+    unit, sign = given or table.units.get(name, ""), -1.0 if minus else 1.0
     return sign * _factor(ours, unit, known.get(ours, "")) * table.columns[name], unit
+
+
+def _parts(theirs: str, table: ForeignTable) -> tuple[str, str, str]:
+    """A minus, the column's name, and a unit, of what a mapping says."""
+    match = THEIRS.fullmatch(theirs)
+    if match is None or theirs in table.columns:
+        return "", theirs, ""
+    return match["minus"], match["name"], match["unit"] or ""
 
 
 def _factor(ours: str, unit: str, si: str) -> float:

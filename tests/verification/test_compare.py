@@ -108,6 +108,13 @@ def test_units_may_be_in_the_names_or_in_the_mapping(result: Result, folder: Pat
     assert one.summary["notes"] == ["a.csv: no unit given for v_gy; SI is assumed."]
 
 
+def test_a_mapping_is_of_the_files_that_need_it(result: Result, folder: Path, tmp_path: Path) -> None:
+    path = their_file(tmp_path / "their.csv", result, "time [ms];VY;VX [mph]\n")
+    found = tailslap.compare(folder / "rigid.csv", path, columns="time=time,v_gy=-VY,v_gx=VX")
+    assert found.passed
+    assert {*found.summary["compared"]["their"]} == {"v_gx", "v_gy"}
+
+
 def test_results_are_compared_by_command_and_function(
     result: Result, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -18,7 +18,7 @@ from tailslap.scene.files import read_scene
 pytestmark = pytest.mark.verification
 
 ROOT = Path(__file__).parents[2]
-SHOWN = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+SHOWN = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 DOCUMENTS = [*SHOWN, ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"(?:\.venv/bin/)?tailslap( [^`\n]+)?")
