@@ -10,7 +10,6 @@ from postprocess.report.table import Column, Table
 
 COMPARISON = (
     Column("quantity.title", "Quantity"),
-    Column("quantity.symbol", ""),
     Column("quantity.unit", "Unit"),
     Column("fe", "FE", form=".7g"),
     Column("rigid", "Rigid, exact", form=".7g"),

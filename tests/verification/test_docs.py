@@ -86,8 +86,9 @@ def accept(line: str) -> None:
     if not words:
         return  # the command is only mentioned
     given = command.make_context(command.name, list(words)).params
-    if given.get("name", "SCENE") != "SCENE" and command.name != "new":
-        read_scene(given["name"], tuple(given.get("changes", ())))
+    scene = given.get("name", "SCENE")
+    if scene != "SCENE" and command.name != "new" and not scene.endswith(".toml"):  # those: test_site.py
+        read_scene(scene, tuple(given.get("changes", ())))
 
 
 def missing_files(text: str) -> list[str]:
@@ -106,7 +107,7 @@ def test_links_lead_somewhere(name: str) -> None:
     assert broken_links(ROOT / name) == []
 
 
-@pytest.mark.parametrize("name", below(SHOWN))
+@pytest.mark.parametrize("name", [name for name in below(SHOWN) if "reference/" not in name])
 def test_commands_are_accepted(name: str) -> None:
     for line in command_lines(ROOT / name):
         try:
