@@ -39,7 +39,7 @@ def _run(plan: ImpactPlan, tolerance: float | None) -> ImpactOutcome:
         from tailslap.impact.run import run_impact
 
         return run_impact(plan)
-    from tailslap.impact.tolerance import run_impact_to_tolerance
+    from tailslap.tolerance.impacts import run_impact_to_tolerance
 
     return run_impact_to_tolerance(plan, tolerance)
 
