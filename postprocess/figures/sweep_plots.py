@@ -3,6 +3,7 @@
 The rigid solution of each row stands beside its FE result. A row without a result is left out of the curves.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison.comparison import TAIL_SLAP, Compared
-from postprocess.figures.style import FE, RIGID, Curve, drawn, style
+from postprocess.figures.style import RIGID, Curve, drawn, style
+from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.marks import Line, Mark
+from postprocess.figures.svg.scale import log_ticks, power_text, round_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,7 +86,7 @@ def draw_sweep(rows: SweepRows) -> tuple[Curve, ...]:
     if not rows.some:
         return ()
     numbers = [item for item in rows.varied if item.numeric]
-    curves = [draw_against(rows, item) for item in numbers]
+    curves = [curve for item in numbers for curve in draw_against(rows, item)]
     if len(numbers) == len(rows.varied) == 2:
         curves.append(draw_maps(rows, numbers[0], numbers[1]))
     if len(rows.varied) > 2:
@@ -90,39 +94,62 @@ def draw_sweep(rows: SweepRows) -> tuple[Curve, ...]:
     return tuple(curves)
 
 
-def draw_against(rows: SweepRows, item: Varied) -> Curve:
-    """The results and their largest difference against one key; a line where it is the only one."""
-    models = "rigid solution and FE run of the same rows" if rows.fe else "rigid vehicle"
-    caption = f"Results {rows.compared.where} against {item.key}: {models}"
-    name = "against-" + item.key.replace(".", "-").replace("_", "-")
+def draw_against(rows: SweepRows, item: Varied) -> list[Curve]:
+    """Each result, and the largest difference, against one key; lines where it is the only one."""
+    order = _drawn_rows(rows, item)
+    x, group = item.values[order], f"Against {item.key}"
+    lowest, room = float(x.min()), 0.03 * float(np.ptp(x))
+    low = 0.0 if 0.0 <= lowest < room else None  # a friction is never negative
+    axis = Axis(item.label, low=low, is_log=item.logarithmic, margin=0.03)
+    plots = {
+        key: (Axis(quantity.label), quantity.title, _marks_against(rows, key, order, x))
+        for key, quantity in rows.compared.quantities.items()
+    }
+    apart = _differences_against(rows, order, x)
+    if apart:
+        plots["difference"] = (Axis("largest difference", is_log=True), "Largest difference", apart)
+    return [
+        draw_chart(
+            "-".join(("against", *re.split(r"[._]", item.key), key.replace(".", "-"))),
+            f"{title} against {item.key}",
+            (Plot(tuple(marks), up, 170.0, nearest=len(rows.varied) > 1),),
+            axis,
+            group,
+            360.0,
+        )
+        for key, (up, title, marks) in plots.items()
+    ]
+
+
+def _drawn_rows(rows: SweepRows, item: Varied) -> Values:
+    """Numbers of the rows in order of the key; of very many those that failed a check, and others at even steps."""
     order = np.argsort(item.values, kind="stable")
-    x, failed, worst = item.values[order], rows.status[order] == "failed", rows.worst[order]
-    known = (worst > 0.0) & np.isin(rows.status[order], ("passed", "failed"))
-    points: dict[str, Any] = {"marker": "o", "rasterized": len(x) > MAX_VECTOR, "linestyle": "none"}
-    lines = points | {"linestyle": "-" if len(rows.varied) == 1 else "none"}
-    with style():
-        figure, panels = _panels(2, 3, 5.4)
-        for (key, quantity), axes in zip(rows.compared.quantities.items(), panels, strict=False):
-            axes.plot(x, rows.rigid[key][order], color=RIGID, ms=5.0, lw=3.0, label="rigid, exact", **lines)
-            axes.set_ylabel(quantity.label)
-            if not rows.fe:
-                continue
-            fe = rows.fe[key][order]
-            axes.plot(x, fe, color=FE, ms=2.2, lw=1.0, label="FE", **lines)
-            if failed.any():
-                axes.plot(x[failed], fe[failed], color=FAILED, ms=2.2, label="FE, a check failed", **points)
-        for chosen, colour in ((known & ~failed, FE), (known & failed, FAILED)):
-            panels[5].plot(x[chosen], worst[chosen], color=colour, ms=2.5, **points)
-        panels[5].set(yscale="log", ylabel="largest difference")
-        panels[5].tick_params(axis="y", which="minor", labelsize=7.0)
-        for axes in panels:
-            axes.set_xscale("log" if item.logarithmic else "linear")
-            axes.margins(x=0.03)
-        for axes in panels[3:]:
-            axes.set_xlabel(item.label)
-        panels[5].set_visible(bool(rows.fe))
-        _legend(figure, panels[0])
-        return drawn(figure, name, caption, f"Against {item.key}")
+    every = -(-len(order) // MAX_VECTOR)
+    failed = np.flatnonzero(rows.status[order] == "failed")[:MAX_VECTOR]
+    return order[np.union1d(np.arange(0, len(order), every), failed)]
+
+
+def _differences_against(rows: SweepRows, order: Values, x: Values) -> list[Mark]:
+    """The largest difference of each row, apart for those that passed and those that failed."""
+    worst, status = rows.worst[order], rows.status[order]
+    marks: list[Mark] = []
+    for label, colour in (("passed", "fe"), ("failed", "red")):
+        chosen = (worst > 0.0) & (status == label)
+        marks += [Line(label, x[chosen], worst[chosen], colour, 0.0, dots=1.8)] if chosen.any() else []
+    return marks
+
+
+def _marks_against(rows: SweepRows, key: str, order: Values, x: Values) -> list[Mark]:
+    """The rigid vehicle, FE over it, and what failed over both."""
+    alone = len(rows.varied) == 1
+    marks: list[Mark] = [Line("rigid, exact", x, rows.rigid[key][order], "rigid", 3.0 * alone, dots=3.2)]
+    if rows.fe:
+        fe, failed = rows.fe[key][order], rows.status[order] == "failed"
+        marks.append(Line("FE", x, fe, "fe", 1.0 * alone, dots=1.6))
+        marks += (
+            [Line("FE, a check failed", x[failed], fe[failed], "red", 0.0, dots=1.6)] if failed.any() else []
+        )
+    return marks
 
 
 def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> Curve:
@@ -244,16 +271,13 @@ def _scale(label: str, values: Values, logarithmic: bool) -> _Scale:
 
 def _marks(low: float, high: float, logarithmic: bool) -> Values:
     """Round numbers between these, or the logarithms of such."""
-    from matplotlib.ticker import LogLocator, MaxNLocator
-
     if not logarithmic:
-        return np.asarray(MaxNLocator(4).tick_values(low, high))
-    subs = (1.0,) if high - low > 2.0 else (1.0, 2.0, 5.0)
-    return np.log10(LogLocator(subs=subs, numticks=5).tick_values(10.0**low, 10.0**high))
+        return np.array(round_ticks(low, high, 4))
+    return np.log10(log_ticks(10.0**low, 10.0**high, 4))
 
 
 def _text(mark: float, logarithmic: bool) -> str:
-    return f"{10.0**mark:.3g}" if logarithmic else f"{mark:.6g}"
+    return power_text(10.0**mark) if logarithmic else f"{mark:.6g}".replace("-", "−")
 
 
 def _panels(down: int, across: int, height: float) -> tuple["Figure", list["Axes"]]:
@@ -265,13 +289,6 @@ def _panels(down: int, across: int, height: float) -> tuple["Figure", list["Axes
     for axes in panels:
         axes.tick_params(length=2.5)
     return figure, panels
-
-
-def _legend(figure: "Figure", axes: "Axes") -> None:
-    """The names of what is drawn, in their own colours above the plots."""
-    handles, labels = axes.get_legend_handles_labels()
-    place: dict[str, Any] = {"loc": "outside upper left", "ncols": 3, "frameon": False}
-    figure.legend(handles, labels, labelcolor="linecolor", **place)
 
 
 def _cover(axes: "Axes", across: Varied, up: Varied, values: Values, **colours: Any) -> Any:

@@ -91,7 +91,10 @@ def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
         sections=(
             Section("What varies", tables=(Table(VARIED, varied),)),
             Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
-            *(Section(curve.group, figures=(curve,)) for curve in curves),
+            *(
+                Section(group, figures=[curve for curve in curves if curve.group == group])
+                for group in dict.fromkeys(curve.group for curve in curves)
+            ),
             Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
             Section("What was computed, and what it means", sentences=_sentences(sweep)),
         ),

@@ -113,7 +113,7 @@ def test_the_figures_are_drawn_with_their_marks(folder: Path) -> None:
         assert ("ABAQUS" in said) == (curve.name != "theta")
         groups = dict(re.findall(r'<g class="(\w+)"[^>]*>(<path data-label.*?)</g>', curve.svg))
         for points, look in zip(marks(curve.name).values(), MARKS, strict=True):
-            assert groups.get(look["colour"], "").count("<circle") == len(points)
+            assert groups.get(look["colour"], "").count("Z") == len(points)
         assert {look["colour"] for look in LINES} <= set(groups)
         assert (folder / f"{curve.name}.svg").read_text().startswith("<svg xmlns=")
     assert (folder / "paper.html").read_text().count("<svg") == 5

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.comparison import KEYS
+from postprocess.figures.style import Curve
 from postprocess.figures.sweep_plots import SweepRows, Varied, _edges, _scale, draw_sweep
 from postprocess.report.page import Page, write_page
 from tailslap.progress import clock, counted
@@ -36,34 +37,54 @@ def key(name: str, *values: float | str, logarithmic: bool = False) -> Varied:
     return Varied(name, "", np.array(values, dtype=float if numbers else object), logarithmic)
 
 
+def names(*varied: Varied) -> list[str]:
+    """Of the plots, the six against a key as one."""
+    found = [curve.name for curve in draw_sweep(rows(*varied))]
+    ends = tuple(f"-{key}" for key in (*KEYS, "difference"))
+    return list(dict.fromkeys(next((n.removesuffix(e) for e in ends if n.endswith(e)), n) for n in found))
+
+
 def test_which_plots_there_are() -> None:
-    """One against one for each number; a map for two numbers and no words; parallels for three keys or more."""
+    """Some against each number; a map for two numbers and no words; parallels for three keys or more."""
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     word, c = key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4)
-    assert [curve.name for curve in draw_sweep(rows(a))] == ["against-a-x"]
-    assert [curve.name for curve in draw_sweep(rows(a, b))] == ["against-a-x", "against-b-y", "maps"]
-    assert [curve.name for curve in draw_sweep(rows(a, word))] == ["against-a-x"]
-    names = [curve.name for curve in draw_sweep(rows(a, word, c))]
-    assert names == ["against-a-x", "against-d-w", "parallels"]
+    assert names(a) == ["against-a-x"]
+    assert names(a, b) == ["against-a-x", "against-b-y", "maps"]
+    assert names(a, word) == ["against-a-x"]
+    assert names(a, word, c) == ["against-a-x", "against-d-w", "parallels"]
     nothing = rows(a)
     assert draw_sweep(replace(nothing, difference={k: np.full(4, np.nan) for k in KEYS})) == ()
 
 
+def values_drawn(curves: tuple[Curve, ...]) -> int:
+    return sum(len(found.split()) for c in curves for found in re.findall('data-values="([^"]*)"', c.svg))
+
+
 def test_each_row_is_a_point() -> None:
-    """Five panels with a rigid and an FE mark for each row, one with the differences: 11 marks a row; failed ones once
+    """Five plots with a rigid and an FE mark for each row, one with the differences: 11 marks a row; failed ones once
     more in red, and without a result none."""
     a = key("a.x", 1, 2, 3)
-    (curve,) = draw_sweep(rows(a))
-    assert _marks(curve.svg) == 3 * 11
-    (failed,) = draw_sweep(rows(a, status="failed"))
-    assert _marks(failed.svg) == 3 * 11 + 3 * 5
-    assert "a check failed" in failed.svg
-    assert "a check failed" not in curve.svg
+    passed, failed = draw_sweep(rows(a)), draw_sweep(rows(a, status="failed"))
+    assert (len(passed), values_drawn(passed)) == (6, 3 * 11)
+    assert values_drawn(failed) == 3 * 11 + 3 * 5
+    assert "a check failed" in failed[0].svg
+    assert "a check failed" not in passed[0].svg
 
 
-def _marks(svg: str) -> int:
-    """Marks of data; those of the ticks, two lengths of stroke, are left out."""
-    return sum(len(re.findall("<use ", group)) for group in re.findall(r"<g clip-path=.*?</g>", svg, re.S))
+def test_of_very_many_rows_all_that_failed_are_drawn() -> None:
+    """And the page stays small."""
+    some = rows(key("a.x", *np.linspace(0.0, 0.9, 20_000)))
+    some.status[777::4000] = "failed"
+    curves = draw_sweep(some)
+    assert sum(len(curve.svg) for curve in curves) < 1e6
+    (red,) = re.findall('data-label="FE, a check failed" data-values="([^"]*)"', curves[0].svg)
+    assert len(red.split()) >= 5
+
+
+def test_no_axis_shows_a_negative_friction() -> None:
+    first, *_ = draw_sweep(rows(key("impact.friction", 0.0, 0.3, 0.6, 0.9)))
+    (low,) = re.findall(r'data-x="(\S+) ', first.svg)
+    assert float(low) == 0.0
 
 
 def test_edges_of_cells() -> None:
@@ -84,9 +105,9 @@ def test_heights_of_parallels() -> None:
 def test_marks_of_parallels() -> None:
     """Round numbers within the values, and the value itself where there is but one: friction is never negative."""
     assert _scale("x", np.array([0.0, 0.91]), False).ticks == [
-        (pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.25, 0.5, 0.75)
+        (pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.5)
     ]
-    assert [text for _, text in _scale("x", np.array([2e8, 3e11]), True).ticks] == ["1e+09", "1e+10", "1e+11"]
+    assert [text for _, text in _scale("x", np.array([2e8, 3e11]), True).ticks] == ["10⁹", "10¹⁰", "10¹¹"]
     assert _scale("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
 
 
@@ -125,7 +146,7 @@ def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
     assert plain.index("energy &lt;balance&gt;") < plain.index("beyond &lt;theory&gt;")
     assert plain.count('<tr class="failed">') == 1
     assert "The first" not in plain
-    assert page.count("<svg") == 3
+    assert page.count("<svg") == 13
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 

@@ -7,7 +7,7 @@ The text stands by itself as an SVG file, and goes into a page as it is: it has 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -92,8 +92,8 @@ class Frame:
 class Chart(Curve):
     """A curve that knows what it was drawn from, so that it can be drawn in other units."""
 
-    plots: tuple[Plot, ...] = ()
-    x: Axis = Axis()
+    plots: tuple[Plot, ...] = field(default=(), compare=False)
+    x: Axis = field(default=Axis(), compare=False)
 
     def in_units(self, convert: Callable[[str], tuple[float, str]]) -> Chart:
         """The same in other units; convert: unit -> how many of another one it is, and what that is called."""
@@ -231,14 +231,19 @@ def _level_lines(plot: Plot, level: Level) -> list[str]:
 
 
 def _level_names(frame: Frame) -> str:
-    """Names of levels beside the plot, from below, each clear of the one before."""
-    lowest, drawn = np.inf, []
+    """Names of levels beside the plot, from below, each clear of the one before and none above the plot."""
+    lowest, placed = np.inf, []
     for level in sorted(_levels(frame.plot), key=lambda level: level.value):
         lines = _level_lines(frame.plot, level)
         lowest = min(float(frame.y.at(level.value)) + 3.0, lowest - 12.0 * len(lines))
-        texts = [
-            words(line, frame.x.end + 5.0, lowest - 11.0 * (len(lines) - 1 - number), size=10.0)
-            for number, line in enumerate(lines)
-        ]
-        drawn.append(coloured("".join(texts), level.colour))
+        placed.append((level, lines, lowest))
+    lower = max(0.0, frame.y.end + 22.0 - lowest) if placed else 0.0
+    drawn = [
+        coloured(
+            words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
+            level.colour,
+        )
+        for level, lines, at in placed
+        for number, line in enumerate(lines)
+    ]
     return "".join(drawn)

@@ -79,22 +79,26 @@ class Line:
         return replace(self, x=along * self.x, y=up * self.y)
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """A path, and dots at its points where it has any."""
+        """A path, and dots at its points where it has any; of dots alone each is a stroke of no length."""
         places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
         sound = np.isfinite(places).all(axis=-1)
-        shown = f'<path {named(self.label, self.y[sound])} d="{path(places)}" fill="none"{self._look()}/>'
-        dotted = places[sound] if self.dots else places[:0]
+        edge = path(places) if self.width else "".join(f"M{a:.2f} {b:.2f}Z" for a, b in places[sound])
+        shown = f'<path {named(self.label, self.y[sound])} d="{edge}" fill="none"{self._look()}/>'
+        dotted = places[sound] if self.dots and self.width else places[:0]
         dots = "".join(f'<circle cx="{a:.2f}" cy="{b:.2f}" r="{self.dots:g}"/>' for a, b in dotted)
         return coloured(shown + dots, self.colour)
 
     def key(self) -> str:
         """A piece of the line."""
         dot = f'<circle cx="9" cy="5" r="{self.dots:g}"/>' if self.dots else ""
-        return coloured(f'<path d="M0 5H18"{self._look()}/>{dot}', self.colour)
+        line = f'<path d="M0 5H18"{self._look()}/>' if self.width else ""
+        return coloured(line + dot, self.colour)
 
     def _look(self) -> str:
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
-        return f' stroke="currentColor" stroke-width="{self.width:g}" stroke-linejoin="round"{dashes}'
+        round_ends = ' stroke-linecap="round"' if not self.width else ""
+        width = self.width or 2.0 * self.dots
+        return f' stroke="currentColor" stroke-width="{width:g}" stroke-linejoin="round"{dashes}{round_ends}'
 
 
 @dataclass(frozen=True)
