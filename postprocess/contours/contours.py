@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.contours.canvas import INK, add_disc, add_line, add_text, canvas, style_text, surface
-from postprocess.contours.colour_scale import LABELS, ColourScale, colour_scale
+from postprocess.contours.colour_scale import WIDENING, ColourScale, colour_scale
 from postprocess.contours.view import View, round_positions, view_of_plate
 
 SIZE = (1600, 700)
@@ -68,21 +68,35 @@ def draw_contours(
     wall_quads: the same for the wall, which without them is the line Y = 0; outline: closed reference
     polygon [m], shape (k, 2); corner and centroid: the points P and G [m] to mark; time: of the strike [s].
     """
-    moment = [] if time is None else [f"tail-slap at t = {time:.6f} s"]
+    moment = [] if time is None else [f"tail-slap at t = {time:.4g} s"]
     caption = ",  ".join([scene, *moment])
     setting = Setting(points, quads, wall_points, wall_quads, outline, corner, centroid, caption)
     return [_draw(setting, field, out_dir / f"contour_{field.name}.png") for field in fields]
 
 
 def range_note(field: ContourField, scale: ColourScale) -> str:
-    """The line under the title: smallest and largest nodal value, or that the field does not vary."""
+    """The line under the title: smallest and largest nodal value, or that the field as good as does not vary."""
     low, high = float(np.min(field.values)), float(np.max(field.values))
     if not scale.uniform:
-        return f"nodal values from {scale.text(low)} to {scale.text(high)} {field.unit}"
+        ends = (end if abs(end) > 1e-5 * (high - low) else 0.0 for end in (low, high))
+        return "nodal values from {} to {} {}".format(*(_signed(f"{end:.4g}") for end in ends), field.unit)
+    share = (high - low) / (max(abs(low), abs(high)) or 1.0)
     return (
-        f"uniform to rounding: {0.5 * (low + high):.7g} {field.unit} at every node, spread {high - low:.1e}; "
-        "the colour range is widened to 0.1 %"
+        f"uniform to {share:.0e}: {_signed(f'{0.5 * (low + high):.5g}')} {field.unit} at every node; "
+        f"the colour range is widened to {100.0 * WIDENING:g} %"
     )
+
+
+def value_at(points: Floats, values: Floats, place: Sequence[float]) -> float:
+    """A nodal field at a point: the mean of the nodes nearest to it, by the inverse of their distance."""
+    far = np.hypot(*(points - np.asarray(place, float)).T)
+    near = np.argsort(far)[:4]
+    weights = 1.0 / np.maximum(far[near], 1e-6 * (far.max() or 1.0))
+    return float(np.average(values[near], weights=weights))
+
+
+def _signed(text: str) -> str:
+    return text.replace("-", "−", 1)
 
 
 def _draw(setting: Setting, field: ContourField, path: Path) -> Path:
@@ -90,7 +104,8 @@ def _draw(setting: Setting, field: ContourField, path: Path) -> Path:
     with canvas(view) as plotter:
         _add_wall(plotter, setting, view)
         _add_plate(plotter, setting, field, scale)
-        _add_marks(plotter, setting, view)
+        _add_height_ruler(plotter, setting, view)
+        _add_marks(plotter, setting, field, view)
         add_text(plotter, f"{field.title} [{field.unit}]", (24, SIZE[1] - 46), 28, bold=True)
         add_text(plotter, setting.caption, (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
         add_text(plotter, range_note(field, scale), (24, SIZE[1] - 78), 18)
@@ -105,7 +120,9 @@ def _add_plate(plotter: Any, setting: Setting, field: ContourField, scale: Colou
     style = {"show_edges": True, "edge_opacity": 0.35, "line_width": 1, "lighting": False}
     plotter.add_mesh(plate, scalars=field.name, show_scalar_bar=False, reset_camera=False, **colours, **style)
     place = {"position_x": 0.12, "position_y": 0.77, "width": 0.76, "height": 0.09}
-    bar = plotter.add_scalar_bar(title="", mapper=plotter.mapper, n_labels=LABELS, fmt=scale.format, **place)
+    bar = plotter.add_scalar_bar(
+        title="", mapper=plotter.mapper, n_labels=scale.labels, fmt=scale.format, **place
+    )
     bar.UnconstrainedFontSizeOn()
     style_text(bar.GetLabelTextProperty(), 21)
 
@@ -135,13 +152,28 @@ def _add_ruler(plotter: Any, left: float, right: float, view: View) -> None:
         add_text(plotter, f"{x:g}", (column, row - 30), 18, "center")
 
 
-def _add_marks(plotter: Any, setting: Setting, view: View) -> None:
+def _add_height_ruler(plotter: Any, setting: Setting, view: View) -> None:
+    """Ticks and Y values [m] beside the plate, to its left."""
+    left, top = (
+        float(setting.points[:, 0].min()) - 14.0 * view.pixel_length,
+        float(setting.points[:, 1].max()),
+    )
+    for y in round_positions(0.0, top, 5)[1:]:
+        column, row = view.pixel(left, y)
+        add_line(plotter, np.array([[left, y], [left + 8.0 * view.pixel_length, y]]))
+        add_text(plotter, f"{y:g}", (column - 6, row - 7), 18, "right")
+    add_text(plotter, "Y [m]", (24, view.pixel(0.0, top)[1] + 12), 18)
+
+
+def _add_marks(plotter: Any, setting: Setting, field: ContourField, view: View) -> None:
     if setting.outline is not None:
         add_line(plotter, np.vstack([setting.outline, setting.outline[:1]]), OUTLINE)
         add_text(plotter, "red outline: reference", (SIZE[0] / 2, 24), 20, "center")
     for name, point in (("P", setting.corner), ("G", setting.centroid)):
         if point is not None:
-            _add_mark(plotter, name, (float(point[0]), float(point[1])), view)
+            value = _signed(f"{value_at(setting.points, field.values, point):.4g}")
+            shown = f"G: {value} {field.unit}" if name == "G" else name
+            _add_mark(plotter, shown, (float(point[0]), float(point[1])), view)
 
 
 def _add_mark(plotter: Any, name: str, point: tuple[float, float], view: View) -> None:

@@ -13,50 +13,57 @@ pytestmark = pytest.mark.verification
     ("low", "high"),
     [
         (22.4747, 24.0719),
-        (0.65507, 0.65513),
+        (0.65507, 0.65613),
         (-6.551, 0.0),
-        (0.6551053, 0.655105302),
+        (0.6551053, 0.6553),
         (1e7, 1.1e7),
-        (1e7, 1.00002e7),
+        (1e7, 1.002e7),
         (-3e-9, 2e-9),
+        (0.0, 7.0),
     ],
 )
-def test_tick_labels_differ_and_have_four_digits(low: float, high: float) -> None:
+def test_labels_differ_and_are_round(low: float, high: float) -> None:
+    """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
     scale = colour_scale(np.array([low, high]))
     assert not scale.uniform
-    assert len(set(scale.ticks)) == 7
-    digits = [len(tick.split("e")[0].replace("-", "").replace(".", "").lstrip("0")) for tick in scale.ticks]
-    assert max(digits) >= 4
-    steps = np.diff([float(tick) for tick in scale.ticks])
-    np.testing.assert_allclose(steps, (high - low) / 6, rtol=0.06)
+    assert len(set(scale.ticks)) == scale.labels
+    assert 4 <= scale.labels <= 9
+    printed = np.array([float(tick.replace("−", "-")) for tick in scale.ticks])
+    steps = np.diff(printed)
+    size = float(f"{steps[0]:.0e}")
+    assert f"{size:e}"[0] in "125"
+    np.testing.assert_allclose(steps, size, rtol=1e-6)
+    np.testing.assert_allclose(printed / size, np.rint(printed / size), atol=1e-6)
+    assert low - size < scale.low <= low + 1e-9 * size
+    assert high - 1e-9 * size <= scale.high < high + size
+    assert scale.bands == 2 * (scale.labels - 1)
 
 
-def test_range_is_that_of_the_values() -> None:
-    scale = colour_scale(np.array([22.5, 24.0, 23.0]))
-    assert (scale.low, scale.high, scale.ticks[0], scale.ticks[-1]) == (22.5, 24.0, "22.50", "24.00")
+def test_next_to_nothing_is_uniform_not_a_drama() -> None:
+    """Rounding, and eight parts in a million: one colour in a range of a hundredth."""
+    for spread in (1e-13, 4e-6):
+        scale = colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
+        assert scale.uniform
+        assert scale.high - scale.low == pytest.approx(0.655e-2, rel=1e-4)
+        assert 0.5 * (scale.high + scale.low) == pytest.approx(0.655, rel=1e-6)
+        assert scale.bands % 2 == 1
+        assert scale.ticks == ["0.652", "0.655", "0.658"]
 
 
-def test_uniform_to_rounding_is_widened_not_amplified() -> None:
-    scale = colour_scale(0.655 * (1.0 + 1e-13 * np.linspace(-1, 1, 9)))
-    assert scale.uniform
-    assert scale.high - scale.low == pytest.approx(0.655e-3, rel=1e-6)
-    assert 0.5 * (scale.high + scale.low) == pytest.approx(0.655, rel=1e-9)
-    assert scale.bands % 2 == 1
-
-
-def test_uniform_threshold_is_1e_9() -> None:
-    assert colour_scale(np.array([1.0, 1.0 + 0.9e-9])).uniform
-    assert not colour_scale(np.array([1.0, 1.0 + 1.1e-9])).uniform
+def test_uniform_threshold_is_1e_4() -> None:
+    assert colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
+    assert not colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
 
 
 def test_zero_everywhere() -> None:
     scale = colour_scale(np.zeros(4))
-    assert (scale.low, scale.high, scale.uniform) == (-5e-4, 5e-4, True)
+    assert (scale.low, scale.high, scale.uniform) == (-5e-3, 5e-3, True)
 
 
-def test_a_zero_has_no_sign() -> None:
+def test_a_zero_has_no_sign_and_others_a_true_minus() -> None:
     scale = colour_scale(np.array([-6.5, -1e-12]))
-    assert (scale.high, scale.ticks[-1], scale.text(-1e-9)) == (0.0, "0.000", "0.000")
+    assert (scale.high, scale.ticks[-1], scale.text(-1e-9)) == (0.0, "0.0", "0.0")
+    assert scale.ticks[0] == "−7.0"
 
 
 def test_values_that_are_not_finite_are_refused() -> None:
