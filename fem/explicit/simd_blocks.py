@@ -72,7 +72,7 @@ def aligned(size: int) -> np.ndarray:
 
 @compiled
 def slot_count(connectivity, lattice):
-    """Lanes in all, idle ones included."""
+    """Slots in all, idle ones included."""
     if lattice is not None:
         return lattice.element.size
     return connectivity.shape[1]

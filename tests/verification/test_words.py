@@ -1,0 +1,95 @@
+"""Verification: documents, messages and descriptions use the field's words, not this project's own."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.verification
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
+RETIRED = {
+    r"\b(?:the|a|its|this|their|of|plate's|corner's|static) give\b(?! (?:way|and take))": "deflection or compliance",
+    r"\b(?:the|a|its|this|by|exact|corner's|which|penalty) hold\b": "constraint",
+    r"\b(?:quiet|sudden)(?:ly)? starts?\b|\bstarts? (?:quiet|sudden)(?:ly)?\b": "inertia relief; unstressed start",
+    r"\bspoil(?:s|t|ed|ing)?\b": "diverged or corrupted",
+    r"\bcalm(?:s|ed|er|ing)?\b": "damps, suppresses",
+    r"\bcure[sd]?\b": "required damping, what to do",
+    r"\bforet(?:ell|ells|elling|old)\b": "predicts",
+    r"\brungs?\b|\bladders?\b": "refinement level",
+    r"\blanes?\b": "SIMD block",
+    r"\bsurvey(?:s|ed)?\b": "campaign",
+    r"\bleft_out parts\b": "omitted parts",
+}
+"""Words in the meanings that they had here alone, and what the field says."""
+
+
+def found_in(text: str) -> list[str]:
+    """Retired words of a text, each with its standard one."""
+    said = re.sub(r"\s+", " ", text)
+    return [
+        f'"{match[0]}": {standard}'
+        for pattern, standard in RETIRED.items()
+        for match in re.finditer(pattern, said, re.IGNORECASE)
+    ]
+
+
+def sentences(path: Path) -> Iterator[str]:
+    """Texts of a module that people read: strings of several words, descriptions among them, and comments."""
+    text = path.read_text(encoding="utf-8")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
+            yield node.value
+    yield from re.findall(r"#\s(.*)$", text, re.MULTILINE)
+
+
+DOCUMENTS = [
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")),
+    *sorted((ROOT / "examples").glob("*.py")),
+    *sorted((ROOT / "tailslap" / "scenes").glob("*.toml")),
+    *sorted((ROOT / "postprocess" / "templates").glob("*.j2")),
+]
+
+
+@pytest.mark.parametrize("name", [str(path.relative_to(ROOT)) for path in DOCUMENTS])
+def test_a_document_uses_standard_words(name: str) -> None:
+    assert found_in((ROOT / name).read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_messages_and_descriptions_use_standard_words(package: str) -> None:
+    found = {
+        str(path.relative_to(ROOT)): words
+        for path in sorted((ROOT / package).rglob("*.py"))
+        if (words := [word for text in sentences(path) for word in found_in(text)])
+    }
+    assert found == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "The give of the plate is 1e-6",
+        "by the hold of the corner",
+        "a quiet start",
+        "more damping calms it",
+        "the run was spoilt",
+        "the next rung",
+        "foretold without a run",
+    ],
+)
+def test_retired_words_are_noticed(text: str) -> None:
+    assert len(found_in(text)) == 1
+
+
+def test_words_in_their_plain_meaning_pass() -> None:
+    assert (
+        found_in("Numbers hold to rounding; they give the flexibility of all modes; the start is unstressed")
+        == []
+    )
