@@ -135,9 +135,9 @@ def _estimate(
 ) -> Estimate:
     """The estimate; lowest: frequency of the first mode [rad/s].
 
-    Inertia relief solves here the linear equations of an elastic state that moves the corner by the deflection ratio d of
-    its travel. The non-linear plate is off that by d once more, and rings with it from the start: a displacement of d^2,
-    and a velocity larger by frequency times duration.
+    Inertia relief solves here the linear equations of an elastic state that moves the corner by the deflection ratio d
+    of its travel. The non-linear plate is off that by d once more, and rings with it from the start: a displacement of
+    d^2, and a velocity larger by frequency times duration.
     """
     if not (motion.strike and finer.strike and coarser.strike):
         return Estimate(math.nan, math.nan, math.nan)

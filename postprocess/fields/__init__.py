@@ -1,4 +1,5 @@
 """Fields of the plate over time: one record, its file in a result folder, and the formats of other programs."""
 
-FORMATS = ("vtkhdf", "xdmf", "vtu", "msh", "csv", "parquet")
-"""What results are written in for others: the first four hold the mesh and its fields, the last two tables."""
+MESHES, TABLES, PICTURES = ("vtkhdf", "xdmf", "vtu", "msh"), ("csv", "parquet"), ("png", "gif")
+FORMATS = (*MESHES, *TABLES, *PICTURES)
+"""What results are written in for others: mesh and fields, histories and fields as tables, pictures of fields."""

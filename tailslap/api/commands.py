@@ -7,22 +7,28 @@ from pathlib import Path
 import click
 
 from postprocess.fields import FORMATS
-from tailslap.options import Folder, Text
+from tailslap.options import Folder, Real, Text
 
 
 @click.command("export")
 @click.argument("folder", metavar="RESULT", type=Folder())
 @click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
 @click.option("--out", type=Folder(), help="Folder for them  [default: RESULT-FORMAT]")
-def export(folder: Path, to: str, out: Path | None) -> int:
-    """Write a result's fields and histories for ParaView, Gmsh or a data frame.
+@click.option(
+    "--field", type=Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
+)
+@click.option(
+    "--magnify", type=Real(0.0, 1e9), default=1.0, show_default=True, help="The elastic deformation in them."
+)
+def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: float) -> int:
+    """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
 
     RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
     histories of any run.
     """
     from tailslap.api.exports import export as write
 
-    click.echo(f"Written: {write(folder, to, out)}")
+    click.echo(f"Written: {write(folder, to, out, field=field, magnify=magnify)}")
     return 0
 
 

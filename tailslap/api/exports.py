@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from postprocess.fields import FORMATS
+from postprocess.fields import FORMATS, PICTURES, TABLES
 from tailslap.api.result import FE, RIGID, Result
 from tailslap.api.saved import load
 from tailslap.errors import InputError, Verbatim
@@ -20,7 +20,12 @@ FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", 
 
 
 def export(
-    result: Result | str | os.PathLike[str], to: str, folder: str | os.PathLike[str] | None = None
+    result: Result | str | os.PathLike[str],
+    to: str,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    field: str | None = None,
+    magnify: float = 1.0,
 ) -> Path:
     """Write a run's fields and histories in a format of other programs.
 
@@ -30,14 +35,18 @@ def export(
         A run, or its result folder.
     to : str
         "vtkhdf", "xdmf", "vtu" or "msh": mesh and fields over time, for a run with `[output] fields = N`; "csv" or
-        "parquet": the histories, and the fields where there are any.
+        "parquet": the histories, and the fields where there are any; "png" or "gif": pictures of all instants.
     folder : path, optional
         A new or empty folder, or an earlier export; without it, the result's folder with "-FORMAT" behind its name.
+    field : str, optional
+        The field that pictures show, like "stress_von_mises" or "velocity_y"; without it, all.
+    magnify : float
+        Factor on the elastic deformation in pictures [-].
 
     Returns
     -------
     Path
-        The file to open, or the folder where there are several tables.
+        The file to open, or the folder where there are several.
 
     Raises
     ------
@@ -59,13 +68,35 @@ def export(
         raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")
     found = result if isinstance(result, Result) else load(result)
     place = _place(result, found, to) if folder is None else Path(folder)
-    fields = found.fields if to in FIRST else None
+    fields = None if to in TABLES else found.fields
+    names = _drawn(field)
     with result_folder(place) as unfinished:
         if fields is None:
             _write_tables(found, to, unfinished)
+        elif to in PICTURES:
+            _draw(fields, to, unfinished, names, magnify)
         else:
             _writer(to)(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
+
+
+def _drawn(field: str | None) -> tuple[str, ...]:
+    """Fields to draw. Raises InputError for one that there is not."""
+    from postprocess.fields.pictures import DRAWN
+
+    if field is not None and field not in DRAWN:
+        raise InputError("--field", field, f"allowed is one of {', '.join(DRAWN)}")
+    return DRAWN if field is None else (field,)
+
+
+def _draw(fields: FieldSeries, to: str, folder: Path, names: tuple[str, ...], magnify: float) -> None:
+    from postprocess.fields.pictures import animate, draw_instants
+
+    for name in names:
+        if to == "png":
+            draw_instants(folder, fields, name, magnify)
+        else:
+            animate(folder / f"{name}.gif", fields, name, magnify)
 
 
 def _place(given: object, found: Result, to: str) -> Path:

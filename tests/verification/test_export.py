@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,6 +23,7 @@ from tailslap.errors import InputError
 
 pytestmark = pytest.mark.verification
 
+ROOT = Path(__file__).parents[2]
 SINGLE = 2e-7
 """Relative rounding of float32."""
 
@@ -175,16 +179,119 @@ def test_without_fields_there_are_histories_alone(to: str, tmp_path: Path) -> No
     assert not (tmp_path / to).exists()
 
 
+def test_pictures_of_all_instants_have_one_scale(result: Result, tmp_path: Path) -> None:
+    """The colours of an element are those of its value; a GIF has a frame an instant."""
+    import matplotlib.image
+    from PIL import Image
+
+    folder = tailslap.export(result, "png", tmp_path / "png", field="velocity_y", magnify=1000.0)
+    assert [path.name for path in sorted(folder.glob("*.png"))] == [
+        f"velocity_y_{k:04d}.png" for k in range(4)
+    ]
+    assert all(matplotlib.image.imread(path).std() > 0.05 for path in folder.glob("*.png"))
+    moving = (
+        tailslap.export(result, "gif", tmp_path / "gif", field="stress_von_mises") / "stress_von_mises.gif"
+    )
+    with Image.open(moving) as image:
+        assert image.n_frames == 4
+    with pytest.raises(InputError, match="allowed is one of displacement_x"):
+        tailslap.export(result, "gif", tmp_path / "x", field="colour")
+
+
+def test_a_drawing_shows_values_where_the_plate_is(result: Result) -> None:
+    from postprocess.fields.pictures import DRAWN, Drawing, element_values
+
+    series = result.fields
+    speed = element_values(series, "velocity")
+    np.testing.assert_allclose(
+        speed, np.hypot(*np.moveaxis(series.nodal["velocity"], -1, 0))[:, series.cells].mean(axis=-1)
+    )
+    drawing = Drawing(series, "velocity_y", 500.0)
+    (plate,) = drawing.at(3).axes[0].collections
+    np.testing.assert_array_equal(plate.get_array(), element_values(series, "velocity_y")[3])
+    moved = series.nodal["displacement"][3] + 499.0 * series.nodal["elastic_displacement"][3]
+    corners = (series.points + moved)[series.cells[:, :4]]
+    np.testing.assert_allclose([path.vertices[:4] for path in plate.get_paths()], corners)
+    assert plate.get_clim() == (
+        element_values(series, "velocity_y").min(),
+        element_values(series, "velocity_y").max(),
+    )
+    assert {"stress_principal_1", "strain_energy_density", "displacement_x"} <= {*DRAWN}
+
+
+MEMORY = """
+import resource, sys, tempfile
+from pathlib import Path
+import numpy as np
+{setup}
+def used():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
+draw()
+before = used()
+for _ in range({count}):
+    draw()
+print(used() - before)
+"""
+FIELDS = """
+from tests_series import series
+from postprocess.fields.pictures import draw_instants
+folder = Path(tempfile.mkdtemp())
+draw = lambda: draw_instants(folder, series, "velocity_y")
+"""
+CONTOURS = """
+from postprocess.contours.contours import ContourField, draw_contours
+x, y = np.meshgrid(np.linspace(0, 10, 21), np.linspace(1, 3.4, 7))
+points = np.column_stack([x.ravel(), y.ravel()])
+first = (np.arange(20) + 21 * np.arange(6)[:, None]).ravel()
+quads = np.column_stack([first, first + 1, first + 22, first + 21])
+folder = Path(tempfile.mkdtemp())
+draw = lambda: draw_contours(points, quads, [ContourField("v", "V", "m/s", points[:, 0])], folder)
+"""
+SERIES = """
+import numpy as np
+from postprocess.fields.series import ELEMENTS, NODES, FieldSeries
+x, y = np.meshgrid(np.linspace(0, 10, 21), np.linspace(1, 3.4, 7))
+points = np.column_stack([x.ravel(), y.ravel()])
+first = (np.arange(20) + 21 * np.arange(6)[:, None]).ravel()
+cells = np.column_stack([first, first + 1, first + 22, first + 21])
+t = np.arange(5.0)
+nodal = {name: np.random.default_rng(1).random((5, 147, 2)) for name in NODES}
+series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) for name in ELEMENTS})
+"""
+
+
+@pytest.mark.parametrize(
+    ("setup", "count"),
+    [
+        pytest.param(FIELDS, 4, id="25 fields"),
+        pytest.param(FIELDS, 20, marks=pytest.mark.long, id="105 fields"),
+        pytest.param(CONTOURS, 8, id="9 contours"),
+        pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
+    ],
+)
+def test_memory_of_many_pictures_is_flat(setup: str, count: int, tmp_path: Path) -> None:
+    """A hundred in one process take at most 50 MB beyond the first."""
+    (tmp_path / "tests_series.py").write_text(SERIES)
+    code = MEMORY.format(setup=setup, count=count)
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": path},
+    )
+    assert float(run.stdout) < 50.0
+
+
 def test_another_format_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="allowed is one of vtkhdf, xdmf, vtu, msh, csv, parquet"):
+    with pytest.raises(InputError, match="allowed is one of vtkhdf, xdmf, vtu, msh, csv, parquet, png, gif"):
         tailslap.export(tailslap.rigid("paper-table-3"), "stl", tmp_path / "x")
 
 
 def test_without_h5py_the_library_is_named(
     result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import sys
-
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(ImportError, match="VTKHDF needs h5py: `pip install h5py`"):
         tailslap.export(result, "vtkhdf", tmp_path / "x")
