@@ -15,6 +15,12 @@ if TYPE_CHECKING:
 MIDDLE = (np.array([[0.5], [0.5]]), np.array([1.0]))
 """Quadrature of the reference square by its middle: points, shape (2, 1), and weights."""
 
+PATTERN = np.array([1.0, -1.0, 1.0, -1.0])
+"""xi eta at the corners of a quadrilateral."""
+
+GAUSS = tuple((x, y) for x in (-(3.0**-0.5), 3.0**-0.5) for y in (-(3.0**-0.5), 3.0**-0.5))
+"""Points of a square's quadrature, each of weight 1."""
+
 UNIFORM_TOLERANCE = 1e-12
 """Relative spread of the gradients below which all elements count as congruent."""
 
@@ -36,10 +42,13 @@ class ElementTable(NamedTuple):
 
 
 class Hourglass(NamedTuple):
-    """Control of the motions that one point does not see: energy k |sum gamma_a x_a|^2 / 2 an element.
+    """Stabilisation of the motions that one point does not see.
 
-    vectors: gamma, orthogonal to linear fields, shape (nodes per element, elements or 1); stiffness: k [N/m],
-    shape (elements or 1,).
+    With q = sum gamma_a x_a and p = F^T q, F at the middle, an element's energy is
+    (k_11 p_1^2 + k_22 p_2^2 + 2 k_12 p_1 p_2)/2.
+
+    vectors: gamma, orthogonal to linear fields, shape (nodes per element, elements or 1); stiffness: k_11, k_22, k_12
+    [N/m], shape (3, elements or 1).
     """
 
     vectors: np.ndarray
@@ -75,23 +84,37 @@ def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Disc
     return Discretisation(scalar, positions, _corner(mesh, positions), side, _table(scalar, thickness))
 
 
-def hourglass_control(
-    discretisation: Discretisation, thickness: float, modulus: float, share: float
-) -> Hourglass:
-    """Stiffness control after Flanagan and Belytschko (1981): k = share c_11 V sum |b_a|^2 / 16.
+def hourglass_control(discretisation: Discretisation, thickness: float, moduli: Any) -> Hourglass:
+    """Stabilisation by an assumed strain, without a constant to choose (Belytschko and Bindeman 1991, "ASQBI").
 
-    modulus: c_11 [Pa]; share: dimensionless; b_a the gradients at the middle.
+    moduli: plane stress constants, c_11 and c_12 [Pa]. The strain that goes with h = xi eta is that of pure bending:
+    e_11 = h,1 p_1 - nu h,2 p_2, e_22 = h,2 p_2 - nu h,1 p_1 and no shear; so that k_11 = E t int h,1^2,
+    k_22 = E t int h,2^2 and k_12 = -nu E t int h,1 h,2. A rectangle bends as the beam does, and no shear locks it.
     """
-    table, nodes = discretisation.table, discretisation.positions[:, discretisation.table.connectivity]
-    gradients = table.gradients.reshape(4, 2, -1)
-    pattern = np.array([1.0, -1.0, 1.0, -1.0])
-    slope = np.einsum("a,iae->ie", pattern, nodes)
-    vectors = pattern[:, None] - np.einsum(
-        "ie,aie->ae", slope, np.broadcast_to(gradients, (4, 2, nodes.shape[2]))
-    )
-    stiffness = share * modulus * table.weights[0] * (gradients**2).sum(axis=(0, 1)) / 16.0
+    table = discretisation.table
     columns = table.weights.shape[1]
-    return Hourglass(np.ascontiguousarray(vectors[:, :columns]), np.ascontiguousarray(stiffness[:columns]))
+    nodes = discretisation.positions[:, table.connectivity[:, :columns]]
+    gradients = table.gradients.reshape(4, 2, -1)
+    slope = np.einsum("a,iae->ie", PATTERN, nodes)
+    vectors = 0.25 * (PATTERN[:, None] - np.einsum("ie,aie->ae", slope, gradients))
+    ratio = moduli.c_12 / moduli.c_11
+    modulus = moduli.c_11 * (1.0 - ratio**2)
+    h_11, h_22, h_12 = _twist(nodes)
+    stiffness = modulus * thickness * np.array([h_11, h_22, -ratio * h_12])
+    return Hourglass(np.ascontiguousarray(vectors), np.ascontiguousarray(stiffness))
+
+
+def _twist(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Integrals of h,1^2, h,2^2 and h,1 h,2 over quadrilaterals, h = xi eta; nodes: shape (2, 4, elements)."""
+    xi, eta = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
+    sums = np.zeros((3, nodes.shape[2]))
+    for x, y in GAUSS:
+        by_xi, by_eta = 0.25 * xi * (1.0 + y * eta), 0.25 * eta * (1.0 + x * xi)
+        (x_xi, y_xi), (x_eta, y_eta) = (np.einsum("a,iae->ie", d, nodes) for d in (by_xi, by_eta))
+        area = x_xi * y_eta - x_eta * y_xi
+        h_1, h_2 = (y * y_eta - x * y_xi) / area, (x * x_xi - y * x_eta) / area
+        sums += np.abs(area) * np.array([h_1 * h_1, h_2 * h_2, h_1 * h_2])
+    return sums[0], sums[1], sums[2]
 
 
 def _corner(mesh: meshio.Mesh, positions: np.ndarray) -> int:

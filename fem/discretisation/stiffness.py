@@ -31,12 +31,14 @@ def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> sp.csr_matri
 
 
 def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> sp.csr_matrix:
-    """Stiffness [N/m] of the hourglass control, shape (2 nodes, 2 nodes)."""
+    """Stiffness [N/m] of the hourglass control at rest, shape (2 nodes, 2 nodes)."""
     elements = table.connectivity.shape[1]
     vectors = np.broadcast_to(hourglass.vectors, (hourglass.vectors.shape[0], elements))
     columns = np.broadcast_to(np.arange(elements), vectors.shape)
     gather = sp.csr_matrix(
         (vectors.ravel(), (table.connectivity.ravel(), columns.ravel())), shape=(nodes, elements)
     )
-    block = gather @ sp.diags(np.broadcast_to(hourglass.stiffness, elements)) @ gather.T
-    return sp.csr_matrix(sp.block_diag([block, block]))
+    k_11, k_22, k_12 = (
+        gather @ sp.diags(np.broadcast_to(row, elements)) @ gather.T for row in hourglass.stiffness
+    )
+    return sp.csr_matrix(sp.bmat([[k_11, k_12], [k_12, k_22]]))

@@ -21,7 +21,7 @@ from numba.extending import overload
 
 from fem.compiled import compiled, inlined
 from fem.constitutive.stress import stress
-from fem.discretisation.elements import ElementTable
+from fem.discretisation.elements import ElementTable, Hourglass
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
     Lattice,
@@ -49,26 +49,31 @@ class Scratch(NamedTuple):
     """Workspace of one block, and the element table as it is read there.
 
     rows: as above. gradients, weights: of all nodes but the first; of congruent elements as tuples, a tuple of
-    gradients and a weight a point, constants of the loop over the slots; else as arrays, a row a block.
+    gradients and a weight a point, constants of the loop over the slots; else as arrays, a row a block. hourglass:
+    vectors likewise, then the three stiffnesses; None where there is no control.
     """
 
     rows: np.ndarray
     gradients: Any
     weights: Any
     lattice: Lattice | None
+    hourglass: Any = None
 
 
-def scratch_for(table: ElementTable) -> Scratch:
-    """The workspace, and the table laid out for it."""
+def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scratch:
+    """The workspace, and the table and its control laid out for it."""
     points, nodes = len(table.weights), len(table.per_element)
     rows = aligned((6 * nodes + 1) * BLOCK_SIZE)
     lattice = find_lattice(table.connectivity)
     gradients = table.gradients.reshape(points, 2 * nodes, -1)[:, 2:]
+    control = None if hourglass is None else np.concatenate([hourglass.vectors[1:], hourglass.stiffness])
     if table.weights.shape[1] == 1:
         congruent = tuple(tuple(point) for point in gradients[:, :, 0].tolist())
-        return Scratch(rows, congruent, tuple(table.weights[:, 0].tolist()), lattice)
+        same = None if control is None else (tuple(control[:, 0].tolist()),)
+        return Scratch(rows, congruent, tuple(table.weights[:, 0].tolist()), lattice, same)
     flat = gradients.reshape(points * 2 * (nodes - 1), -1)
-    return Scratch(rows, in_blocks(flat, lattice), in_blocks(table.weights, lattice), lattice)
+    laid = None if control is None else in_blocks(control, lattice)
+    return Scratch(rows, in_blocks(flat, lattice), in_blocks(table.weights, lattice), lattice, laid)
 
 
 @compiled
@@ -76,7 +81,7 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
     """Subtract the internal forces [N] from `force`, shape (2, nodes); return the viscous power [W].
 
     positions, velocities: [m], [m/s], shape (2, nodes). viscosity: None, or a `Viscosity`; hourglass: None, or
-    an `Hourglass`. What is None is compiled out.
+    an `Hourglass`, which `scratch` has laid out. What is None is compiled out.
     """
     slots = slot_count(table.connectivity, scratch.lattice)
     return subtract_forces_of(
@@ -105,9 +110,11 @@ def subtract_forces_of(
         for point in range(table.weights.shape[0]):
             gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(others))
             weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
-            _add_point(others, material, viscosity, rows, gradients, weights)
-        if hourglass is not None:
-            _add_hourglass(hourglass, first, count, others, lattice, rows)
+            if hourglass is not None:
+                control = point_of(scratch.hourglass, first // BLOCK_SIZE, point, len(others) + 3)
+                _add_stabilised_point(others, material, viscosity, rows, gradients, weights, control)
+            else:
+                _add_point(others, material, viscosity, rows, gradients, weights)
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
         balance(others, forces)
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
@@ -167,35 +174,73 @@ def _add_point(others, material, viscosity, rows, gradients, weights):
     """Add one quadrature point's nodal forces to the block's rows: P = F S, f_a = w P grad N_a."""
     nodes = len(others) + 1
     for slot in range(BLOCK_SIZE):
-        weight = at_slot(weights, 0, slot)
-        f_11, f_12, f_21, f_22 = _gradient(2, others, rows, gradients, slot)
-        e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
-        e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
-        g_12 = f_11 * f_12 + f_21 * f_22
-        s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
-        if viscosity is not None:
-            r_11, r_12, r_21, r_22 = _gradient(4 * nodes + 2, others, rows, gradients, slot)
-            d_11 = f_11 * r_11 + f_21 * r_21
-            d_22 = f_12 * r_12 + f_22 * r_22
-            d_12 = f_11 * r_12 + f_12 * r_11 + f_21 * r_22 + f_22 * r_21
-            v_11 = viscosity.c_11 * d_11 + viscosity.c_12 * d_22
-            v_22 = viscosity.c_12 * d_11 + viscosity.c_11 * d_22
-            v_12 = viscosity.c_33 * d_12
-            rows[6 * nodes * BLOCK_SIZE + slot] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
-            s_11 += v_11
-            s_22 += v_22
-            s_12 += v_12
-        s_11 *= weight
-        s_22 *= weight
-        s_12 *= weight
-        p_11 = f_11 * s_11 + f_12 * s_12
-        p_12 = f_11 * s_12 + f_12 * s_22
-        p_21 = f_21 * s_11 + f_22 * s_12
-        p_22 = f_21 * s_12 + f_22 * s_22
+        f = _gradient(2, others, rows, gradients, slot)
+        p_11, p_12, p_21, p_22 = _stress(f, others, material, viscosity, rows, gradients, weights, slot)
         for a in range(len(others)):
             g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
             rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
             rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
+
+
+@compiled
+def _add_stabilised_point(others, material, viscosity, rows, gradients, weights, control):
+    """The same for elements of one point with hourglass control: P + q (x) K p, and gamma_a F K p at node a."""
+    nodes = len(others) + 1
+    for slot in range(BLOCK_SIZE):
+        f = _gradient(2, others, rows, gradients, slot)
+        f_11, f_12, f_21, f_22 = f
+        p_11, p_12, p_21, p_22 = _stress(f, others, material, viscosity, rows, gradients, weights, slot)
+        q_1 = q_2 = 0.0
+        for a in range(len(others)):
+            gamma = at_slot(control, a, slot)
+            q_1 += gamma * rows[(2 * a + 2) * BLOCK_SIZE + slot]
+            q_2 += gamma * rows[(2 * a + 3) * BLOCK_SIZE + slot]
+        t_1, t_2 = f_11 * q_1 + f_21 * q_2, f_12 * q_1 + f_22 * q_2
+        k_12 = at_slot(control, nodes + 1, slot)
+        r_1 = at_slot(control, nodes - 1, slot) * t_1 + k_12 * t_2
+        r_2 = k_12 * t_1 + at_slot(control, nodes, slot) * t_2
+        h_1, h_2 = f_11 * r_1 + f_12 * r_2, f_21 * r_1 + f_22 * r_2
+        p_11 += q_1 * r_1
+        p_12 += q_1 * r_2
+        p_21 += q_2 * r_1
+        p_22 += q_2 * r_2
+        for a in range(len(others)):
+            g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
+            gamma = at_slot(control, a, slot)
+            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2 + gamma * h_1
+            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2 + gamma * h_2
+
+
+@inlined
+def _stress(f, others, material, viscosity, rows, gradients, weights, slot):
+    """First Piola-Kirchhoff stress of a slot times its weight; what is viscous is added to its power."""
+    nodes, weight = len(others) + 1, at_slot(weights, 0, slot)
+    f_11, f_12, f_21, f_22 = f
+    e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
+    e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
+    g_12 = f_11 * f_12 + f_21 * f_22
+    s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
+    if viscosity is not None:
+        r_11, r_12, r_21, r_22 = _gradient(4 * nodes + 2, others, rows, gradients, slot)
+        d_11 = f_11 * r_11 + f_21 * r_21
+        d_22 = f_12 * r_12 + f_22 * r_22
+        d_12 = f_11 * r_12 + f_12 * r_11 + f_21 * r_22 + f_22 * r_21
+        v_11 = viscosity.c_11 * d_11 + viscosity.c_12 * d_22
+        v_22 = viscosity.c_12 * d_11 + viscosity.c_11 * d_22
+        v_12 = viscosity.c_33 * d_12
+        rows[6 * nodes * BLOCK_SIZE + slot] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
+        s_11 += v_11
+        s_22 += v_22
+        s_12 += v_12
+    s_11 *= weight
+    s_22 *= weight
+    s_12 *= weight
+    return (
+        f_11 * s_11 + f_12 * s_12,
+        f_11 * s_12 + f_12 * s_22,
+        f_21 * s_11 + f_22 * s_12,
+        f_21 * s_12 + f_22 * s_22,
+    )
 
 
 @inlined
@@ -213,22 +258,3 @@ def _gradient(row, others, rows, gradients, slot):
     return t_11, t_12, t_21, t_22
 
 
-@compiled
-def _add_hourglass(hourglass, first, count, others, lattice, rows):
-    """Add k gamma_a (sum gamma_b x_b) to the block's forces; zero for every linear field, rigid motion included."""
-    nodes = len(others) + 1
-    for slot in range(count):
-        column = first + slot
-        if lattice is not None:
-            column = lattice.element[column]
-        if hourglass.stiffness.size == 1:
-            column = 0
-        q_1 = q_2 = 0.0
-        for a in range(1, nodes):
-            q_1 += hourglass.vectors[a, column] * rows[2 * a * BLOCK_SIZE + slot]
-            q_2 += hourglass.vectors[a, column] * rows[(2 * a + 1) * BLOCK_SIZE + slot]
-        q_1 *= hourglass.stiffness[column]
-        q_2 *= hourglass.stiffness[column]
-        for a in range(1, nodes):
-            rows[(2 * nodes + 2 * a) * BLOCK_SIZE + slot] += hourglass.vectors[a, column] * q_1
-            rows[(2 * nodes + 2 * a + 1) * BLOCK_SIZE + slot] += hourglass.vectors[a, column] * q_2

@@ -129,11 +129,20 @@ def energy_of_strain(positions, table, material):
 def energy_of_hourglass(positions, table, hourglass):
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
-        column = 0 if hourglass.stiffness.size == 1 else element
-        q_1 = q_2 = 0.0
+        column = 0 if hourglass.vectors.shape[1] == 1 else element
+        place = 0 if table.gradients.shape[1] == 1 else element
+        f_11 = f_12 = f_21 = f_22 = q_1 = q_2 = 0.0
         for a in range(len(table.per_element)):
             node = table.connectivity[a, element]
-            q_1 += hourglass.vectors[a, column] * positions[0, node]
-            q_2 += hourglass.vectors[a, column] * positions[1, node]
-        energy += 0.5 * hourglass.stiffness[column] * (q_1 * q_1 + q_2 * q_2)
+            x, y = positions[0, node], positions[1, node]
+            g_1, g_2 = table.gradients[2 * a, place], table.gradients[2 * a + 1, place]
+            f_11 += x * g_1
+            f_12 += x * g_2
+            f_21 += y * g_1
+            f_22 += y * g_2
+            q_1 += hourglass.vectors[a, column] * x
+            q_2 += hourglass.vectors[a, column] * y
+        p_1, p_2 = f_11 * q_1 + f_21 * q_2, f_12 * q_1 + f_22 * q_2
+        k_11, k_22, k_12 = hourglass.stiffness[:, column]
+        energy += 0.5 * (k_11 * p_1 * p_1 + k_22 * p_2 * p_2) + k_12 * p_1 * p_2
     return energy

@@ -103,7 +103,7 @@ class Stepper:
         self._reference = model.discretisation.positions
         self._parts = (self.loop.viscosity, self.loop.hourglass)
         self._force = np.zeros_like(self._reference)
-        self._scratch = scratch_for(self.loop.table)
+        self._scratch = scratch_for(self.loop.table, self.loop.hourglass)
         self._team = None
         if threads > 1:
             from fem.explicit.parallel import Team

@@ -43,7 +43,7 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
     hold = _springs(loop)
     size = STEP * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
-    scratch, still = scratch_for(loop.table), np.zeros(shape)
+    scratch, still = scratch_for(loop.table, loop.hourglass), np.zeros(shape)
 
     def forces(at: np.ndarray) -> np.ndarray:
         force = np.zeros(shape)

@@ -49,7 +49,7 @@ def equilibrium(
 def internal_forces(model: PlateModel, place: np.ndarray) -> np.ndarray:
     """Nodal forces [N] that hold the plate at these positions, shape (2, nodes)."""
     loop, force, place = model.loop, np.zeros(place.shape), np.ascontiguousarray(place)
-    scratch = scratch_for(loop.table)
+    scratch = scratch_for(loop.table, loop.hourglass)
     subtract_internal_forces(
         place, np.zeros(place.shape), None, loop.hourglass, force, loop.table, loop.material, scratch
     )
