@@ -60,8 +60,6 @@ class PlateProperties:
         A name of `ELEMENT_KINDS`.
     material : str
         A name of `MATERIALS`.
-    hourglass : float
-        Share of the stiffness that controls one-point elements [-]; others have none.
     inertia : Inertia or None
         That the nodal masses carry; None for the plate's own.
     """
@@ -73,7 +71,6 @@ class PlateProperties:
     lumping: str = "exact"
     element: str = "quad4"
     material: str = "st-venant-kirchhoff"
-    hourglass: float = 0.1
     inertia: Inertia | None = None
 
 

@@ -73,4 +73,4 @@ def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
 def _hourglass(d: Discretisation, plate: PlateProperties, moduli: StVenantKirchhoff) -> Hourglass | None:
     if not ELEMENT_KINDS[plate.element].hourglass:
         return None
-    return hourglass_control(d, plate.thickness, moduli.c_11, plate.hourglass)
+    return hourglass_control(d, plate.thickness, moduli)

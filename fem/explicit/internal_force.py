@@ -101,7 +101,8 @@ def subtract_forces_of(
         count = min(BLOCK_SIZE, end - first)
         gather(positions, connectivity, lattice, first, count, rows)
         subtract_first(others, rows)
-        rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
+        if hourglass is None:
+            rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
         if viscosity is not None:
             rates = rows[4 * nodes * BLOCK_SIZE :]
             gather(velocities, connectivity, lattice, first, count, rates)
@@ -112,11 +113,12 @@ def subtract_forces_of(
             weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
             if hourglass is not None:
                 control = point_of(scratch.hourglass, first // BLOCK_SIZE, point, len(others) + 3)
-                _add_stabilised_point(others, material, viscosity, rows, gradients, weights, control)
+                _set_stabilised_point(others, material, viscosity, rows, gradients, weights, control)
             else:
                 _add_point(others, material, viscosity, rows, gradients, weights)
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
-        balance(others, forces)
+        if hourglass is None:
+            balance(others, forces)
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
         if viscosity is not None:
@@ -183,8 +185,9 @@ def _add_point(others, material, viscosity, rows, gradients, weights):
 
 
 @compiled
-def _add_stabilised_point(others, material, viscosity, rows, gradients, weights, control):
-    """The same for elements of one point with hourglass control: P + q (x) K p, and gamma_a F K p at node a."""
+def _set_stabilised_point(others, material, viscosity, rows, gradients, weights, control):
+    """Set the block's rows to the forces of elements of one point with hourglass control, the first node's included:
+    P + q (x) K p, and gamma_a F K p at node a."""
     nodes = len(others) + 1
     for slot in range(BLOCK_SIZE):
         f = _gradient(2, others, rows, gradients, slot)
@@ -204,11 +207,18 @@ def _add_stabilised_point(others, material, viscosity, rows, gradients, weights,
         p_12 += q_1 * r_2
         p_21 += q_2 * r_1
         p_22 += q_2 * r_2
+        x_sum = y_sum = 0.0
         for a in range(len(others)):
             g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
             gamma = at_slot(control, a, slot)
-            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2 + gamma * h_1
-            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2 + gamma * h_2
+            x = p_11 * g_1 + p_12 * g_2 + gamma * h_1
+            y = p_21 * g_1 + p_22 * g_2 + gamma * h_2
+            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] = x
+            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] = y
+            x_sum += x
+            y_sum += y
+        rows[2 * nodes * BLOCK_SIZE + slot] = -x_sum
+        rows[(2 * nodes + 1) * BLOCK_SIZE + slot] = -y_sum
 
 
 @inlined
@@ -256,5 +266,3 @@ def _gradient(row, others, rows, gradients, slot):
         t_21 += y * g_1
         t_22 += y * g_2
     return t_11, t_12, t_21, t_22
-
-

@@ -177,7 +177,6 @@ def plate_properties(plan: ImpactPlan, plate: Plate) -> PlateProperties:
         lumping=plate.lumping,
         element=plate.element,
         material=scene.material.law if scene.material else "st-venant-kirchhoff",
-        hourglass=plate.hourglass,
         inertia=Inertia(vehicle.front_distance, vehicle.inertia) if own else None,
     )
 

@@ -142,6 +142,6 @@ def _richer(plate: Plate) -> list[Plate]:
     if not richer:
         return [plate.model_copy(update={"elements": (2 * along, 2 * across)})]
     half = (along // 2, across // 2) if along > 3 and across > 3 else (along, across)
-    kept = {name: getattr(plate, name) for name in plate.model_fields_set if name != "hourglass"}
+    kept = {name: getattr(plate, name) for name in plate.model_fields_set}
     made = plate.model_construct(**{**plate.model_dump(), **kept, "element": richer, "elements": half})
     return [made, plate.model_copy(update={"elements": (2 * along, 2 * across)})]

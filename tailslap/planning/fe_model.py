@@ -150,7 +150,6 @@ def _plate(plan: Plan, plate: Plate) -> PlateProperties:
         lumping=plate.lumping,
         element=plate.element,
         material=plan.scene.material.law if plan.scene.material else "st-venant-kirchhoff",
-        hourglass=plate.hourglass,
     )
 
 

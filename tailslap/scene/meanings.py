@@ -44,7 +44,6 @@ MEANINGS = MappingProxyType(
         "plate.elements": "along and across; if left out the program chooses",
         "plate.element": "kind of element",
         "plate.distortion": "of the mesh, as a share of the element's size",
-        "plate.hourglass": "stiffness of the hourglass control, of elements that need it",
         "plate.lumping": "how the mass is put on the nodes",
         "plate.start": "elastic state at the start",
         "material.law": "of the plate",

@@ -204,7 +204,6 @@ class Plate(Table):
     elements: ElementCounts | None = None
     element: Annotated[str, _registered(ELEMENT_KINDS)] = "quad4"
     distortion: Distortion = 0.0
-    hourglass: Share = 0.1
     lumping: Annotated[str, _registered(LUMPINGS)] = "exact"
     start: StartName = "inertia-relief"
 

@@ -131,11 +131,6 @@ def _check_plate(scene: Scene) -> None:
             "it sets the modulus; leave out this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
         )
         raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
-    if plate and not ELEMENT_KINDS[plate.element].hourglass and "hourglass" in plate.model_fields_set:
-        needing = " or ".join(f'"{name}"' for name, kind in ELEMENT_KINDS.items() if kind.hourglass)
-        raise InputError(
-            "plate.hourglass", plate.hourglass, f"only element = {needing} needs it; leave it out"
-        )
     if plate and LUMPINGS[plate.lumping].row_sums and not ELEMENT_KINDS[plate.element].row_sums:
         why = f"row sums of {plate.element} give its corners no mass"
         allowed = f'{why}; allowed with them is another element, or "exact"'

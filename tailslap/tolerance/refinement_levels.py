@@ -29,7 +29,6 @@ class RefinementLevel:
     def changes(self) -> dict[str, Any]:
         """What it changes in a scene."""
         return {
-            "plate.hourglass": None,  # of one-point elements, which are none of these
             "plate.element": self.element,
             "plate.elements": self.elements,
             "corner.constraint": self.constraint,

@@ -32,8 +32,6 @@ def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
     """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that is given."""
     changes: dict[str, Any] = {"plate.elements": plate.elements, "plate.element": plate.element}
     changes |= {"plate.distortion": 0.0, "plate.lumping": "exact", "output": None}
-    if not ELEMENT_KINDS[plate.element].hourglass:
-        changes |= {"plate.hourglass": None}
     if not fe_plan.asked.scene.corner.constraint_is_open:
         changes |= {
             "corner.constraint": "exact",

@@ -37,7 +37,7 @@ def dense_frequencies(model: Any) -> np.ndarray:
     "change",
     [
         (),
-        ("plate.element=quad4-reduced", "plate.hourglass=0.2"),
+        ("plate.element=quad4-reduced",),
         ("plate.element=tri3", "plate.elements=[10, 3]"),
         ("plate.lumping=row-sum", "plate.distortion=0.2"),
         ("plate.thickness=2 mm", "plate.density=", "plate.poissons_ratio=0.45"),

@@ -94,7 +94,11 @@ def start_state(fe_plan: FePlan) -> State:
 def workspace(fe_plan: FePlan, start: State) -> tuple[State, np.ndarray, Any]:
     """State, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
     state = copy_state(start)
-    return state, np.zeros_like(state.positions), scratch_for(fe_plan.model.loop.table, fe_plan.model.loop.hourglass)
+    return (
+        state,
+        np.zeros_like(state.positions),
+        scratch_for(fe_plan.model.loop.table, fe_plan.model.loop.hourglass),
+    )
 
 
 def without_control(fe_plan: FePlan) -> FePlan:

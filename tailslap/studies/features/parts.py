@@ -34,12 +34,11 @@ class Part:
 
 def plain_scene(scene: Scene) -> Scene:
     """The scene with a plate, a penalty spring, and nothing else that a step has to work for."""
-    reduced = {"plate.element": "quad4", "plate.hourglass": None}
     changes = {
         "corner": {"reaction": "none", "penalty_scale": scene.corner.penalty_scale},
         "time.threads": 1,
         **dict.fromkeys(("material", "damping", "wall")),
-        **(reduced if needed_plate(scene).element == "quad4-reduced" else {}),
+        **({"plate.element": "quad4"} if needed_plate(scene).element == "quad4-reduced" else {}),
     }
     return varied(scene, changes)
 
@@ -55,7 +54,7 @@ def parts_of(scene: Scene) -> list[Part]:
     friction = scene.corner_friction or (scene.impact.friction if scene.impact else 0.0) or 0.47
     sliding = {"corner.reaction": law, "corner.friction": friction}
     exact = {"corner.constraint": "exact", "corner.penalty_scale": None}
-    one_point = {"plate.element": "quad4-reduced", "plate.hourglass": needed_plate(scene).hourglass}
+    one_point = {"plate.element": "quad4-reduced"}
 
     def part(name: str, what: str, changes: Changes, *rest: Any, **more: Any) -> Part:
         return Part(name, what, varied(plain, changes), *rest, **more)

@@ -123,7 +123,7 @@ def _motion(scene: Scene, dice: _Dice) -> Changes:
 
 
 def _plate(scene: Scene, dice: _Dice, number: int, length: float, width: float) -> Changes:
-    keys = ("elements", "element", "hourglass", "lumping", "distortion")
+    keys = ("elements", "element", "lumping", "distortion")
     changes: dict[str, Any] = dict.fromkeys(f"plate.{key}" for key in keys)
     changes["plate.start"] = RELIEVED[number // 3 % 2] if number % 3 else "unstressed"
     changes |= _stiffness(scene, dice, length, width)

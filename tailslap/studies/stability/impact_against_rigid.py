@@ -82,7 +82,7 @@ def _richer(scene: Scene, plate: Plate) -> Changes:
     richer = ELEMENT_KINDS[plate.element].richer
     if not richer:
         return _finer(scene, plate)
-    changes = {"plate.elements": plate.counts, "plate.element": richer, "plate.hourglass": None}
+    changes = {"plate.elements": plate.counts, "plate.element": richer}
     return {**changes, "time.safety_factor": 0.5 * scene.time.safety_factor}
 
 

@@ -83,7 +83,7 @@ def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes
 def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
     """So many quadratic elements of the plate's kind, and the exact constraint."""
     return {
-        **dict.fromkeys(("plate.hourglass", "corner.penalty_scale", "corner.damping_ratio")),
+        **dict.fromkeys(("corner.penalty_scale", "corner.damping_ratio")),
         "corner.constraint": "exact",
         "plate.element": ELEMENT_KINDS[plate.element].richer or plate.element,
         "plate.elements": counts,
