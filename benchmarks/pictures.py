@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/pictures.py results/paper-table-3-cost results/paper-table-3-stability
 
-A folder with points.csv makes docs/cost.png, one with cells.csv docs/stability.png; --out DIR writes elsewhere.
+A folder with points.csv makes docs/cost.svg, one with cells.csv docs/stability.png; --out DIR writes elsewhere.
 """
 
 from __future__ import annotations
@@ -10,12 +10,14 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 from postprocess.figures.map_plots import MapAxis, draw_cells, write_meanings
-from postprocess.figures.precision_plots import draw_panel
+from postprocess.figures.precision_plots import draw_precision
 from postprocess.figures.style import style
+from postprocess.figures.svg.chart import Chart
 from tailslap.scene.files import read_scene
 from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
 from tailslap.studies.cost.points import Point
@@ -36,22 +38,28 @@ MEANINGS = {axis.name: axis.meaning for axis in stability_axes(read_scene("paper
 
 
 def draw_cost(folder: Path, target: Path) -> None:
-    """Both panels of error against run time, one below the other."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
+    """Both questions' plots of error against run time, side by side."""
     known = json.loads((folder / "summary.json").read_text())["known"]
     points = read_points(folder / "points.csv")
-    panels = (
-        rigid_diagram(points, known["rigid"]),
-        flexible_diagram(points, known["flexible"], known["choices"]),
-    )
-    with style():
-        figure = Figure(figsize=(7.4, 10.2), dpi=DPI)
-        FigureCanvasAgg(figure)
-        for panel, low in zip(panels, (0.555, 0.05), strict=True):
-            draw_panel(figure.add_axes((0.1, low, 0.88, 0.42)), panel)
-        figure.savefig(target)
+    charts = [
+        *draw_precision(rigid_diagram(points, known["rigid"])),
+        *draw_precision(flexible_diagram(points, known["flexible"], known["choices"])),
+    ]
+    target.write_text(side_by_side(charts), encoding="utf-8")
+
+
+def side_by_side(charts: list[Chart], across: int = 3) -> str:
+    """Charts in rows, as one SVG."""
+    heights = [float(re.findall(r'height="(\d+)"', chart.svg)[0]) for chart in charts]
+    tall, wide = max(heights) + 16.0, charts[0].width + 20.0
+    placed = [
+        chart.svg.replace("<svg ", f'<svg x="{number % across * wide}" y="{number // across * tall}" ', 1)
+        for number, chart in enumerate(charts)
+    ]
+    size = f"{across * wide:.0f} {-(-len(charts) // across) * tall:.0f}"
+    style = 'font-family="system-ui, DejaVu Sans, sans-serif"'
+    paper = '<rect width="100%" height="100%" fill="#fff"/>'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size}" {style}>{paper}{"".join(placed)}</svg>\n'
 
 
 def draw_stability(folder: Path, target: Path) -> None:
@@ -107,7 +115,7 @@ def _point(row: dict[str, Any]) -> Point:
     return Point(setting, *(float(row[name]) for name in names), int(row["steps"]), failed, row["refused"])
 
 
-PICTURES = (("points.csv", "cost.png", draw_cost), ("cells.csv", "stability.png", draw_stability))
+PICTURES = (("points.csv", "cost.svg", draw_cost), ("cells.csv", "stability.png", draw_stability))
 
 
 def main() -> None:

@@ -46,6 +46,10 @@ class Axis:
         """What stands in brackets behind the label."""
         return self.label.partition("[")[2].rstrip("]")
 
+    def named_as(self, label: str) -> Axis:
+        """The same with a label."""
+        return replace(self, label=label)
+
     def scaled(self, factor: float, unit: str) -> Axis:
         """The axis of values so many times as large, in another unit."""
         low, high = (None if end is None else factor * end for end in (self.low, self.high))

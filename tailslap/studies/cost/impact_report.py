@@ -49,7 +49,7 @@ def impact_cost_report(found: ImpactCost) -> Report:
         title=found.plan.scene.name,
         headline=headline(found),
         sections=(
-            Section("Error against run time", "", (draw_precision(diagram(found)),), (best,), (reading,)),
+            Section("Error against run time", "", draw_precision(diagram(found)), (best,), (reading,)),
             Section("Every setting", tables=(Table(SETTINGS, found.points, marks=marks),)),
         ),
         footer=footer("points.csv, every setting with its numbers in SI; summary.json"),

@@ -70,8 +70,8 @@ def cost_report(found: CostResults | ImpactCost) -> Report:
         title=found.plan.scene.name,
         headline=headline(found),
         sections=(
-            Section("The rigid question", "", (draw_precision(rigid),), best[:1]),
-            Section("The flexible question", "", (draw_precision(soft),), (lines, best[1]), _limits(found)),
+            Section("The rigid question", "", draw_precision(rigid), best[:1]),
+            Section("The flexible question", "", draw_precision(soft), (lines, best[1]), _limits(found)),
             Section("Grid convergence", tables=_convergence(found), sentences=READING),
             Section("Every setting", tables=(_every(found),)),
         ),
