@@ -88,7 +88,9 @@ class Drawing:
         self._plate = PolyCollection([], edgecolors="face", linewidths=0.4, cmap=COLOURS)
         self._plate.set_clim(float(self._values.min()), float(self._values.max()))
         self._axes.add_collection(self._plate, autolim=False)
-        self._figure.colorbar(self._plate, ax=self._axes, label=f"{name} [{field_unit(name)}]", shrink=0.8)
+        self._figure.colorbar(
+            self._plate, ax=self._axes, label=f"{name} [{field_unit(name)}]", location="bottom", aspect=40
+        )
         self._frame()
 
     def at(self, k: int) -> Figure:
