@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from postprocess.fields import FORMATS
-from tailslap.options import Folder, Real, Text
+from tailslap.options import JSON, QUIET, Folder, Real, Text, with_options
 
 
 @click.command("export")
@@ -20,15 +20,18 @@ from tailslap.options import Folder, Real, Text
 @click.option(
     "--magnify", type=Real(0.0, 1e9), default=1.0, show_default=True, help="The elastic deformation in them."
 )
-def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: float) -> int:
+@with_options(JSON, QUIET)
+def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: float, as_json: bool) -> int:
     """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
 
     RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
     histories of any run.
     """
+    from postprocess.files.summary import summary_text
     from tailslap.api.exports import export as write
 
-    click.echo(f"Written: {write(folder, to, out, field=field, magnify=magnify)}")
+    written = write(folder, to, out, field=field, magnify=magnify)
+    click.echo(summary_text({"written": written}) if as_json else f"Written: {written}")
     return 0
 
 
@@ -42,7 +45,7 @@ def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: 
 )
 @click.option("--only", type=Text(), metavar="NAME,...", help="Columns to compare.")
 @click.option("--out", type=Folder(), help="Folder of the page  [default: results/compare]")
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON instead of a table.")
+@with_options(JSON, QUIET)
 def compare(
     given: tuple[Path, ...], columns: str | None, only: str | None, out: Path | None, as_json: bool
 ) -> int:

@@ -75,7 +75,7 @@ def study(
         given = study_command(chosen).make_context(name, words).params
     except click.UsageError as error:
         raise InputError(f"study {name}", " ".join(words[1:]), error.format_message()) from None
-    own = {key: value for key, value in given.items() if key not in ("name", "changes", "out", "allow_large")}
+    own = {str(option.name): given[str(option.name)] for option in chosen.options}
     out = None if folder is None else Path(folder)
     found = compute_study(chosen, given["name"], given["changes"], out, allow_large, own)[1]
     report = study_report(chosen, found)

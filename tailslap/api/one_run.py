@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -134,7 +133,7 @@ def rigid(scene: Scene, changes: Changes | None = None) -> Result:
         summary["scene"],
         summary,
         histories={RIGID: history(columns)},
-        text="\n".join(analysis.rigid_lines(plan, "si")),
+        text=_said(analysis.rigid_lines(plan, "si"), 19),
         fill=fill,
     )
 
@@ -154,7 +153,7 @@ def check(scene: Scene, changes: Changes | None = None, *, allow_large: bool = F
     Returns
     -------
     Result
-        Printed, it says what `tailslap check` does; `summary` has these lines by their first words.
+        Printed, it says what `tailslap check` does; `summary` is what `tailslap check --json` prints.
 
     Raises
     ------
@@ -164,22 +163,22 @@ def check(scene: Scene, changes: Changes | None = None, *, allow_large: bool = F
     Examples
     --------
     >>> import tailslap
-    >>> tailslap.check("paper-table-3").summary["plate"][:23]
+    >>> tailslap.check("paper-table-3").summary["plate"][0][:23]
     '120 elements, 147 nodes'
     """
-    from tailslap.planning.affordable import demand_affordable
+    from tailslap.planning.affordable import demand_affordable, is_large
+    from tailslap.report.check_text import as_numbers, estimate_part
 
     analysis, plan = planned(scene, changes)
+    asked, duration = plan.scene, analysis.duration(plan)
     if not allow_large:
-        demand_affordable(plan.scene, analysis.duration(plan))
-    lines = analysis.check_lines(plan)
-    return Result("check", plan.scene.name, _by_first_words(lines), text="\n".join(lines))
+        demand_affordable(asked, duration)
+    lines = estimate_part(asked, duration) if is_large(asked) else analysis.check_lines(plan)
+    return Result("check", asked.name, as_numbers(asked.name, lines), text=_said(lines, 13))
 
 
-def _by_first_words(lines: list[str]) -> dict[str, Any]:
-    """Lines "word   what it is" by their words; a list where several have the same."""
-    found: dict[str, Any] = {}
-    for line in lines[1:]:
-        word, *rest = re.split(r"\s{2,}", line, maxsplit=1)
-        found.setdefault(word, []).append(rest[0] if rest else "")
-    return {word: said[0] if len(said) == 1 else said for word, said in found.items()}
+def _said(lines: list[str], indent: int) -> str:
+    """Lines of a label and a text, as the terminal has them."""
+    from postprocess.report.terminal import labelled
+
+    return "\n".join(part for line in lines for part in labelled(line, indent))

@@ -100,7 +100,7 @@ class Result:
 
         return plot_histories(self.histories, names)
 
-    def save(self, folder: str | os.PathLike[str], pictures: bool = True) -> Path:
+    def save(self, folder: str | os.PathLike[str], pictures: bool = True, *, force: bool = False) -> Path:
         """Write the files that the command leaves.
 
         Parameters
@@ -109,6 +109,8 @@ class Result:
             A new or empty folder, or an unchanged earlier result, which is replaced.
         pictures : bool
             Whether with contour pictures or an animation.
+        force : bool
+            Also where there is the result of another scene.
 
         Returns
         -------
@@ -120,11 +122,13 @@ class Result:
         InputError
             Where the folder cannot be written or holds other files, or the result leaves none.
         """
+        from tailslap.results.earlier_result import demand_own
         from tailslap.results.result_folder import result_folder
 
         if self.fill is None:
             raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
         place = Path(folder)
+        demand_own(place, self.scene, force)
         with result_folder(place) as unfinished:
             self.fill(unfinished, pictures)
         return place

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -48,9 +49,15 @@ def load(folder: str | os.PathLike[str]) -> Result:
     summary = _summary(place)
     if (place / SWEEP).is_file():
         return sweep_result(place)
-    if not (place / FILES[FE]).is_file():
-        command = f"study {summary['study']}" if "study" in summary else "modes"
-        return Result(command, str(summary.get("scene", "")), summary, fill=_copies(place))
+    histories = {
+        label: history(read_history(place / name))
+        for label, name in FILES.items()
+        if (place / name).is_file()
+    }
+    if FE not in histories:
+        name, passed = str(summary.get("scene", "")), summary.get("passed")
+        fill = _copies(place)
+        return Result(_command(summary), name, summary, passed=passed, histories=histories, fill=fill)
     return Result(
         "run",
         summary["scene"],
@@ -58,10 +65,18 @@ def load(folder: str | os.PathLike[str]) -> Result:
         run_headline(summary),
         summary["passed"],
         run_tables(summary),
-        {label: history(read_history(place / name)) for label, name in FILES.items()},
+        histories,
         fill=_copies(place),
         make_fields=(lambda: read_fields(place / FILE)) if (place / FILE).is_file() else None,
     )
+
+
+def _command(summary: Mapping[str, Any]) -> str:
+    """The command that leaves such a summary."""
+    if "study" in summary:
+        return f"study {summary['study']}"
+    known = {"modes": "modes", "compared": "compare", "stage2": "rigid", "strikes": "rigid"}
+    return next((command for key, command in known.items() if key in summary), "paper")
 
 
 def sweep_result(place: Path) -> Result:

@@ -94,6 +94,17 @@ def test_what_is_loaded_is_what_was_saved(result: Result, tmp_path: Path) -> Non
     assert (copied / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
 
 
+def test_another_scenes_result_is_replaced_by_force_alone(tmp_path: Path) -> None:
+    one, other = tailslap.rigid("mash-tl4-sut"), tailslap.rigid("paper-table-3")
+    one.save(tmp_path / "a")
+    again = tailslap.load(one.save(tmp_path / "a"))
+    assert (again.command, again.summary) == ("rigid", one.summary)
+    np.testing.assert_array_equal(again.rigid["v_gy"], one.rigid["v_gy"])
+    with pytest.raises(InputError, match="it holds the result of the scene 'mash-tl4-sut'"):
+        other.save(tmp_path / "a")
+    assert tailslap.load(other.save(tmp_path / "a", force=True)).scene == "paper-table-3"
+
+
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "impact-mash-tl4-sut"])
 def test_rigid_has_the_bits_of_the_command(scene: str, capsys: pytest.CaptureFixture[str]) -> None:
     found = tailslap.rigid(scene)
@@ -107,7 +118,9 @@ def test_check_modal_and_modes_have_the_bits_of_the_commands(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     scene = "paper-table-3"
-    assert f"{tailslap.check(scene)}\n" == command(capsys, "check", scene)
+    checked = tailslap.check(scene)
+    assert f"{checked}\n" == command(capsys, "check", scene)
+    assert checked.summary == json.loads(command(capsys, "check", scene, "--json"))
     found = tailslap.modal(scene, modes=2)
     expected = json.loads(command(capsys, "modal", scene, "--modes", "2", "--json"))
     assert without_times(found.summary) == without_times(expected)

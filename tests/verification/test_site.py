@@ -30,7 +30,7 @@ FENCE = re.compile(
     r"^```(?P<kind>\w*)\n(?P<body>.*?)^```$|`(?P<inline>tailslap [^`\n]+)`", re.MULTILINE | re.DOTALL
 )
 FILE_NAME = re.compile(r"# (?P<name>[\w-]+\.(?:toml|py|csv))\n")
-PLACEHOLDER = re.compile(r"\b(?:SCENE|RESULT|NAME|KEY|DIR|FORMAT|COMMAND|N|X)\b")
+PLACEHOLDER = re.compile(r"\b(?:SCENE|RESULT|NAME|KEY|DIR|FORMAT|COMMAND|SHELL|N|X)\b")
 BARE = ("tailslap scenes", "tailslap paper")
 """Commands that say something without an argument; others of one word are only mentioned."""
 
