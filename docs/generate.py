@@ -154,6 +154,7 @@ FILES = (
     ("`history.csv`", "the FE run, a row an instant"),
     ("`rigid.csv`", "the rigid vehicle at the same instants"),
     ("`report.html`", "what a person opens"),
+    ("`theta.svg`, `omega.svg` and so on", "the page's curves"),
     ("`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`", "the plate at the tail-slap"),
     ("`impact.gif`", "of a whole impact: its animation"),
     ("`fields.npz`", "with `[output] fields = N`: fields of the plate at N instants"),

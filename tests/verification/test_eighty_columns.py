@@ -10,11 +10,12 @@ import sys
 import tomllib
 from pathlib import Path
 
+import click
 import pytest
 
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import labelled, printed, table_lines
-from tailslap.command_line import _status
+from tailslap.command_line import _status, commands
 from tailslap.errors import InputError
 from tailslap.scene.files import read_scene
 from tailslap.scene.meanings import MEANINGS
@@ -134,6 +135,23 @@ def test_every_command_speaks_json_or_not_at_all(
         path.unlink() if path.is_file() else shutil.rmtree(path)
     assert _status([*arguments, "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
+
+
+def test_no_command_lacks_them() -> None:
+    study = commands.commands["study"]
+    assert isinstance(study, click.Group)
+    each = {name: command for name, command in commands.commands.items() if name != "study"}
+    each |= {
+        name: study.get_command(click.Context(study), name)
+        for name in study.list_commands(click.Context(study))
+    }
+    lacking = [
+        (name, option)
+        for name, command in each.items()
+        for option in ("--json", "--quiet")
+        if not any(option in parameter.opts for parameter in command.params)
+    ]
+    assert lacking == []
 
 
 def test_json_of_a_run_is_its_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
