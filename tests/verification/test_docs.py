@@ -134,7 +134,8 @@ def test_every_page_is_linked_from_the_readme() -> None:
 
 
 def test_every_promise_has_its_test() -> None:
-    rows = (ROOT / "docs" / "promises.md").read_text(encoding="utf-8").splitlines()[6:]
+    lines = (ROOT / "docs" / "promises.md").read_text(encoding="utf-8").splitlines()
+    rows = [line for line in lines if line.startswith("| ")][1:]  # without the heading
     assert len(rows) > 15
     for row in rows:
         path, _, name = row.rstrip("| ").rpartition("| ")[2].strip("`").partition("::")
