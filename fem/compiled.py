@@ -12,6 +12,7 @@ import functools
 import hashlib
 import os
 import pickle
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -26,6 +27,12 @@ from fem.registry import PACKAGE, LawRegistry, outside_sources, watch
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
 """Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
+
+USUAL_S, TIME_FILE = 10.0, "seconds"
+"""Seconds that a loop takes to be compiled where no other tells; the file that keeps what the last one took."""
+
+Told = Callable[[float, bool], None]
+"""Told seconds, and whether they are over."""
 
 _dispatchers: list[Any] = []
 
@@ -80,6 +87,47 @@ watch(_follow_laws)
 def has_code(function: Any, *arguments: Any) -> bool:
     """Whether this process has machine code of a compiled function for arguments of these types."""
     return tuple(map(numba.typeof, arguments)) in function.overloads
+
+
+def is_on_disk(function: Any, *arguments: Any) -> bool:
+    """Whether machine code of a compiled function for arguments of these types is kept on disk."""
+    try:
+        key = function._cache._index_key(tuple(map(numba.typeof, arguments)), function.targetctx.codegen())
+        return key in function._cache._cache_file._load_index()
+    except (OSError, AttributeError, EOFError, pickle.UnpicklingError):  # no folder, or none that can be read
+        return False
+
+
+def compile_once(compile_all: Callable[[], None], function: Any, *arguments: Any, told: Told) -> None:
+    """Compile, or load from disk, what a run needs: one process of the machine at a time.
+
+    function, arguments: by whose machine code it is known whether that was done before. told: if it has to be
+    compiled, told about how long that takes [s], and when it is done, how long it took.
+    """
+    if has_code(function, *arguments):
+        return compile_all()
+    with one_process_compiles():
+        if is_on_disk(function, *arguments):
+            return compile_all()
+        told(expected_time(), False)
+        began = time.perf_counter()
+        compile_all()
+        spent = time.perf_counter() - began
+        told(spent, True)
+        with suppress(OSError):
+            (cache_folder() / TIME_FILE).write_text(f"{spent:.2f}")
+
+
+def expected_time() -> float:
+    """Seconds that a loop takes to be compiled: those that the last one took on this machine."""
+    try:
+        return float((cache_folder() / TIME_FILE).read_text())
+    except (OSError, ValueError):
+        return USUAL_S
+
+
+def silent(seconds: float, done: bool) -> None:
+    """Tell nobody."""
 
 
 @contextmanager

@@ -73,6 +73,14 @@ def announced(text: str, delay: float = DELAY) -> Iterator[None]:
         timer.cancel()
 
 
+def compiling(seconds: float, done: bool) -> None:
+    """Say that a time loop is being compiled, and how long that takes; terminal or not, for nothing else is seen."""
+    text = (
+        "compiled" if done else "compiling the time loop of this kind of model, once on this machine: about"
+    )
+    print(f"tailslap: {text}{' in' if done else ''} {seconds:.0f} s", file=sys.stderr, flush=True)
+
+
 def clock(seconds: float) -> str:
     """Hours, minutes and seconds."""
     minutes, seconds = divmod(round(seconds), 60)

@@ -17,7 +17,7 @@ from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
 from tailslap.planning.rigid import COMPARED, stage_two_numbers
-from tailslap.progress import announced, progress_bar
+from tailslap.progress import announced, compiling, progress_bar
 from tailslap.verification.check import Check, history_metrics
 from tailslap.verification.checks import error_of, ringing_checks, run_checks
 from tailslap.verification.mechanics import energy_error
@@ -139,11 +139,11 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
         As `run_scene`.
     """
     began = time.perf_counter()
-    with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
+    with announced("Building the model ..."):
         from fem.explicit.simulate import compile_loop
 
         fe_plan = make_fe_plan(plan, more_damping)
-        compile_loop(fe_plan.model, fe_plan.start, fe_plan.plan.scene.time.threads)
+    compile_loop(fe_plan.model, fe_plan.start, fe_plan.plan.scene.time.threads, told=compiling)
     setup = time.perf_counter() - began
     return compare(fe_plan, _simulated(fe_plan), setup)
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from fem.compiled import has_code, one_process_compiles
+from fem.compiled import Told, compile_once, silent
 from fem.contact.wall_contact import ContactState
 from fem.discretisation.model import PlateModel
 from fem.discretisation.properties import ModelError
@@ -85,11 +84,11 @@ class ImpactStepper(Stepper):
     """The compiled loop of a whole impact with its parameters and its workspace; the state is the caller's."""
 
     @property
-    def has_code(self) -> bool:
-        """Whether this process has the machine code of the step."""
+    def step_call(self) -> tuple[Any, ...]:
+        """The compiled function of the run, and arguments of its types."""
         state, rows = self.at_touch(FirstTouch(0.0, 0.0, 0.0)), self.rows(0)
         parts = (self.loop, *self._parts, self._reference, self._force, self._scratch, rows)
-        return has_code(advance_and_record, state, 1, *parts)
+        return advance_and_record, state, 1, *parts
 
     def at_touch(self, touch: FirstTouch) -> ImpactState:
         """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
@@ -145,11 +144,15 @@ class ImpactStepper(Stepper):
         return on_wall, 0.5 * (state.velocities + later.velocities)
 
 
-def compile_impact_loop(model: PlateModel) -> None:
-    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
+def compile_impact_loop(model: PlateModel, told: Told = silent) -> None:
+    """As `fem.explicit.simulate.compile_loop`."""
     stepper = ImpactStepper(model)
-    with nullcontext() if stepper.has_code else one_process_compiles():
-        stepper.record(stepper.at_touch(FirstTouch(0.3, 0.0, 0.0)), 1, 0)
+    touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
+    compile_once(lambda: _touch(stepper, touched), *stepper.step_call, told=told)
+
+
+def _touch(stepper: ImpactStepper, state: ImpactState) -> None:
+    stepper.record(state, 1, 0)
 
 
 def simulate_impact(

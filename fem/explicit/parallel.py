@@ -75,15 +75,22 @@ class Team:
 
     def advance(self, state: State, steps: int) -> None:
         """Advance the state in place by this many steps."""
-        shared = (self._powers, self._motions, self._shift)
-        workspaces = (self._forces, self._scratch, self._rows, *shared, new_meeting())
-        parts = (state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *workspaces)
+        parts = self._parts(state, steps)
         others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
         for thread in others:
             thread.start()
         advance_thread(0, *parts)
         for thread in others:
             thread.join()
+
+    def step_call(self, state: State) -> tuple[Any, ...]:
+        """The compiled function of a thread, and arguments of its types."""
+        return advance_thread, 0, *self._parts(state, 0)
+
+    def _parts(self, state: State, steps: int) -> tuple[Any, ...]:
+        shared = (self._powers, self._motions, self._shift)
+        workspaces = (self._forces, self._scratch, self._rows, *shared, new_meeting())
+        return state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *workspaces
 
 
 @compiled

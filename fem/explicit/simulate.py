@@ -6,13 +6,12 @@ import functools
 import math
 import time
 from collections.abc import Callable, Iterable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import has_code, one_process_compiles
+from fem.compiled import Told, compile_once, silent
 from fem.discretisation.model import PlateModel
 from fem.explicit.checkpoint import Arrays, Checkpoint, NoCheckpoint
 from fem.explicit.columns import COLUMNS, Measures, row_of
@@ -111,12 +110,12 @@ class Stepper:
             self._team = Team(self.loop, self._scratch, threads)
 
     @property
-    def has_code(self) -> bool:
-        """Whether this process has the machine code of the step."""
+    def step_call(self) -> tuple[Any, ...]:
+        """The compiled function of the run, and arguments of its types."""
         state = State(self._reference, self._reference, np.zeros(4), np.zeros(1))
-        return has_code(
-            advance_and_measure, state, state, 1, *self._all_parts, np.zeros((0, len(Measures._fields)))
-        )
+        if self._team:
+            return self._team.step_call(state)
+        return advance_and_measure, state, state, 1, *self._all_parts, np.zeros((0, len(Measures._fields)))
 
     @property
     def _all_parts(self) -> tuple[Any, ...]:
@@ -193,11 +192,18 @@ class Stepper:
         return state.positions_on_wall, self.nodal_velocities(state)
 
 
-def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1) -> None:
-    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time."""
+def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1, told: Told = silent) -> None:
+    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time.
+
+    told: see `fem.compiled.compile_once`.
+    """
     stepper = Stepper(model, threads)
-    with nullcontext() if stepper.has_code else one_process_compiles():
-        stepper.row(stepper.start(start, "unstressed"))
+    compile_once(lambda: _touch(stepper, start), *stepper.step_call, told=told)
+
+
+def _touch(stepper: Stepper, start: RigidStart) -> None:
+    """Call all that a run calls."""
+    stepper.row(stepper.start(start, "unstressed"))
 
 
 def simulate(

@@ -12,12 +12,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.contours.canvas import INK, add_disc, add_line, add_text, canvas, style_text, surface
+from postprocess.contours.canvas import (
+    INK,
+    Canvas,
+    add_disc,
+    add_field,
+    add_line,
+    add_scale,
+    add_surface,
+    add_text,
+    canvas,
+)
 from postprocess.contours.colour_scale import WIDENING, ColourScale, colour_scale
 from postprocess.contours.view import View, round_positions, view_of_plate
 
 SIZE = (1600, 700)
-COLOUR_MAP = "viridis"
 WALL, WALL_EDGE, OUTLINE = "#bfc3c7", "#a9aeb3", "#d1495b"
 
 Floats = NDArray[np.float64]
@@ -71,7 +80,12 @@ def draw_contours(
     moment = [] if time is None else [f"tail-slap at t = {time:.4g} s"]
     caption = ",  ".join([scene, *moment])
     setting = Setting(points, quads, wall_points, wall_quads, outline, corner, centroid, caption)
-    return [_draw(setting, field, out_dir / f"contour_{field.name}.png") for field in fields]
+    view = view_of_plate(points, SIZE)
+    with canvas(view) as plotter:
+        _add_wall(plotter, setting, view)
+        _add_height_ruler(plotter, setting, view)
+        add_text(plotter, setting.caption, (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
+        return [_draw(plotter, setting, field, view, out_dir / f"contour_{field.name}.png") for field in fields]
 
 
 def range_note(field: ContourField, scale: ColourScale) -> str:
@@ -99,41 +113,27 @@ def _signed(text: str) -> str:
     return text.replace("-", "−", 1)
 
 
-def _draw(setting: Setting, field: ContourField, path: Path) -> Path:
-    view, scale = view_of_plate(setting.points, SIZE), colour_scale(field.values)
-    with canvas(view) as plotter:
-        _add_wall(plotter, setting, view)
-        _add_plate(plotter, setting, field, scale)
-        _add_height_ruler(plotter, setting, view)
-        _add_marks(plotter, setting, field, view)
-        add_text(plotter, f"{field.title} [{field.unit}]", (24, SIZE[1] - 46), 28, bold=True)
-        add_text(plotter, setting.caption, (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
-        add_text(plotter, range_note(field, scale), (24, SIZE[1] - 78), 18)
-        plotter.screenshot(path)
+def _draw(plotter: Canvas, setting: Setting, field: ContourField, view: View, path: Path) -> Path:
+    """Write one field, and take it away again: the wall and the rulers stay for the next."""
+    scale = colour_scale(field.values)
+    plate = add_field(plotter, setting.points, setting.quads, field.values, scale)
+    drawn = [
+        plate,
+        add_scale(plotter, plate, scale),
+        *_add_marks(plotter, setting, field, view),
+        add_text(plotter, f"{field.title} [{field.unit}]", (24, SIZE[1] - 46), 28, bold=True),
+        add_text(plotter, range_note(field, scale), (24, SIZE[1] - 78), 18),
+    ]
+    plotter.write(path)
+    plotter.remove(*drawn)
     return path
 
 
-def _add_plate(plotter: Any, setting: Setting, field: ContourField, scale: ColourScale) -> None:
-    plate = surface(setting.points, setting.quads, 0.0)
-    plate.point_data[field.name] = field.values
-    colours = {"cmap": COLOUR_MAP, "clim": (scale.low, scale.high), "n_colors": scale.bands}
-    style = {"show_edges": True, "edge_opacity": 0.35, "line_width": 1, "lighting": False}
-    plotter.add_mesh(plate, scalars=field.name, show_scalar_bar=False, reset_camera=False, **colours, **style)
-    place = {"position_x": 0.12, "position_y": 0.77, "width": 0.76, "height": 0.09}
-    bar = plotter.add_scalar_bar(
-        title="", mapper=plotter.mapper, n_labels=scale.labels, fmt=scale.format, **place
-    )
-    bar.UnconstrainedFontSizeOn()
-    style_text(bar.GetLabelTextProperty(), 21)
-
-
-def _add_wall(plotter: Any, setting: Setting, view: View) -> None:
+def _add_wall(plotter: Canvas, setting: Setting, view: View) -> None:
     left, right = view.span()
     caption = "wall line, Y = 0"
     if setting.wall_points is not None and setting.wall_quads is not None:
-        wall = surface(setting.wall_points, setting.wall_quads, -0.02)
-        edges = {"show_edges": True, "edge_color": WALL_EDGE, "line_width": 1}
-        plotter.add_mesh(wall, color=WALL, lighting=False, reset_camera=False, **edges)
+        add_surface(plotter, setting.wall_points, setting.wall_quads, -0.02, WALL, edge=WALL_EDGE)
         left = max(left, float(setting.wall_points[:, 0].min()))
         right = min(right, float(setting.wall_points[:, 0].max()))
         caption = "rigid wall, Y ≤ 0"
@@ -143,7 +143,7 @@ def _add_wall(plotter: Any, setting: Setting, view: View) -> None:
     add_text(plotter, "X [m], driving direction →", (SIZE[0] - 24, 24), 20, "right")
 
 
-def _add_ruler(plotter: Any, left: float, right: float, view: View) -> None:
+def _add_ruler(plotter: Canvas, left: float, right: float, view: View) -> None:
     """Ticks and X values [m] along the wall line, away from the borders of the picture."""
     margin = 30 * view.pixel_length
     for x in round_positions(left + margin, right - margin):
@@ -152,7 +152,7 @@ def _add_ruler(plotter: Any, left: float, right: float, view: View) -> None:
         add_text(plotter, f"{x:g}", (column, row - 30), 18, "center")
 
 
-def _add_height_ruler(plotter: Any, setting: Setting, view: View) -> None:
+def _add_height_ruler(plotter: Canvas, setting: Setting, view: View) -> None:
     """Ticks and Y values [m] beside the plate, to its left."""
     left, top = (
         float(setting.points[:, 0].min()) - 14.0 * view.pixel_length,
@@ -165,21 +165,27 @@ def _add_height_ruler(plotter: Any, setting: Setting, view: View) -> None:
     add_text(plotter, "Y [m]", (24, view.pixel(0.0, top)[1] + 12), 18)
 
 
-def _add_marks(plotter: Any, setting: Setting, field: ContourField, view: View) -> None:
+def _add_marks(plotter: Canvas, setting: Setting, field: ContourField, view: View) -> list[Any]:
+    """The reference and the points P and G, with the field's value at G; returns what was added."""
+    added: list[Any] = []
     if setting.outline is not None:
-        add_line(plotter, np.vstack([setting.outline, setting.outline[:1]]), OUTLINE)
-        add_text(plotter, "red outline: reference", (SIZE[0] / 2, 24), 20, "center")
+        added.append(add_line(plotter, np.vstack([setting.outline, setting.outline[:1]]), OUTLINE))
+        added.append(add_text(plotter, "red outline: reference", (SIZE[0] / 2, 24), 20, "center"))
     for name, point in (("P", setting.corner), ("G", setting.centroid)):
         if point is not None:
             value = _signed(f"{value_at(setting.points, field.values, point):.4g}")
             shown = f"G: {value} {field.unit}" if name == "G" else name
-            _add_mark(plotter, shown, (float(point[0]), float(point[1])), view)
+            added += _add_mark(plotter, shown, (float(point[0]), float(point[1])), view)
+    return added
 
 
-def _add_mark(plotter: Any, name: str, point: tuple[float, float], view: View) -> None:
-    add_disc(plotter, point, 8 * view.pixel_length, INK, 0.02)
-    add_disc(plotter, point, 5 * view.pixel_length, "white", 0.03)
+def _add_mark(plotter: Canvas, name: str, point: tuple[float, float], view: View) -> list[Any]:
     column, row = view.pixel(*point)
     label = add_text(plotter, name, (column + 14, row + 10), 24)
-    label.prop.background_color = "white"
-    label.prop.background_opacity = 0.8
+    label.GetTextProperty().SetBackgroundColor(1.0, 1.0, 1.0)
+    label.GetTextProperty().SetBackgroundOpacity(0.8)
+    return [
+        add_disc(plotter, point, 8 * view.pixel_length, INK, 0.02),
+        add_disc(plotter, point, 5 * view.pixel_length, "#ffffff", 0.03),
+        label,
+    ]

@@ -13,7 +13,7 @@ from tailslap.impact.checks import impact_checks
 from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan, refusal
 from tailslap.impact.outcome import ImpactOutcome, differences
 from tailslap.impact.plan import AFTER_SECOND, LONGEST, ImpactPlan
-from tailslap.progress import announced, progress_bar
+from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
@@ -49,11 +49,11 @@ def run_impact(plan: ImpactPlan) -> ImpactOutcome:
 def make_fe_plan_timed(plan: ImpactPlan) -> tuple[ImpactFePlan, float]:
     """The FE plan with its loop compiled, and the time that took [s]."""
     began = time.perf_counter()
-    with announced("Building the model, or compiling the time loop: once on this machine, about 20 s ..."):
+    with announced("Building the model ..."):
         from fem.explicit.impact_run import compile_impact_loop
 
         fe_plan = make_impact_fe_plan(plan)
-        compile_impact_loop(fe_plan.model)
+    compile_impact_loop(fe_plan.model, told=compiling)
     return fe_plan, time.perf_counter() - began
 
 
@@ -124,8 +124,7 @@ def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
             continue
         from fem.explicit.impact_run import compile_impact_loop
 
-        with announced("Compiling the time loop of the second run ..."):
-            compile_impact_loop(model)
+        compile_impact_loop(model, told=compiling)
         richer = replace(fe_plan, model=model, plate=plate)
         error = differences(outcome.fe, _answer(fe_plan, simulated(richer)))
         frequency = fe_plan.first_frequency / richer.first_frequency - 1.0

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import fcntl
+import os
+import re
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +16,7 @@ import numpy as np
 import pytest
 
 from fem import compiled
-from fem.compiled import has_code, one_process_compiles
+from fem.compiled import USUAL_S, compile_once, has_code, one_process_compiles
 from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import advance
 
@@ -48,5 +52,47 @@ def test_without_a_folder_each_compiles_for_itself(tmp_path: Path, monkeypatch: 
 def test_code_is_known_by_the_types_of_its_arguments(outcome: Callable[..., Any]) -> None:
     """After a run its step has code; for arguments of other types there is none."""
     model = outcome("paper-table-3").fe_plan.model
-    assert Stepper(model).has_code
+    assert has_code(*Stepper(model).step_call)
     assert not has_code(advance, 1, 2.0, np.zeros(3))
+
+
+def double(value: float) -> float:
+    """A function to compile."""
+    return 2.0 * value
+
+
+def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path)
+    told: list[tuple[float, bool]] = []
+
+    def use(value: float) -> None:
+        function = compiled.compiled(double)  # as a new process has it
+        compile_once(lambda: function(value), function, value, told=lambda *given: told.append(given))
+
+    use(1.0)
+    (expected, before), (spent, after) = told
+    assert (expected, before, after) == (USUAL_S, False, True)
+    assert 0.0 < spent < USUAL_S
+    use(2.0)
+    assert len(told) == 2
+    use(3)  # another kind
+    assert told[2] == (pytest.approx(spent, abs=0.01), False)
+    assert len(told) == 4
+
+
+@pytest.mark.long
+def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path: Path) -> None:
+    """Standard error is no terminal here."""
+    command = [sys.executable, "-m", "tailslap.command_line", "run", "paper-table-3", "--no-pictures"]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+
+    def said() -> str:
+        done = subprocess.run(
+            command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        return done.stderr
+
+    assert re.search(r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", said(), re.DOTALL)
+    assert "compil" not in said()

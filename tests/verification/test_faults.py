@@ -88,12 +88,14 @@ def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path: Path) 
 
 
 @pytest.mark.long
-def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
+def test_without_home_and_with_a_cache_that_cannot_be_written(
+    tmp_path: Path, besides_compiling: Callable[[str], str]
+) -> None:
     """The loop is then compiled, and kept nowhere."""
     (tmp_path / "file").write_text("")
     nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
     done = command(tmp_path, *RUN, "a", **nowhere)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
 
 
 def doubled(value: float) -> float:
@@ -113,11 +115,13 @@ def test_a_full_cache_disk_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert tried == [1]
 
 
-def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path: Path) -> None:
+def test_a_folder_that_is_gone_and_names_that_cannot_be(
+    tmp_path: Path, besides_compiling: Callable[[str], str]
+) -> None:
     gone = tmp_path / "gone"
     gone.mkdir()
     done = command(gone, "scenes", prepare=lambda: os.rmdir(gone))
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere" / "at" / "all")
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     for place in ("x" * 300, "loop", "dangling/x/\x1b"):

@@ -2,12 +2,13 @@
 
 import ctypes
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 import pytest
-import pyvista
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
@@ -15,6 +16,7 @@ from postprocess.contours import canvas, contours
 from postprocess.contours.colour_scale import colour_scale
 from postprocess.contours.contours import SIZE, WALL, WALL_EDGE, ContourField, draw_contours
 from postprocess.contours.view import view_of_plate
+from postprocess.contours.viridis import viridis
 
 pytestmark = pytest.mark.verification
 
@@ -171,7 +173,7 @@ def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         scene="a-scene",
         time=0.38395974,
     )
-    assert words.count("a-scene,  tail-slap at t = 0.384 s") == 2
+    assert words.count("a-scene,  tail-slap at t = 0.384 s") == 1, "it stays for the second picture"
     assert {
         "v_GY: nodal velocity along Y [m/s]",
         "ω: nodal angular velocity [rad/s]",
@@ -189,22 +191,56 @@ def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     )
 
 
-def test_every_plotter_is_closed_even_when_drawing_fails(
+def test_every_canvas_is_closed_even_when_drawing_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    opened: list[pyvista.Plotter] = []
-    make = pyvista.Plotter.__init__
+    opened: list[canvas.Canvas] = []
+    make = canvas.Canvas.__init__
 
-    def remember(self: pyvista.Plotter, *rest: object, **named: object) -> None:
-        make(self, *rest, **named)
+    def remember(self: canvas.Canvas, *rest: object) -> None:
+        make(self, *rest)  # type: ignore[arg-type]
         opened.append(self)
 
-    monkeypatch.setattr(pyvista.Plotter, "__init__", remember)
-    draw_contours(POINTS, QUADS, fields()[:1], tmp_path)
-    with pytest.raises((ValueError, TypeError, RuntimeError)):
+    monkeypatch.setattr(canvas.Canvas, "__init__", remember)
+    draw_contours(POINTS, QUADS, fields(), tmp_path)
+    assert len(opened) == 1, "one canvas for all pictures"
+    with pytest.raises(ValueError, match="3 values"):
         draw_contours(POINTS, QUADS, [ContourField("bad", "too few", "m", np.zeros(3))], tmp_path)
-    assert [plotter.render_window for plotter in opened] == [None, None]
+    assert [each.is_open for each in opened] == [False, False]
     assert not (tmp_path / "contour_bad.png").exists()
+
+
+def test_pictures_of_a_canvas_are_those_of_canvases_of_their_own(
+    tmp_path: Path, pictures: dict[str, NDArray[np.uint8]]
+) -> None:
+    """Nothing of an earlier field is left in the next picture."""
+    wall = {"wall_points": WALL_POINTS, "wall_quads": WALL_QUADS}
+    for field in fields():
+        (path,) = draw_contours(
+            POINTS, QUADS, [field], tmp_path, **wall, corner=(SLIDE, 0.0), centroid=CENTROID
+        )
+        alone = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
+        np.testing.assert_array_equal(alone, pictures[path.stem])
+
+
+@pytest.mark.parametrize("count", [2, 12, 13, 64])
+def test_own_colour_map_is_viridis(count: int) -> None:
+    expected = mpl.colormaps["viridis"].resampled(count)(np.linspace(0.0, 1.0, count))[:, :3]
+    np.testing.assert_allclose(viridis(count), expected, atol=2.0 / 255.0)
+
+
+def test_pictures_need_vtk_alone(tmp_path: Path) -> None:
+    code = (
+        "import sys, numpy as np; from pathlib import Path\n"
+        "from postprocess.contours.contours import ContourField, draw_contours\n"
+        "square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])\n"
+        "field = ContourField('v', 'v', 'm/s', square[:, 0])\n"
+        f"draw_contours(square, np.array([[0, 1, 2, 3]]), [field], Path({str(tmp_path)!r}))\n"
+        "print(*({'pyvista', 'matplotlib'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+    assert (tmp_path / "contour_v.png").exists()
 
 
 def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

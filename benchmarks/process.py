@@ -1,0 +1,195 @@
+"""Prints what people wait for, as ratios to another checkout: processes, rows of a sweep, a large plate, threads.
+
+    .venv/bin/python benchmarks/process.py OTHER [--rounds 7] [--only WORDS]... [--million]
+
+OTHER is the folder of another checkout of this repository; it runs in the same environment. Runs of the two follow each
+other in turn, after one of each that compiles. A ratio is a median of the rounds, with its least and greatest; that of
+processor time beside it is hardly touched by other programs. Threads are held against one thread of this checkout, with
+as many cores kept busy as said. Ten minutes for all but --million, which takes one more and 4 GiB.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+SWEEP = ("sweep", "paper-table-3", "--workers", "1")
+MODULI, FRICTIONS = "plate.youngs_modulus=log:1e11:4e11:40", "corner.friction=0.2:0.4:40"
+STEPS = """
+import statistics, sys, time
+from dataclasses import replace
+from fem.discretisation.model import static_model
+from fem.discretisation.properties import CornerProperties, PlateProperties
+from fem.explicit.simulate import Stepper
+from fem.start.rigid_state import RigidStart
+from meshes import plate_mesh
+counts, steps = (int(sys.argv[1]), int(sys.argv[2])), int(sys.argv[3])
+model = static_model(plate_mesh(10.0, 2.438, counts), PlateProperties(0.053, 7800.0, 2e11, 0.3), CornerProperties())
+model = replace(model, loop=model.loop._replace(time_step=1e-9))
+steppers = [Stepper(model, threads) for threads in (1, 2)]
+states = [stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed") for stepper in steppers]
+for _ in range(int(sys.argv[4]) + 1):
+    spent = []
+    for stepper, state in zip(steppers, states, strict=True):
+        began = time.perf_counter()
+        stepper.advance(state, steps)
+        spent.append(time.perf_counter() - began)
+    print(spent[0] / spent[1])
+"""
+READY = """
+import resource, time
+began = time.perf_counter()
+from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.planning.plan import make_plan
+from tailslap.scene.files import read_scene
+from fem.explicit.simulate import Stepper
+plan = make_fe_plan(make_plan(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))))
+Stepper(plan.model).start(plan.start, plan.plate.start)
+print(time.perf_counter() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
+"""
+
+
+class Spent(NamedTuple):
+    """Time on the clock, and of the processor [s]."""
+
+    wall: float
+    processor: float
+
+
+def print_row(what: str, asked: str, measured: str) -> None:
+    """One line of the table."""
+    print(f"{what:<58}{asked:>8}  {measured}", flush=True)
+
+
+def process(checkout: Path, arguments: Sequence[str]) -> Spent:
+    """Run a command of a checkout in an empty folder."""
+    command = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    environment = os.environ | {"PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.perf_counter()
+        child = subprocess.Popen(
+            command, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        _, status, used = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        assert child.returncode in (0, 1), f"{checkout}: {arguments} ended with {child.returncode}"
+        return Spent(time.perf_counter() - began, used.ru_utime + used.ru_stime)
+
+
+def row_of_a_sweep(checkout: Path, varied: str) -> Spent:
+    """What a row takes in its worker, by the sweep's own clock; there is no processor time of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [
+            sys.executable,
+            "-m",
+            "tailslap.command_line",
+            *SWEEP,
+            "--vary",
+            varied,
+            "--out",
+            folder + "/s",
+        ]
+        environment = os.environ | {"PYTHONPATH": str(checkout)}
+        subprocess.run(command, env=environment, cwd=folder, check=True, capture_output=True)
+        effort = json.loads(Path(folder, "s", "summary.json").read_text())["effort"]
+    return Spent(effort["runs_s"] / effort["runs"], float("nan"))
+
+
+def compared(what: str, asked: str, measure: Callable[[Path], Spent], other: Path, rounds: int) -> None:
+    """A row of the table: this checkout over the other one."""
+    for checkout in (other, ROOT):
+        measure(checkout)
+    pairs = [(measure(other), measure(ROOT)) for _ in range(rounds)]
+    walls = sorted(mine.wall / its.wall for its, mine in pairs)
+    processor = statistics.median(mine.processor / its.processor for its, mine in pairs)
+    shown = "" if processor != processor else f"; processor time {processor:.2f}"
+    its, mine = (statistics.median(pair[k].wall for pair in pairs) for k in (0, 1))
+    spread = f"{walls[0]:.2f} to {walls[-1]:.2f}"
+    print_row(
+        what, asked, f"{statistics.median(walls):.2f} ({spread}){shown}; {mine:.3f} s where {its:.3f} s"
+    )
+
+
+def threads(what: str, asked: str, counts: tuple[int, int], steps: int, busy: int, rounds: int) -> None:
+    """A row of the table: speed of two threads over that of one."""
+    command = [sys.executable, "-c", STEPS, *map(str, (*counts, steps, rounds))]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    with ExitStack() as stack:
+        for _ in range(busy):
+            stack.callback(subprocess.Popen([sys.executable, "-c", "while True: pass"]).kill)
+        done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    found = sorted(map(float, done.stdout.split()[1:]))
+    print_row(what, asked, f"{statistics.median(found):.2f} ({found[0]:.2f} to {found[-1]:.2f})")
+
+
+def million() -> None:
+    """A row of the table: a million elements."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-c", READY], env=environment, check=True, capture_output=True, text=True
+    )
+    seconds, memory = map(float, done.stdout.split())
+    print_row("a million elements: start ready", "60 s", f"{seconds:.0f} s, {memory:.1f} GiB of 4")
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("other", type=Path)
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", action="append", default=[])
+    parser.add_argument("--million", action="store_true")
+    given = parser.parse_args()
+    other, rounds = given.other.resolve(), given.rounds
+    whole = {
+        "run paper-table-3 --no-pictures": ("0.45", ("run", "paper-table-3", "--no-pictures")),
+        "run mash-tl4-sut, three pictures": ("0.55", ("run", "mash-tl4-sut")),
+        "rigid paper-table-3": ("0.65", ("rigid", "paper-table-3")),
+        "run of 30 720 elements, short": (
+            "0.85",
+            ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[320,96]", "--set", SHORT),
+        ),
+    }
+    rows: dict[str, Callable[[], None]] = {
+        what: lambda what=what, asked=asked, command=command: compared(  # type: ignore[misc]
+            what, asked, lambda checkout: process(checkout, command), other, rounds
+        )
+        for what, (asked, command) in whole.items()
+    }
+    for what, varied in (("modulus", MODULI), ("friction", FRICTIONS)):
+        rows[f"row of a sweep, {what} varies"] = lambda what=what, varied=varied: compared(  # type: ignore[misc]
+            f"row of a sweep, {what} varies",
+            "0.42",
+            lambda checkout: row_of_a_sweep(checkout, varied),
+            other,
+            max(1, rounds // 2),
+        )
+    for busy, asked in ((0, "1.7"), (1, "0.95"), (2, "0.9")):
+        name = f"two threads over one, 122 880 elements, {busy} cores busy"
+        rows[name] = lambda name=name, asked=asked, busy=busy: threads(  # type: ignore[misc]
+            name, asked, (640, 192), 30, busy, rounds
+        )
+    for what, print_it in rows.items():
+        if not given.only or any(words in what for words in given.only):
+            print_it()
+    if given.million:
+        million()
+
+
+SHORT = "start.angle=0.001"
+"""A start so near the wall that the time loop takes a tenth of the whole."""
+
+
+if __name__ == "__main__":
+    main()
