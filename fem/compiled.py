@@ -18,18 +18,25 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import numba
-import numba.extending
 import platformdirs
-from numba.core.caching import FunctionCache
 
 from fem.registry import PACKAGE, LawRegistry, outside_sources, watch
+from fem.unseen import unseen
+
+with unseen(
+    "coverage", "cffi"
+):  # Numba loads them where it finds them, which takes longer than much of itself
+    import numba
+    import numba.core.typing.cffi_utils
+    import numba.extending
+    from numba.core.caching import FunctionCache
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
 """Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
 
 USUAL_S, TIME_FILE = 10.0, "seconds"
-"""Seconds that a loop takes to be compiled where no other tells; the file that keeps what the last one took."""
+"""Seconds that a loop takes to be compiled where no other tells; the file that keeps what the last one took, of
+whatever version."""
 
 Told = Callable[[float, bool], None]
 """Told seconds, and whether they are over."""
@@ -115,13 +122,13 @@ def compile_once(compile_all: Callable[[], None], function: Any, *arguments: Any
         spent = time.perf_counter() - began
         told(spent, True)
         with suppress(OSError):
-            (cache_folder() / TIME_FILE).write_text(f"{spent:.2f}")
+            (cache_folder().parent / TIME_FILE).write_text(f"{spent:.2f}")
 
 
 def expected_time() -> float:
     """Seconds that a loop takes to be compiled: those that the last one took on this machine."""
     try:
-        return float((cache_folder() / TIME_FILE).read_text())
+        return float((cache_folder().parent / TIME_FILE).read_text())
     except (OSError, ValueError):
         return USUAL_S
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import functools
 import math
 import re
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import platformdirs
 
+from fem.unseen import unseen
 from tailslap.scene.common_units import to_si
 from tailslap.scene.unit_grammar import unit_factors
 
@@ -24,26 +22,13 @@ MAX_TEXT = 200
 @functools.cache
 def registry() -> Any:
     """Pint's units; read from its cache on disk where there can be one, for the parsing takes 0.1 s."""
-    with _hidden("dask"):
+    with unseen("dask"):  # Pint loads Dask where it finds it, in a quarter of a second
         import pint
 
     try:
         return pint.UnitRegistry(cache_folder=str(platformdirs.user_cache_path("tailslap") / "units"))
     except OSError:
         return pint.UnitRegistry()
-
-
-@contextmanager
-def _hidden(module: str) -> Iterator[None]:
-    """Import as if this module were not there: Pint loads Dask where it finds it, in a quarter of a second."""
-    if module in sys.modules:
-        yield
-        return
-    sys.modules[module] = None  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        del sys.modules[module]
 
 
 @dataclass(frozen=True)

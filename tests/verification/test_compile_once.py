@@ -64,7 +64,7 @@ def double(value: float) -> float:
 def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path / "code")
     told: list[tuple[float, bool]] = []
 
     def use(value: float) -> None:
