@@ -70,7 +70,3 @@ class Analysis:
     columns: Callable[[Any], dict[str, Any]]
     column_kinds: Callable[[Scene], dict[str, type]]
     compared: Compared
-
-    def run_report(self, plan: Any, folder: Path, tolerance: float | None, pictures: bool) -> Report:
-        """The report of a run of this plan."""
-        return self.report(self.run(plan, tolerance), folder, pictures)

@@ -119,15 +119,21 @@ def run(
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from tailslap.execution.checkpoints import checkpointed
-    from tailslap.report.deliver import deliver
+    from tailslap.report.deliver import deliver, leave
     from tailslap.results.earlier_result import demand_own
-
-    def report(folder: Path) -> Report:
-        return analysis.run_report(plan, folder, tolerance, not no_pictures)
+    from tailslap.results.result_folder import demand_place
 
     place = out or Path("results") / plan.scene.name
     demand_own(place, plan.scene.name, force)
+    demand_place(place)
     with checkpointed(place, {"scene": plan.source.given, "tolerance": tolerance}, resume):
+        outcome = analysis.run(plan, tolerance)
+        if not no_pictures:  # what was computed is there, whatever becomes of the pictures
+            leave(place, lambda folder: analysis.report(outcome, folder, False), units=units)
+
+        def report(folder: Path) -> Report:
+            return analysis.report(outcome, folder, not no_pictures)
+
         return deliver(place, report, as_json=as_json, units=units)
 
 

@@ -31,5 +31,5 @@ def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
     if scene.wall is None:
         parts.append(("wall", "the scene has no [wall] table: no wall mesh, the wall is the line Y = 0"))
     if not pictures:
-        parts.append(("pictures", "--no-pictures: VTK is not imported"))
+        parts.append(("pictures", "--no-pictures, or none could be drawn: VTK has no part in this result"))
     return parts

@@ -115,6 +115,26 @@ def test_a_run_leaves_a_complete_folder(tmp_path: Path, besides_compiling: Calla
     assert report.count("<svg") >= 5
 
 
+def test_results_are_there_before_the_pictures_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No window can be opened here: the numbers stay, whole, and the command says what is missing."""
+    from postprocess.contours import contours
+
+    def refused(view: Any) -> None:
+        assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
+        raise RuntimeError("pictures need a display")
+
+    monkeypatch.setattr(contours, "canvas", refused)
+    small = ("run", "paper-table-3", "--set", "plate.elements=[10,3]", "--out", str(tmp_path / "out"))
+    assert _status(list(small)) == 3
+    assert "pictures need a display" in capsys.readouterr().err
+    assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["fe"]["t"] > 0.0
+    assert "pictures" in {entry["part"] for entry in summary["left_out"]}
+
+
 def _has_the_contract_s_numbers(summary: dict[str, Any]) -> None:
     for part in ("rigid", "fe", "difference"):
         assert set(summary[part]) == {"t", "v_gx", "v_gy", "omega", "slide"}
