@@ -50,7 +50,8 @@ class PlateModel:
     elastic : ElasticSolver
         The stiffness inverted beside rigid motion, when it is first asked for; plates that differ in modulus share it.
     highest_mode : ndarray or None, shape (2, nodes)
-        Mode of the highest frequency, times the roots of the masses, body frame; None where that is not known.
+        Mode of the highest frequency, times the roots of the masses, of unit length, body frame [-]; None where that is
+        not known.
     """
 
     discretisation: Discretisation

@@ -85,7 +85,9 @@ def draw_contours(
         _add_wall(plotter, setting, view)
         _add_height_ruler(plotter, setting, view)
         add_text(plotter, setting.caption, (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
-        return [_draw(plotter, setting, field, view, out_dir / f"contour_{field.name}.png") for field in fields]
+        return [
+            _draw(plotter, setting, field, view, out_dir / f"contour_{field.name}.png") for field in fields
+        ]
 
 
 def range_note(field: ContourField, scale: ColourScale) -> str:

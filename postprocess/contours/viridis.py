@@ -16,5 +16,6 @@ KNOTS = """
 def viridis(count: int) -> NDArray[np.float64]:
     """So many of its colours from end to end, red, green and blue from 0 to 1, shape (count, 3)."""
     knots = np.array([[int(knot[i : i + 2], 16) for i in (0, 2, 4)] for knot in KNOTS.split()]) / 255.0
-    place = np.linspace(0.0, len(knots) - 1.0, count)
+    # Of its 256 colours these are the ones that other libraries take.
+    place = np.minimum(np.floor(256.0 * np.linspace(0.0, 1.0, count)), 255.0) * (len(knots) - 1.0) / 255.0
     return np.column_stack([np.interp(place, np.arange(len(knots)), part) for part in knots.T])

@@ -226,7 +226,7 @@ def test_pictures_of_a_canvas_are_those_of_canvases_of_their_own(
 @pytest.mark.parametrize("count", [2, 12, 13, 64])
 def test_own_colour_map_is_viridis(count: int) -> None:
     expected = mpl.colormaps["viridis"].resampled(count)(np.linspace(0.0, 1.0, count))[:, :3]
-    np.testing.assert_allclose(viridis(count), expected, atol=2.5 / 255.0)
+    np.testing.assert_allclose(viridis(count), expected, atol=1.0 / 255.0)
 
 
 def test_pictures_need_vtk_alone(tmp_path: Path) -> None:
