@@ -35,8 +35,6 @@ class PlateModel:
     ----------
     discretisation : Discretisation
         Nodes and elements.
-    stiffness : scipy.sparse matrix, shape (2 nodes, 2 nodes)
-        In the body frame, at rest, hourglass control included [N/m].
     highest_frequency : float
         The corner's constraint included [rad/s].
     undamped_time_step, stable_time_step : float
@@ -55,7 +53,6 @@ class PlateModel:
     """
 
     discretisation: Discretisation
-    stiffness: Any  # scipy.sparse, body frame, at rest, hourglass control included [N/m]
     highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
@@ -64,6 +61,11 @@ class PlateModel:
     thickness: float  # [m]
     elastic: ElasticSolver
     highest_mode: np.ndarray | None = None
+
+    @property
+    def stiffness(self) -> Any:
+        """In the body frame, at rest, hourglass control included [N/m]: a sparse matrix, made anew at each call."""
+        return self.elastic.modulus * self.elastic.inverse.stiffness
 
     @property
     def mass(self) -> float:
@@ -167,7 +169,6 @@ def unfinished_model(
     modulus = plate.youngs_modulus
     return PlateModel(
         discretisation=unit.discretisation,
-        stiffness=modulus * unit.inverse.stiffness,
         highest_frequency=math.nan,
         undamped_time_step=math.nan,
         stable_time_step=math.nan,

@@ -17,7 +17,7 @@ from fem.contact.corner import Corner
 from fem.kept import kept
 from fem.start.elastic import ElasticSolver, Inverse
 
-TOLERANCE, ROUGH = 1e-4, 1e-3
+TOLERANCE, ROUGH = 1e-4, 2e-4
 """Residual over the eigenvalue at which Lanczos ends, and where it only tells whether an angle may be above another."""
 
 BASIS = 12
@@ -134,9 +134,9 @@ class Spectrum:
         best = self._largest(matrix, spring, 0, first, TOLERANCE)
         for angle in range(1, len(self._across)):
             rough = self._largest(matrix, spring, angle, best.vector, ROUGH)
-            if rough.bound > best.bound:
-                close = self._largest(matrix, spring, angle, rough.vector, TOLERANCE)
-                best = max(best, close, key=lambda peak: peak.bound)
+            if rough.value > best.bound:
+                rough = self._largest(matrix, spring, angle, rough.vector, TOLERANCE)
+            best = max(best, rough, key=lambda peak: peak.bound)
         return best
 
     def _largest(self, matrix: Any, spring: float, angle: int, first: np.ndarray, tolerance: float) -> Peak:
