@@ -297,7 +297,8 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path: Path) ->
                 said += os.read(leader, 1024)
         assert b"steps" in said
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=30) == 130
+        status = process.wait(timeout=30)
+        assert status == 130, said + os.read(leader, 8192)
     finally:
         process.kill()
         os.close(leader)
