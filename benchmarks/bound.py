@@ -30,9 +30,9 @@ from typing import Any
 import numba
 import numpy as np
 
-from fem.compiled import FAST_MATH
 from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.simulate import Stepper
+from fem.machine_code.numba_code import make_dispatcher
 
 CHAIN = 16
 """Multiply-adds one after the other on a number: few enough that several vectors of numbers are under way at once."""
@@ -98,7 +98,7 @@ def multiply_adds(stepper: Stepper) -> tuple[int, int]:
     The kernel is compiled anew, since code from the cache on disk cannot be read. Every packed loop has its
     scalar twin, for arrays that overlap; the twin is never taken.
     """
-    fresh = numba.njit(fastmath=FAST_MATH, error_model="numpy")(subtract_internal_forces.py_func)
+    fresh = make_dispatcher(subtract_internal_forces)
     loop, positions = stepper.loop, stepper.model.discretisation.positions
     parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
     scratch = stepper._scratch

@@ -14,16 +14,14 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numba
-
-from fem.compiled import FAST_MATH
 from fem.explicit.time_loop import advance
+from fem.machine_code.kernel import Kernel
+from fem.machine_code.numba_code import make_dispatcher
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
@@ -89,9 +87,9 @@ def bare_code(fe_plan: FePlan) -> MachineCode:
     return count(_assembly(advance_bare, state.positions, state.velocities, 0, model, force, scratch))
 
 
-def _assembly(loop: Callable[..., Any], *arguments: Any) -> str:
+def _assembly(loop: Kernel, *arguments: Any) -> str:
     """Compiled afresh, for Numba shows no assembly of what it loaded from disk; done nothing with."""
-    fresh = numba.njit(nogil=True, fastmath=FAST_MATH, error_model="numpy")(loop.py_func)  # type: ignore[attr-defined]
+    fresh = make_dispatcher(loop)
     fresh(*arguments)
     (assembly,) = fresh.inspect_asm().values()
     return str(assembly)

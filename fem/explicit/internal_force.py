@@ -16,10 +16,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
-from numba.extending import overload
 
-from fem.compiled import compiled, inlined
+from fem.compiled import chosen, compiled, inlined
 from fem.constitutive.stress import stress
 from fem.discretisation.elements import ElementTable, Hourglass
 from fem.explicit.simd_blocks import (
@@ -134,8 +132,10 @@ def point_of(values: Any, block: int, point: int, rows: int) -> Any:
     raise NotImplementedError(type(values))
 
 
-@overload(point_of, inline="always")
+@chosen(point_of)
 def _point_of(values: Any, block: Any, point: Any, rows: Any) -> Any:
+    from numba import types
+
     if isinstance(values, types.BaseTuple):
 
         def numbers(values: Any, block: Any, point: Any, rows: Any) -> Any:
@@ -153,8 +153,10 @@ def at_slot(values: Any, row: int, slot: int) -> float:
     raise NotImplementedError(type(values))
 
 
-@overload(at_slot, inline="always")
+@chosen(at_slot)
 def _at_slot(values: Any, row: Any, slot: Any) -> Any:
+    from numba import types
+
     if isinstance(values, types.Float):
 
         def number(values: Any, row: Any, slot: Any) -> Any:

@@ -118,7 +118,7 @@ def next_checkpoint() -> Checkpoint:
 
 
 def _digest(definition: Mapping[str, Any]) -> str:
-    from fem.compiled import cache_folder
+    from fem.machine_code.folder import cache_folder
 
     programs = {name: version(name) for name in ("numpy", "numba", "scipy", "scikit-fem")}
     all_of_it = {**definition, **programs, "tailslap": tailslap.__version__, "fem": cache_folder().name}

@@ -16,16 +16,18 @@ import numpy as np
 import pytest
 
 from fem import compiled
-from fem.compiled import USUAL_S, compile_once, has_code, one_process_compiles
+from fem.compiled import compile_once
 from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import advance
+from fem.machine_code import folder
+from fem.machine_code.folder import USUAL_S, one_process_compiles
 
 pytestmark = pytest.mark.verification
 
 
 def test_who_comes_second_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The lock is held here, as another process would hold it."""
-    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path / "code")
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
     entered = threading.Event()
 
     def compile_there() -> None:
@@ -44,7 +46,7 @@ def test_who_comes_second_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_without_a_folder_each_compiles_for_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path / "file" / "code")
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "file" / "code")
     with one_process_compiles():
         assert not (tmp_path / "file").is_dir()
 
@@ -52,8 +54,9 @@ def test_without_a_folder_each_compiles_for_itself(tmp_path: Path, monkeypatch: 
 def test_code_is_known_by_the_types_of_its_arguments(outcome: Callable[..., Any]) -> None:
     """After a run its step has code; for arguments of other types there is none."""
     model = outcome("paper-table-3").fe_plan.model
-    assert has_code(*Stepper(model).step_call)
-    assert not has_code(advance, 1, 2.0, np.zeros(3))
+    kernel, *arguments = Stepper(model).step_call
+    assert kernel.has_code(*arguments)
+    assert not advance.has_code(1, 2.0, np.zeros(3))
 
 
 def double(value: float) -> float:
@@ -64,7 +67,7 @@ def double(value: float) -> float:
 def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path / "code")
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
     told: list[tuple[float, bool]] = []
 
     def use(value: float) -> None:

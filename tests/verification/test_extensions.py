@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from fem import COLUMNS, CONSTRAINTS, ELEMENT_KINDS, FRICTION_LAWS, LUMPINGS, MATERIALS, START_KINDS
-from fem.compiled import cache_folder
+from fem.machine_code.folder import cache_folder
 from fem.registry import Registry
 from fem.start.statics import statics
 from postprocess.report.report import write_report

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from fem import compiled
+from fem.compiled import compiled
+from fem.machine_code import folder, object_code
 from tailslap.results.result_folder import result_folder
 
 pytestmark = pytest.mark.verification
@@ -102,17 +103,16 @@ def doubled(value: float) -> float:
     return 2.0 * value
 
 
-def test_a_full_cache_disk_ends_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*given: object) -> None:
+def test_a_full_cache_disk_ends_no_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*given: object, **options: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
     tried = []
-    monkeypatch.setattr(
-        compiled._DispensableCache, "_save_overload", lambda *given: tried.append(1) or full()
-    )
-    monkeypatch.setattr(compiled, "_dispatchers", [])
-    assert compiled.compiled(doubled)(1.5) == 3.0
+    monkeypatch.setattr(object_code.os, "replace", lambda *given: tried.append(1) or full())
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path)
+    assert compiled(doubled)(1.5) == 3.0
     assert tried == [1]
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_that_is_gone_and_names_that_cannot_be(

@@ -1,0 +1,123 @@
+"""Verification: machine code kept on disk is called with the right arguments, without Numba."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from fem.compiled import compiled
+from fem.machine_code import folder
+from fem.machine_code.arguments import UnknownTypeError, flattened
+from fem.machine_code.kernel import Kernel
+
+pytestmark = pytest.mark.verification
+
+
+class Inner(NamedTuple):
+    """An array, and a part that a scene lacks."""
+
+    values: np.ndarray
+    absent: None
+
+
+class Outer(NamedTuple):
+    """As a loop's parameters are: tuples in tuples."""
+
+    inner: Inner
+    pair: tuple[float, int]
+    nothing: tuple[()]
+    some: bool
+
+
+class Sums(NamedTuple):
+    """What `add` returns."""
+
+    total: float
+    count: int
+    some: bool
+    inner: tuple[float, float]
+
+
+def add(outer, rows, whole, fixed, flags, factor):  # type: ignore[no-untyped-def]
+    """Uses every number that it is given, in a way that tells them apart, and memory of its own."""
+    own = np.zeros(3)
+    own[0] = outer.inner.values.sum() + 10.0 * outer.pair[0] + 100.0 * outer.pair[1]
+    if factor is not None:
+        own[1] = 7.0 * factor
+    for i in range(rows.shape[0]):
+        for j in range(rows.shape[1]):
+            own[2] += (1 + i + 5 * j) * rows[i, j]
+    some = outer.some and flags[0]
+    whole[0] += 1
+    return Sums(own.sum(), whole.size + fixed.size, some, (own[1], own[2]))
+
+
+def arguments(factor: float | None, step: int) -> tuple[Any, ...]:
+    rows = np.arange(24.0).reshape(4, 6)[:, ::step]
+    fixed = np.arange(3, dtype=np.uint8)
+    fixed.flags.writeable = False
+    outer = Outer(Inner(np.linspace(0.0, 1.0, 5), None), (0.5, -3), (), True)
+    return outer, rows, np.zeros(2, dtype=np.int32), fixed, np.array([step == 2]), factor
+
+
+@pytest.fixture
+def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Kernel:
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
+    return compiled(add)
+
+
+@pytest.mark.parametrize("factor", [None, 0.25])
+@pytest.mark.parametrize("step", [1, 2])
+def test_the_same_as_in_python(kernel: Kernel, factor: float | None, step: int) -> None:
+    """Exact: contiguous and strided arrays, several sizes of numbers, tuples in tuples, a tuple in a result."""
+    in_python, in_code = arguments(factor, step), arguments(factor, step)
+    found = kernel(*in_code)
+    assert found == add(*in_python)
+    assert [type(item) for item in found] == [float, int, bool, tuple]
+    assert type(found) is Sums
+    assert in_code[2].tolist() == [1, 0]
+    assert kernel.has_code(*in_code)
+
+
+def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel: Kernel, tmp_path: Path) -> None:
+    given = arguments(None, 1)
+    assert not kernel.is_on_disk(*given)
+    kernel(*given)
+    (path,) = tmp_path.glob("code/*.code")
+    kept = path.read_bytes()
+    for corrupted in (kept[:-100], b"{}\n", b"", kept.replace(b"q", b"d", 1)):
+        path.write_bytes(corrupted)
+        again = compiled(add)
+        assert again(*given) == kernel(*given)
+        assert len(path.read_bytes()) == len(kept)
+    loaded = compiled(add)
+    loaded.dispatcher = None  # Numba is not asked
+    assert loaded(*given) == kernel(*given)
+
+
+def test_other_types_are_refused() -> None:
+    for value in ("text", [1.0], np.zeros(2, dtype=complex), np.zeros(2, dtype=">f8"), 2**63, 1j):
+        with pytest.raises(UnknownTypeError):
+            flattened((value,))
+
+
+def test_a_second_run_does_without_numba(tmp_path: Path) -> None:
+    """Both ways of a whole run: sliding along the wall, and an impact from event to event."""
+    script = (
+        "import sys, tailslap\n"
+        "for scene in ('paper-table-3', 'impact-mash-tl4-sut'):\n"
+        "    assert tailslap.run(scene).passed\n"
+        "print('numba' in sys.modules)"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        for _ in range(2)
+    ]
+    assert said[1].stdout.split()[-1] == "False"
