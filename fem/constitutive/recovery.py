@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fem.compiled import compiled
+from fem.constitutive.strain import deformation_gradient, green_strain
 from fem.constitutive.stress import energy_density, stress
 
 
@@ -35,22 +36,12 @@ def element_stress(model: Any, positions: np.ndarray) -> np.ndarray:
 @compiled
 def recover(positions, table, material, found):
     """Add up the points of each element, weighted by volume, and divide by its volume."""
-    nodes, congruent = len(table.per_element), table.weights.shape[1] == 1
+    congruent = table.weights.shape[1] == 1
     for element in range(table.connectivity.shape[1]):
         column, volume = 0 if congruent else element, 0.0
         for point in range(table.weights.shape[0]):
-            f_11 = f_12 = f_21 = f_22 = 0.0
-            for a in range(nodes):
-                node = table.connectivity[a, element]
-                g_1 = table.gradients[(point * nodes + a) * 2, column]
-                g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
-                f_11 += positions[0, node] * g_1
-                f_12 += positions[0, node] * g_2
-                f_21 += positions[1, node] * g_1
-                f_22 += positions[1, node] * g_2
-            e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
-            e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
-            g_12 = f_11 * f_12 + f_21 * f_22
+            f_11, f_12, f_21, f_22 = deformation_gradient(positions, table, point, element)
+            e_11, e_22, g_12 = green_strain(f_11, f_12, f_21, f_22)
             s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
             weight = table.weights[point, column]
             volume += weight

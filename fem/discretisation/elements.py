@@ -25,6 +25,19 @@ UNIFORM_TOLERANCE = 1e-12
 """Relative spread of the gradients below which all elements count as congruent."""
 
 
+class Mapping(NamedTuple):
+    """How elements are mapped from the reference element: by their nodes.
+
+    gradients: of the shape functions on the reference element, of all nodes but the first, (a, direction) in a row, a
+    tuple a point; weights: quadrature weight times thickness [m], one a point, in a tuple each. reference: reference
+    positions of the nodes [m], shape (2, nodes).
+    """
+
+    gradients: tuple[tuple[float, ...], ...]
+    weights: tuple[float, ...]
+    reference: np.ndarray
+
+
 class ElementTable(NamedTuple):
     """What the internal forces need, as contiguous arrays.
 
@@ -33,12 +46,14 @@ class ElementTable(NamedTuple):
         (points x nodes per element x 2, elements), or one column if all elements are congruent.
     weights: quadrature weight times thickness [m^3], shape (points, elements) or (points, 1).
     per_element: a tuple as long as an element has nodes: its length is a constant to the compiler.
+    mapping: of elements with several points that are not congruent; the time loop uses it for the gradients.
     """
 
     connectivity: np.ndarray
     gradients: np.ndarray
     weights: np.ndarray
     per_element: tuple[int, ...]
+    mapping: Mapping | None = None
 
 
 class Hourglass(NamedTuple):
@@ -129,14 +144,25 @@ def _table(scalar: Any, thickness: float) -> ElementTable:
     points, nodes, _, elements = gradients.shape
     gradients = gradients.reshape(points * nodes * 2, elements)
     weights = scalar.dx.T * thickness
+    mapping = None
     if _congruent(gradients) and _congruent(weights):
         gradients, weights = gradients[:, :1], weights[:, :1]
+    elif points > 1:
+        mapping = _mapping(scalar, thickness)
     return ElementTable(
         np.ascontiguousarray(scalar.element_dofs, dtype=np.int32),
         np.ascontiguousarray(gradients),
         np.ascontiguousarray(weights),
         (0,) * nodes,
+        mapping,
     )
+
+
+def _mapping(scalar: Any, thickness: float) -> Mapping:
+    natural = np.array([scalar.elem.lbasis(scalar.X, a)[1] for a in range(1, scalar.Nbfun)])
+    gradients = natural.transpose(2, 0, 1).reshape(len(scalar.W), -1)
+    reference = np.ascontiguousarray(scalar.doflocs)
+    return Mapping(tuple(map(tuple, gradients.tolist())), tuple((scalar.W * thickness).tolist()), reference)
 
 
 def _congruent(rows: np.ndarray) -> bool:

@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from fem.compiled import compiled
+from fem.constitutive.strain import deformation_gradient, green_strain
 from fem.constitutive.stress import energy_density
 from fem.contact.corner import add_corner_reaction, constraint_energy, weighted
 from fem.explicit.columns import Measures
@@ -104,23 +105,13 @@ def motion(positions, velocities, force, loop, reference):
 
 @compiled
 def energy_of_strain(positions, table, material):
-    nodes, congruent = len(table.per_element), table.weights.shape[1] == 1
+    congruent = table.weights.shape[1] == 1
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
         column = 0 if congruent else element
         for point in range(table.weights.shape[0]):
-            f_11 = f_12 = f_21 = f_22 = 0.0
-            for a in range(nodes):
-                node = table.connectivity[a, element]
-                g_1 = table.gradients[(point * nodes + a) * 2, column]
-                g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
-                f_11 += positions[0, node] * g_1
-                f_12 += positions[0, node] * g_2
-                f_21 += positions[1, node] * g_1
-                f_22 += positions[1, node] * g_2
-            e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
-            e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
-            g_12 = f_11 * f_12 + f_21 * f_22
+            f_11, f_12, f_21, f_22 = deformation_gradient(positions, table, point, element)
+            e_11, e_22, g_12 = green_strain(f_11, f_12, f_21, f_22)
             energy += table.weights[point, column] * energy_density(material, e_11, e_22, g_12)
     return energy
 
@@ -130,18 +121,12 @@ def energy_of_hourglass(positions, table, hourglass):
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
         column = 0 if hourglass.vectors.shape[1] == 1 else element
-        place = 0 if table.gradients.shape[1] == 1 else element
-        f_11 = f_12 = f_21 = f_22 = q_1 = q_2 = 0.0
+        f_11, f_12, f_21, f_22 = deformation_gradient(positions, table, 0, element)
+        q_1 = q_2 = 0.0
         for a in range(len(table.per_element)):
             node = table.connectivity[a, element]
-            x, y = positions[0, node], positions[1, node]
-            g_1, g_2 = table.gradients[2 * a, place], table.gradients[2 * a + 1, place]
-            f_11 += x * g_1
-            f_12 += x * g_2
-            f_21 += y * g_1
-            f_22 += y * g_2
-            q_1 += hourglass.vectors[a, column] * x
-            q_2 += hourglass.vectors[a, column] * y
+            q_1 += hourglass.vectors[a, column] * positions[0, node]
+            q_2 += hourglass.vectors[a, column] * positions[1, node]
         p_1, p_2 = f_11 * q_1 + f_21 * q_2, f_12 * q_1 + f_22 * q_2
         k_11, k_22, k_12 = hourglass.stiffness[:, column]
         energy += 0.5 * (k_11 * p_1 * p_1 + k_22 * p_2 * p_2) + k_12 * p_1 * p_2

@@ -104,7 +104,9 @@ def advance_thread(
     blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
-    scratch = Scratch(rows[t], shared.gradients, shared.weights, shared.lattice, shared.hourglass)
+    scratch = Scratch(
+        rows[t], shared.gradients, shared.weights, shared.lattice, shared.hourglass, shared.reference
+    )
     for step in range(steps):
         forces[t] = 0.0
         powers[0, t] = subtract_forces_of(

@@ -48,6 +48,23 @@ def test_congruent_elements_share_one_column_and_distorted_ones_do_not(distorted
     assert discretise(distorted_mesh, THICKNESS).table.gradients.shape == (32, 32)
 
 
+@pytest.mark.parametrize("kind", ["quad4", "quad9", "tri6"])
+def test_mapped_elements_are_those_of_the_gradients(kind: str, distorted_mesh: Any) -> None:
+    """The same forces to rounding from the nodes of each element as from scikit-fem's gradients."""
+    triangles = distorted(plate_mesh(10.0, 2.438, (8, 4), "triangle"), 0.2, (8, 4))
+    made = discretise(triangles if kind == "tri6" else distorted_mesh, THICKNESS, kind)
+    assert made.table.mapping
+    rng = np.random.default_rng(3)
+    positions = made.positions + 1e-3 * rng.normal(size=made.positions.shape)
+    velocities = rng.normal(size=positions.shape)
+    stored = made.table._replace(mapping=None)
+    for damped in (None, viscosity(1e-4)):
+        forces, power = internal_forces(made.table, positions, velocities, damped)
+        expected, expected_power = internal_forces(stored, positions, velocities, damped)
+        assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
+        assert power == pytest.approx(expected_power, rel=1e-12)
+
+
 def test_rigid_motion_gives_no_force(discretisation: Any) -> None:
     """Zero to rounding: against E t, the force that a strain of one would give."""
     for angle, shift in ((0.0, 0.0), (0.26, 0.0), (2.0, 0.0), (-0.9, 10.0)):
