@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
+BYTECODE = Path(tempfile.gettempdir()) / f"tailslap-bytecode-{os.getuid()}"
 SWEEP = ("sweep", "paper-table-3", "--workers", "1")
 MODULI, FRICTIONS = "plate.youngs_modulus=log:1e11:4e11:40", "corner.friction=0.2:0.4:40"
 STEPS = """
@@ -72,10 +73,16 @@ def print_row(what: str, asked: str, measured: str) -> None:
     print(f"{what:<58}{asked:>8}  {measured}", flush=True)
 
 
+def _environment(checkout: Path) -> dict[str, str]:
+    """That of a user: with bytecode on disk, of this benchmark's own."""
+    without = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return without | {"PYTHONPATH": str(checkout), "PYTHONPYCACHEPREFIX": str(BYTECODE)}
+
+
 def process(checkout: Path, arguments: Sequence[str]) -> Spent:
     """Run a command of a checkout in an empty folder."""
     command = [sys.executable, "-m", "tailslap.command_line", *arguments]
-    environment = os.environ | {"PYTHONPATH": str(checkout), "OPENBLAS_NUM_THREADS": "1"}
+    environment = _environment(checkout) | {"OPENBLAS_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
         child = subprocess.Popen(
@@ -100,10 +107,10 @@ def row_of_a_sweep(checkout: Path, varied: str) -> Spent:
             "--out",
             folder + "/s",
         ]
-        environment = os.environ | {"PYTHONPATH": str(checkout)}
-        subprocess.run(command, env=environment, cwd=folder, check=True, capture_output=True)
+        subprocess.run(command, env=_environment(checkout), cwd=folder, check=True, capture_output=True)
         effort = json.loads(Path(folder, "s", "summary.json").read_text())["effort"]
-    return Spent(effort["runs_s"] / effort["runs"], float("nan"))
+    whole = effort["wall_s"] * effort["threads"] / effort["runs"]
+    return Spent(whole - effort["overhead_a_run_s"], float("nan"))
 
 
 def compared(what: str, asked: str, measure: Callable[[Path], Spent], other: Path, rounds: int) -> None:
@@ -124,7 +131,7 @@ def compared(what: str, asked: str, measure: Callable[[Path], Spent], other: Pat
 def threads(what: str, asked: str, counts: tuple[int, int], steps: int, busy: int, rounds: int) -> None:
     """A row of the table: speed of two threads over that of one."""
     command = [sys.executable, "-c", STEPS, *map(str, (*counts, steps, rounds))]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = _environment(ROOT)
     with ExitStack() as stack:
         for _ in range(busy):
             stack.callback(subprocess.Popen([sys.executable, "-c", "while True: pass"]).kill)
@@ -135,7 +142,7 @@ def threads(what: str, asked: str, counts: tuple[int, int], steps: int, busy: in
 
 def million() -> None:
     """A row of the table: a million elements."""
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = _environment(ROOT)
     done = subprocess.run(
         [sys.executable, "-c", READY], env=environment, check=True, capture_output=True, text=True
     )
