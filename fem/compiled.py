@@ -37,15 +37,16 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def compile_once(compile_all: Callable[[], None], kernel: Kernel, *arguments: Any, told: Told) -> None:
-    """Compile, or load from disk, what a run needs: one process of the machine at a time.
+    """Compile, or load from disk, what a run needs: of each kind of model, one process of the machine at a time.
 
     kernel, arguments: by whose machine code it is known whether that was done before. told: if it has to be compiled,
     told about how long that takes [s], and when it is done, how long it took.
     """
     if kernel.has_code(*arguments):
         return compile_all()
-    with one_process_compiles():
-        if kernel.is_on_disk(*arguments):
+    code = kernel.path(*arguments)
+    with one_process_compiles(code):
+        if code.exists():
             return compile_all()
         told(expected_time(), False)
         began = time.perf_counter()

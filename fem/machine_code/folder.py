@@ -60,14 +60,14 @@ def keep_time(seconds: float) -> None:
 
 
 @contextmanager
-def one_process_compiles() -> Iterator[None]:
-    """Make other processes wait that are here as well: they then load what this one has compiled.
+def one_process_compiles(code: Path) -> Iterator[None]:
+    """Make other processes wait that are here for the same code: they then load what this one has compiled.
 
     Where the folder of the compiled code cannot be written, each compiles for itself.
     """
     try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
-        lock = open(cache_folder() / "lock", "a")  # noqa: SIM115
+        code.parent.mkdir(parents=True, exist_ok=True)
+        lock = open(code.with_suffix(".lock"), "a")  # noqa: SIM115
     except OSError:
         yield
         return

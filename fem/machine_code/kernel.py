@@ -40,9 +40,9 @@ class Kernel(Function):
         """Whether this process has machine code for arguments of these types."""
         return flattened(arguments)[0] in self._found
 
-    def is_on_disk(self, *arguments: Any) -> bool:
-        """Whether machine code for arguments of these types is kept on disk."""
-        return self._path(flattened(arguments)[0]).exists()
+    def path(self, *arguments: Any) -> Path:
+        """The file of the machine code for arguments of these types."""
+        return self._path(flattened(arguments)[0])
 
     @functools.cached_property
     def dispatcher(self) -> Any:

@@ -25,29 +25,33 @@ from fem.machine_code.folder import USUAL_S, one_process_compiles
 pytestmark = pytest.mark.verification
 
 
-def test_who_comes_second_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path: Path) -> None:
     """The lock is held here, as another process would hold it."""
-    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
-    entered = threading.Event()
+    code, entered = tmp_path / "code" / "kind.code", threading.Event()
 
-    def compile_there() -> None:
-        with one_process_compiles():
-            entered.set()
+    def compile_there(path: Path, told: threading.Event) -> threading.Thread:
+        def compile_it() -> None:
+            with one_process_compiles(path):
+                told.set()
 
-    with one_process_compiles():
-        other = threading.Thread(target=compile_there)
-        other.start()
+        thread = threading.Thread(target=compile_it)
+        thread.start()
+        return thread
+
+    with one_process_compiles(code):
+        other, third = compile_there(code, entered), threading.Event()
         assert not entered.wait(0.2)
+        compile_there(code.with_name("other.code"), third).join(60.0)
+        assert third.is_set()
     assert entered.wait(60.0)
     other.join()
-    with open(tmp_path / "code" / "lock") as file:  # it is free again
+    with open(tmp_path / "code" / "kind.lock") as file:  # it is free again
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def test_without_a_folder_each_compiles_for_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_folder_each_compiles_for_itself(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "file" / "code")
-    with one_process_compiles():
+    with one_process_compiles(tmp_path / "file" / "code" / "kind.code"):
         assert not (tmp_path / "file").is_dir()
 
 
