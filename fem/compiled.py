@@ -17,7 +17,12 @@ from fem.registry import LawRegistry
 FAST_MATH = {"contract", "nsz", "reassoc"}
 """Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
 
-OPTIONS: dict[str, Any] = {"fastmath": FAST_MATH, "error_model": "numpy"}
+OPTIONS: dict[str, Any] = {
+    "fastmath": FAST_MATH,
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,  # the code is called by ctypes
+    "no_cfunc_wrapper": True,
+}
 
 Told = Callable[[float, bool], None]
 """Told seconds, and whether they are over."""

@@ -19,7 +19,7 @@ from fem.contact.wall_contact import (
     stored_energy,
 )
 from fem.discretisation.elements import ElementTable
-from fem.explicit.elastic_damping import SUMS, damp
+from fem.explicit.elastic_damping import damp
 from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain, motion
 from fem.explicit.time_loop import advance, follow, react
@@ -168,7 +168,7 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
         positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
     )
     damping_power = damp(
-        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, np.empty(SUMS), force
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
     )
     contact, kept, wall, moving = loop.contact, state.contact, loop.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from fem.compiled import compiled
 from fem.constitutive.strain import deformation_gradient, green_strain
 from fem.constitutive.stress import energy_density
 from fem.contact.corner import add_corner_reaction, constraint_energy, weighted
 from fem.explicit.columns import Measures
-from fem.explicit.elastic_damping import SUMS, damp
+from fem.explicit.elastic_damping import damp
 from fem.explicit.internal_force import subtract_internal_forces
 
 
@@ -34,7 +32,7 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
         positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
     )
     damping_power = damp(
-        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, np.empty(SUMS), force
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
     )
     normal, tangential, slip, later_slip, _ = add_corner_reaction(
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force

@@ -71,7 +71,7 @@ class Team:
         self._scratch, self._rows = scratch, aligned(threads * scratch.rows.size).reshape(threads, -1)
         self._forces = np.zeros((threads, 2, loop.mass.size))
         self._powers = np.zeros((2, threads))
-        self._motions, self._shift = np.zeros((threads, SUMS)), np.zeros(1)
+        self._motions, self._shift = np.zeros((2, threads, SUMS)), np.zeros(1)
 
     def advance(self, state: State, steps: int) -> None:
         """Advance the state in place by this many steps."""
@@ -104,8 +104,15 @@ def advance_thread(
     blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
+    motion = motions[1, t]
     scratch = Scratch(
-        rows[t], shared.gradients, shared.weights, shared.lattice, shared.hourglass, shared.reference
+        rows[t],
+        shared.gradients,
+        shared.weights,
+        shared.lattice,
+        motion,
+        shared.hourglass,
+        shared.reference,
     )
     for step in range(steps):
         forces[t] = 0.0
@@ -121,10 +128,10 @@ def advance_thread(
             loop.material,
             scratch,
         )
-        add_up(loop.elastic_damping, positions, velocities, loop.mass, begin, end, motions[t])
+        add_up(loop.elastic_damping, positions, velocities, loop.mass, begin, end, motions[0, t])
         _meet(meeting, threads, 3 * step + 1)
         _sum_forces(forces, begin, end)
-        motion = motions.sum(axis=0)
+        _add_up_threads(motions[0], motion)
         powers[0, t] -= resist(
             loop.elastic_damping,
             motion,
@@ -158,6 +165,14 @@ def _sum_forces(forces, begin, end):
             total, part = forces[0, i, begin:end], forces[t, i, begin:end]
             for node in range(total.size):
                 total[node] += part[node]
+
+
+@compiled
+def _add_up_threads(parts, total):
+    total[:] = 0.0
+    for part in range(parts.shape[0]):
+        for k in range(total.size):
+            total[k] += parts[part, k]
 
 
 @compiled

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from fem.compiled import compiled
 from fem.contact.corner import add_corner_reaction
-from fem.explicit.elastic_damping import SUMS, damp
+from fem.explicit.elastic_damping import damp
 from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.measures import measure
 from fem.explicit.time_loop import advance
@@ -22,10 +20,7 @@ def advance_and_measure(state, before, stride, loop, viscosity, hourglass, refer
     state of the row before it. Returns how many rows were written. Others arguments: as `measure`.
     """
     for row in range(rows.shape[0]):
-        before.positions[:] = state.positions
-        before.velocities[:] = state.velocities
-        before.sums[:] = state.sums
-        before.origin[:] = state.origin
+        _copy_state(state, before)
         advance(state, stride, loop, viscosity, hourglass, force, scratch)
         measures = measure(state, loop, viscosity, hourglass, reference, force, scratch)
         finite = True
@@ -38,6 +33,17 @@ def advance_and_measure(state, before, stride, loop, viscosity, hourglass, refer
 
 
 @compiled
+def _copy_state(state, other):
+    for i in range(2):
+        for node in range(state.positions.shape[1]):
+            other.positions[i, node] = state.positions[i, node]
+            other.velocities[i, node] = state.velocities[i, node]
+    for k in range(state.sums.size):
+        other.sums[k] = state.sums[k]
+    other.origin[0] = state.origin[0]
+
+
+@compiled
 def all_forces(positions, velocities, loop, viscosity, hourglass, force, scratch):
     """Put all forces [N] into `force`; returns the normal and the tangential reaction [N], and the power [W] of the
     elastic damping with the velocities half a step back."""
@@ -45,8 +51,9 @@ def all_forces(positions, velocities, loop, viscosity, hourglass, force, scratch
     subtract_internal_forces(
         positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
     )
-    motion = np.zeros(SUMS)
-    damping = damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
+    damping = damp(
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
+    )
     normal, tangential, _, _, _ = add_corner_reaction(
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
     )

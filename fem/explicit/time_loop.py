@@ -13,7 +13,7 @@ import numpy as np
 from fem.compiled import compiled, implements
 from fem.contact.corner import Corner, add_corner_reaction
 from fem.discretisation.elements import ElementTable
-from fem.explicit.elastic_damping import SUMS, damp, gained
+from fem.explicit.elastic_damping import damp, gained
 from fem.explicit.internal_force import subtract_forces_of
 from fem.explicit.simd_blocks import slot_count
 
@@ -81,7 +81,7 @@ def advance(state, steps, loop, viscosity, hourglass, force, scratch):
     """
     positions, velocities = state.positions, state.velocities
     slots, nodes = slot_count(loop.table.connectivity, scratch.lattice), loop.mass.size
-    motion = np.zeros(SUMS)
+    motion = scratch.motion
     for _ in range(steps):
         force[:] = 0.0
         power = subtract_forces_of(

@@ -60,7 +60,7 @@ def _add(value: Any, kinds: list[Any], values: list[Any]) -> None:
 
 def _add_array(array: np.ndarray, kinds: list[Any], values: list[Any]) -> None:
     flags, dtype = array.flags, array.dtype
-    if dtype.kind not in "fiub" or not dtype.isnative or not flags.aligned:
+    if dtype.kind not in "fciub" or not dtype.isnative or not flags.aligned:
         raise UnknownTypeError(dtype)
     layout = "C" if flags.c_contiguous else "F" if flags.f_contiguous else "A"
     kinds.append((dtype.char, array.ndim, layout, flags.writeable))

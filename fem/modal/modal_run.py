@@ -64,7 +64,7 @@ def integrate(
     table = np.empty((int(OVERTIME * steps) + 2, 1 + 2 * start[0].size))
     table[0] = np.concatenate([[0.0], *start])
     began = time.perf_counter()
-    end, rows, iterations = run_to_strike(duration / steps, modal.model, table)
+    end, rows, iterations = run_to_strike(duration / steps, modal.model, table, *_workspace(table))
     elapsed = time.perf_counter() - began
     measured = np.empty((rows, len(MEASURED)))
     measure_rows(table[:rows], modal.model, measured)
@@ -76,7 +76,12 @@ def integrate(
 def _compile(modal: ModalPlate, start: tuple[np.ndarray, np.ndarray]) -> None:
     """Compile what a run needs, or load it from disk: a table of one row has no step."""
     table = np.concatenate([[0.0], *start])[None]
-    run_to_strike(1.0, modal.model, table)
+    run_to_strike(1.0, modal.model, table, *_workspace(table))
+
+
+def _workspace(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    size = table.shape[1] // 2
+    return np.empty((14, size)), np.empty(size, dtype=complex)
 
 
 def _split(plate: PlateModel, modal: ModalPlate, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -132,23 +132,37 @@ def gauss_step(place, speed, stages, step, model, workspace, vector):
 
 
 @compiled
-def run_to_strike(step, model, table):
+def _copy(source, target):
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@compiled
+def _read_row(row, place, speed):
+    for i in range(place.size):
+        place[i], speed[i] = row[1 + i], row[1 + place.size + i]
+
+
+@compiled
+def run_to_strike(step, model, table, workspace, vector):
     """Fill `table`, shape (rows, 1 + 2 (3 + modes)), with time, place and speed at each step, up to angle zero.
 
-    Its first row is the start. The last step is as long as it takes to end at angle zero. Returns how the run ended,
-    the number of rows filled, and the iterations of all steps.
+    workspace: shape (14, 3 + modes); vector: complex, shape (3 + modes,). The table's first row is the start. The last
+    step is as long as it takes to end at angle zero. Returns how the run ended, the number of rows filled, and the
+    iterations of all steps.
     """
     size = table.shape[1] // 2
-    workspace, vector = np.empty((8, size)), np.empty(size, dtype=np.complex128)
-    stages, guess = np.empty((2, size)), np.empty((2, size))
-    place, speed = table[0, 1 : 1 + size].copy(), table[0, 1 + size :].copy()
+    stages, guess, place, speed = workspace[8:10], workspace[10:12], workspace[12], workspace[13]
+    _read_row(table[0], place, speed)
     accelerate(place, speed, model, workspace[3:, 3:], stages[0])
-    guess[:] = stages[0]
+    _copy(stages[0], guess[0])
+    _copy(stages[0], guess[1])
     iterations = 0
     for row in range(1, table.shape[0]):
         length = step
         for _ in range(MAX_ITERATIONS):
-            stages[:] = guess
+            _copy(guess[0], stages[0])
+            _copy(guess[1], stages[1])
             taken = gauss_step(place, speed, stages, length, model, workspace, vector)
             iterations += taken
             if not taken:
@@ -159,12 +173,10 @@ def run_to_strike(step, model, table):
             if abs(miss) <= 1e-14 * step:
                 break
             length -= miss
-            place[:], speed[:] = table[row - 1, 1 : 1 + size], table[row - 1, 1 + size :]
-        table[row, 0], table[row, 1 : 1 + size], table[row, 1 + size :] = (
-            table[row - 1, 0] + length,
-            place,
-            speed,
-        )
+            _read_row(table[row - 1], place, speed)
+        table[row, 0] = table[row - 1, 0] + length
+        for i in range(size):
+            table[row, 1 + i], table[row, 1 + size + i] = place[i], speed[i]
         if not speed[0] > 0.0:
             return STOPPED, row + 1, iterations
         if length != step:
