@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/pictures.py results/paper-table-3-cost results/paper-table-3-stability
 
-A folder with points.csv makes docs/cost.svg, one with cells.csv docs/stability.png; --out DIR writes elsewhere.
+A folder with points.csv makes docs/cost.svg, one with cells.csv docs/stability.svg; --out DIR writes elsewhere.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ import re
 from pathlib import Path
 from typing import Any
 
-from postprocess.figures.map_plots import MapAxis, draw_cells, write_meanings
+from postprocess.figures.map_plots import MapAxis, draw_map, draw_meanings
 from postprocess.figures.precision_plots import draw_precision
-from postprocess.figures.style import style
 from postprocess.figures.svg.chart import Chart
 from tailslap.scene.files import read_scene
 from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
@@ -26,8 +25,6 @@ from tailslap.studies.stability.against_rigid import KINDS
 from tailslap.studies.stability.axes import stability_axes
 
 DOCS = Path(__file__).parents[1] / "docs"
-DPI = 150
-ACROSS = 4
 SHOWN = (
     *(("stiffness", name) for name in ("penalty", "friction", "speed", "angle", "slenderness", "damping")),
     *(("penalty", "speed"), ("friction", "damping")),
@@ -51,7 +48,7 @@ def draw_cost(folder: Path, target: Path) -> None:
 def side_by_side(charts: list[Chart], across: int = 3) -> str:
     """Charts in rows, as one SVG."""
     heights = [float(re.findall(r'height="(\d+)"', chart.svg)[0]) for chart in charts]
-    tall, wide = max(heights) + 16.0, charts[0].width + 20.0
+    tall, wide = max(heights) + 16.0, max(chart.width for chart in charts) + 20.0
     placed = [
         chart.svg.replace("<svg ", f'<svg x="{number % across * wide}" y="{number // across * tall}" ', 1)
         for number, chart in enumerate(charts)
@@ -63,22 +60,10 @@ def side_by_side(charts: list[Chart], across: int = 3) -> str:
 
 
 def draw_stability(folder: Path, target: Path) -> None:
-    """Some of the maps, those that the folder has, and below them what the colours mean."""
-    from matplotlib.figure import Figure
-
+    """Some of the maps, those that the folder has, and before them what the colours mean."""
     maps = read_maps(folder / "cells.csv")
-    shown = [pair for pair in SHOWN if pair in maps]
-    rows = -(-len(shown) // ACROSS)
-    height = 2.35 * rows + 0.8
-    with style():
-        figure = Figure(figsize=(2.55 * ACROSS, height), dpi=DPI)
-        for number, pair in enumerate(shown):
-            x, y = number % ACROSS / ACROSS, 1.0 - 2.35 * (number // ACROSS + 1) / height
-            place = (x + 0.25 / ACROSS, y + 0.2 * 2.35 / height, 0.7 / ACROSS, 0.76 * 2.35 / height)
-            draw_cells(figure.add_axes(place), *maps[pair])
-        legend = figure.add_axes((0.03, 0.05 / height, 0.95, 0.7 / height))
-        write_meanings(legend, KINDS, fontsize=8.5, columns=3)
-        figure.savefig(target)
+    charts = [draw_map("-".join(pair), *maps[pair], "") for pair in SHOWN if pair in maps]
+    target.write_text(side_by_side([*charts, draw_meanings(KINDS, "")]), encoding="utf-8")
 
 
 def read_maps(path: Path) -> dict[tuple[str, str], tuple[MapAxis, MapAxis, list[list[str]]]]:
@@ -115,7 +100,7 @@ def _point(row: dict[str, Any]) -> Point:
     return Point(setting, *(float(row[name]) for name in names), int(row["steps"]), failed, row["refused"])
 
 
-PICTURES = (("points.csv", "cost.svg", draw_cost), ("cells.csv", "stability.png", draw_stability))
+PICTURES = (("points.csv", "cost.svg", draw_cost), ("cells.csv", "stability.svg", draw_stability))
 
 
 def main() -> None:

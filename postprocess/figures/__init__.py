@@ -1,1 +1,1 @@
-"""Figures as SVG inside pages, written directly (`svg`) or by matplotlib, or as PNG files."""
+"""Figures of pages as SVG text, written directly (`svg`); plots, animations and pictures by matplotlib."""

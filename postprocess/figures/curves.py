@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures.panels import COMPARED, LEDGER, Panel
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Line
 from postprocess.figures.svg.scale import SUPERSCRIPTS
 
@@ -23,7 +22,7 @@ COLOURS = ("fe", "red", "green", "violet")
 TIME = Axis("t [s]", margin=0.0)
 
 
-def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[Curve, ...]:
+def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[Chart, ...]:
     """The plots of all known columns that the FE history has: motion first, then reaction, then energy.
 
     fe, rigid: column name -> values of shape (n,), SI, each with its instants "t" [s]; the rigid ones are
@@ -61,7 +60,7 @@ def unit_with_power(unit: str, power: int) -> str:
     return f"10{str(power).translate(SUPERSCRIPTS)} {unit}" if power else unit
 
 
-def _draw_compared(panel: Panel, fe: History, rigid: History) -> Curve:
+def _draw_compared(panel: Panel, fe: History, rigid: History) -> Chart:
     t, values = fe["t"], fe[panel.name]
     with np.errstate(all="ignore"):
         exact = np.interp(t, rigid["t"], rigid[panel.name])
@@ -79,7 +78,7 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> Curve:
     return draw_chart(panel.name, panel.caption, plots, TIME, panel.group)
 
 
-def _draw_ledger(panel: Panel, fe: History) -> Curve:
+def _draw_ledger(panel: Panel, fe: History) -> Chart:
     found = [(fe[name], label) for name, label in panel.columns if name in fe]
     histories = [values - values[0] if panel.from_start else values for values, _ in found]
     power = power_of_ten(np.concatenate(histories))

@@ -1,32 +1,29 @@
-"""Sweeps from stiff to soft as SVG text: sizes over the first frequency, logarithmic, stiff plates on the left."""
+"""Sweeps from stiff to soft: sizes over the first frequency, logarithmic, stiff plates on the left."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.figures.style import Curve, drawn, style
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.drawing import Floats
+from postprocess.figures.svg.marks import Level, Line, Mark, Span, key
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-SIZE, PLACE = (7.4, 4.6), (0.1, 0.115, 0.62, 0.86)
-SMALL_SIZE, SMALL_PLACE = (4.6, 3.5), (0.16, 0.15, 0.81, 0.82)
 LINE, RINGS, DOTS = "line", "rings", "dots"
-COLOURS = ("#14467c", "#dd8a1d", "#2a9d63", "#e2574c", "#8d6bb5", "#5b6570")
-MARKS = "os^Dvp"
-FAILED, TEXT = "#c4161c", "#30363d"
+COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
 X_LABEL = "first frequency of the plate [Hz], rigid to soft"
+WIDTH = 480.0
 
 
 @dataclass(frozen=True)
 class SweepLine:
     """A quantity's size at each frequency, and its error, drawn thin and dashed, where it has one.
 
-    NaN is not drawn. form: LINE with marks; RINGS around the marks of another line; DOTS for what is no measurement.
-    passed: which of its runs did, where that is not what the axis says.
+    NaN is not drawn. form: LINE with marks; RINGS around the marks of a line that follows; DOTS for what is no
+    measurement. passed: which of its runs did, where that is not what the axis says.
     """
 
     label: str
@@ -47,71 +44,53 @@ class SweepAxis:
 
 def draw_sweep(
     name: str, axis: SweepAxis, lines: Sequence[SweepLine], label: str, caption: str, levels: Sequence[float]
-) -> Curve:
-    """The lines; crosses where a run failed its checks; levels: sizes that are marked, in per cent.
-
-    One line alone makes a small figure, with its legend inside.
-    """
-    from matplotlib.figure import Figure
-
-    small = len(lines) == 1
-    with style():
-        figure = Figure(figsize=SMALL_SIZE if small else SIZE)
-        axes = figure.add_axes(SMALL_PLACE if small else PLACE)
-        axes.set(xscale="log", yscale="log", xlabel=X_LABEL, ylabel=label)
-        for line, colour, mark in zip(lines, cycle(COLOURS), cycle(MARKS), strict=False):
-            _draw(axes, axis, line, colour, mark)
-        _explain(axes, axis, any(line.errors for line in lines))
-        place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.06, 0.5)}
-        axes.legend(**({"loc": "upper left"} if small else place), fontsize=8, frameon=small)
-        axes.set_xlim(axis.frequencies[0] * 1.15, axis.frequencies[-1] / 1.15)
-        axes.xaxis.set_major_formatter("{x:g}")
-        _mark(axes, axis, levels)
-        return drawn(figure, name, caption, "Sweeps")
+) -> Chart:
+    """The lines, in per cent; red where a run failed its checks, plates that failed shaded; levels: sizes that are
+    marked."""
+    marks = _backdrop(axis, levels)
+    for line, colour in zip(lines, cycle(COLOURS), strict=False):
+        marks += _line(axis, line, colour)
+    marks += [key("numerical error", "soft", 0.7, "4 2")] if any(line.errors for line in lines) else []
+    x = Axis(X_LABEL, axis.frequencies[0] * 1.15, axis.frequencies[-1] / 1.15, is_log=True)
+    plot = Plot(tuple(marks), Axis(f"{label} [%]", is_log=True), 260.0)
+    return draw_chart(name, caption, (plot,), x, "Sweeps", WIDTH)
 
 
-def _draw(axes: "Axes", axis: SweepAxis, line: SweepLine, colour: str, mark: str) -> None:
-    x, values, passed = axis.frequencies, _drawable(line.values), np.array(line.passed or axis.passed)
+def _line(axis: SweepAxis, line: SweepLine, colour: str) -> list[Mark]:
+    x, values, passed = (
+        np.array(axis.frequencies),
+        _drawable(line.values),
+        np.array(line.passed or axis.passed),
+    )
     if line.form == DOTS:
-        axes.plot(x, values, color=colour, linewidth=1.2, linestyle=":", label=line.label)
-        return
-    form: dict[str, Any] = {"marker": mark, "markersize": 4, "linewidth": 1.3}
+        return [Line(line.label, x, values, colour, 1.2, "1 3")]
     if line.form == RINGS:
-        form = {"marker": "o", "markersize": 9, "linewidth": 0, "markerfacecolor": "none"}
+        return [Line(line.label, x, values, colour, 0.0, dots=5.0)]
     good, bad = np.where(passed, values, np.nan), np.where(passed, np.nan, values)
-    axes.plot(x, good, color=colour, label=line.label, zorder=3, **form)
-    axes.plot(x, bad, color=colour, marker="x", markersize=6, linestyle="none", zorder=3)
+    marks: list[Mark] = [Line(line.label, x, good, colour, 1.3, dots=2.4)]
+    marks += [Line("failed a check", x, bad, "red", 0.0, dots=2.4)] if np.isfinite(bad).any() else []
     if line.errors:
         errors = np.where(passed, _drawable(line.errors), np.nan)
-        axes.plot(x, errors, color=colour, linewidth=0.7, linestyle="--", alpha=0.8)
+        marks.append(Line("", x, errors, colour, 0.7, "4 2"))
+    return marks
 
 
-def _drawable(values: Sequence[float]) -> np.ndarray:
-    """The values that a logarithmic axis can show, NaN for the others."""
-    found = np.array(values, dtype=float)
+def _drawable(values: Sequence[float]) -> Floats:
+    """The values that a logarithmic axis can show, in per cent, NaN for the others."""
+    found = 100.0 * np.array(values, dtype=float)
     return np.where(np.isfinite(found) & (found > 0.0), found, np.nan)
 
 
-def _explain(axes: "Axes", axis: SweepAxis, errors: bool) -> None:
-    """Entries of the legend that are no line's own."""
-    if errors:
-        axes.plot([], [], color=TEXT, linewidth=0.7, linestyle="--", label="numerical error")
-    if not all(axis.passed):
-        axes.plot([], [], color=FAILED, linewidth=6, alpha=0.15, label="failed a check")
+def _backdrop(axis: SweepAxis, levels: Sequence[float]) -> list[Mark]:
+    """Failed frequencies shaded half-way to their neighbours, levels, and the scene's own frequency."""
+    frequencies = np.array(axis.frequencies)
+    half = np.sqrt(frequencies[0] / frequencies[1])
+    failed = frequencies[~np.array(axis.passed)]
+    marks: list[Mark] = [
+        Span("" if number else "failed", frequency * half, frequency / half, "red")
+        for number, frequency in enumerate(failed)
+    ]
+    marks += [Level("", 100.0 * level, "grey") for level in levels]
     if axis.frequencies[-1] <= axis.own <= axis.frequencies[0]:
-        axes.axvline(axis.own, color=TEXT, linewidth=1.0, linestyle=(0, (1, 2)), label="the scene's plate")
-
-
-def _mark(axes: "Axes", axis: SweepAxis, levels: Sequence[float]) -> None:
-    """Failed frequencies shaded half-way to their neighbours; levels as lines with their per cent."""
-    logs = np.log(np.array(axis.frequencies))
-    half = 0.5 * abs(logs[1] - logs[0])
-    for place, passed in zip(logs, axis.passed, strict=True):
-        if not passed:
-            ends = np.exp([place - half, place + half])
-            axes.axvspan(*ends, color=FAILED, alpha=0.1, linewidth=0, zorder=0)
-    right: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-    for level in levels:
-        axes.axhline(level, color="#8a929b", linewidth=0.8, zorder=1)
-        text = f"{100.0 * level:g} %"
-        axes.annotate(text, (1.0, level), (3, 0), va="center", fontsize=7, color="#5b6570", **right)
+        marks.append(Span("the scene's plate", axis.own, axis.own, "ink"))
+    return marks

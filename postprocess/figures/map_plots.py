@@ -1,26 +1,28 @@
-"""Maps of verdicts over pairs of axes, as SVG text: one small picture a pair, a colour a verdict."""
+"""Maps of verdicts over pairs of axes: one small chart a pair, a colour a verdict."""
+
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.figures.map_ticks import places, round_ticks, tick_texts
-from postprocess.figures.style import Curve, drawn, style
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.figures.svg.drawing import Floats
+from postprocess.figures.svg.marks import Boxes, Swatch
+from postprocess.figures.svg.scale import Scale, power_text, tick_texts
+from postprocess.figures.svg.shades import cells_about
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-SIZE, PLACE = (2.55, 2.35), (0.25, 0.2, 0.72, 0.77)
 COLOURS: Mapping[str, str] = {
-    "right": "#3f9c63",
-    "flexible": "#4f86c6",
-    "refused": "#c9ced4",
-    "caught": "#e9a23b",
-    "wrong": "#c4161c",
+    "right": "green",
+    "flexible": "steel",
+    "refused": "grid",
+    "caught": "rigid",
+    "wrong": "red",
 }
 """Colours of the verdicts; all else is an error."""
+
+WIDTH, HEIGHT, LEGEND, TICKS = 260.0, 190.0, 320.0, 5
 
 
 @dataclass(frozen=True)
@@ -30,62 +32,49 @@ class MapAxis:
     label: str
     values: Sequence[float]
 
+    @property
+    def is_even(self) -> bool:
+        """Whether the values have even steps; two values have, unless a decade or more lies between them."""
+        steps = np.diff(self.values)
+        if len(self.values) == 2:
+            return bool(self.values[0] == 0.0 or self.values[1] < 10.0 * self.values[0])
+        return bool(np.ptp(steps) < 1e-6 * abs(steps[0]))
+
+    @property
+    def places(self) -> Floats:
+        """The values on the axis' own scale; on one of ratios 0 lies one of them below the next value."""
+        places = np.array(self.values, float)
+        if not self.is_even and places[0] == 0.0:
+            places[0] = places[1] ** 2 / places[2]
+        return places
+
+    @property
+    def axis(self) -> Axis:
+        """Its axis, with ticks at round values."""
+        cells = cells_about(self.places, not self.is_even)
+        low, high = float(cells.min()), float(cells.max())
+        ticks = Scale(low, high, is_log=not self.is_even).ticks(TICKS)
+        named = list(zip(ticks, tick_texts(ticks, not self.is_even), strict=True))
+        if self.places[0] != self.values[0]:
+            first = float(self.places[0])
+            named = [(first, "0"), *(each for each in named if each[0] > 2.0 * first)]
+        return Axis(self.label, low, high, not self.is_even, named=tuple(named))
+
 
 def draw_map(
     name: str, across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]], caption: str
-) -> Curve:
-    """Cells of equal size, verdicts[row][column]: rows go up, columns across; ticks at round values."""
-    from matplotlib.figure import Figure
-
-    with style():
-        figure = Figure(figsize=SIZE)
-        draw_cells(figure.add_axes(PLACE), across, up, verdicts)
-        return drawn(figure, name, caption, "Maps")
-
-
-def draw_cells(axes: "Axes", across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]]) -> None:
-    """The map in these axes."""
-    from matplotlib.colors import ListedColormap
-
-    kinds = list(COLOURS)
-    table = np.array([[kinds.index(kind) for kind in row] for row in verdicts])
-    colours = ListedColormap(list(COLOURS.values()))
-    axes.pcolormesh(table, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5, edgecolors="white", linewidth=0.4)
-    for axis, set_ticks in ((across, axes.set_xticks), (up, axes.set_yticks)):
-        ticks = round_ticks(axis.values)
-        set_ticks(places(ticks, axis.values), tick_texts(ticks))
-    axes.tick_params(length=2.5, labelsize=7)
-    axes.set_xlabel(across.label, fontsize=8)
-    axes.set_ylabel(up.label, fontsize=8)
-    axes.grid(visible=False)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
+) -> Chart:
+    """Cells of equal size, verdicts[row][column]: rows go up, columns across; pages show the values of each."""
+    x, y = (places.ravel() for places in np.meshgrid(across.places, up.places))
+    kinds = [kind for row in verdicts for kind in row]
+    at = [f"{power_text(a)}; {power_text(b)}" for b in up.values for a in across.values]
+    ends = cells_about(x, not across.is_even), cells_about(y, not up.is_even)
+    cells = Boxes("verdict", *ends, [COLOURS[kind] for kind in kinds], kinds, at)
+    plot = Plot((cells,), up.axis, HEIGHT, nearest="xy", has_grid=False)
+    return draw_chart(name, caption, (plot,), across.axis, "Maps", WIDTH)
 
 
-def draw_legend(meanings: Mapping[str, str], caption: str) -> Curve:
-    """A small figure with the meaning of every colour, the same for all maps."""
-    from matplotlib.figure import Figure
-
-    name = "map-legend"
-    with style():
-        figure = Figure(figsize=SIZE)
-        axes = figure.add_axes((0.04, 0.05, 0.92, 0.9))
-        write_meanings(axes, meanings, fontsize=8.0)
-        return drawn(figure, name, caption, "Maps")
-
-
-def write_meanings(axes: "Axes", meanings: Mapping[str, str], fontsize: float, columns: int = 1) -> None:
-    """A square of each verdict's colour with its name and, below it, its meaning; column by column."""
-    from matplotlib.patches import Rectangle
-
-    axes.set_axis_off()
-    rows = -(-len(meanings) // columns)
-    axes.set(xlim=(0.0, columns), ylim=(-rows, 0.0))
-    window = axes.get_window_extent()
-    side = 0.5
-    wide = side * window.height / rows / (window.width / columns)
-    for number, (kind, meaning) in enumerate(meanings.items()):
-        x, y = number // rows, -(number % rows) - 0.5
-        axes.add_patch(Rectangle((x, y - 0.5 * side), wide, side, facecolor=COLOURS[kind]))
-        axes.text(x + 1.35 * wide, y + 0.04, kind, fontsize=fontsize, fontweight="bold", va="bottom")
-        axes.text(x + 1.35 * wide, y - 0.04, meaning, fontsize=fontsize - 1.0, va="top")
+def draw_meanings(meanings: Mapping[str, str], caption: str) -> Chart:
+    """What every colour means, the same for all maps."""
+    keys = [Swatch(f"{kind}: {meaning}", COLOURS[kind]) for kind, meaning in meanings.items()]
+    return draw_legend("map-legend", caption, keys, "Maps", LEGEND)

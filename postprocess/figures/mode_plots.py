@@ -1,11 +1,14 @@
-"""Pictures of the plate's modes, as SVG text that goes into a page as it is: rest outline, deformed mesh."""
+"""The plate's modes: outline at rest, deformed mesh."""
+
+from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.style import FE, Curve, drawn, style
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.drawing import Floats
+from postprocess.figures.svg.marks import Line
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.integer]
 
 AMPLITUDE = 0.3
@@ -14,36 +17,37 @@ AMPLITUDE = 0.3
 MAX_EDGES = 3000
 """A finer mesh is drawn by its outline alone: the page stays small."""
 
-REST, MESH = "#9aa3ad", "#8fb0d3"
-WIDTH = 4.4
 
-
-def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> Curve:
-    """One mode: positions [m] and displacements of largest length one, shape (nodes, 2); cells (elements, corners)."""
-    from matplotlib.figure import Figure
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path
-
+def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> Chart:
+    """One mode: positions [m] and displacements of largest length one, shape (nodes, 2); cells (elements, corners).
+    Pages show the length of the displacement on the outline."""
     edges, outline = mesh_edges(cells)
-    size = np.ptp(positions, axis=0)
-    reach = AMPLITUDE * size.min()
-    deformed = positions + reach * shape
-    margin = 1.1 * reach
-    low, high = positions.min(axis=0) - margin, positions.max(axis=0) + margin
-    with style():
-        figure = Figure(figsize=(WIDTH, WIDTH * (high - low)[1] / (high - low)[0]))
-        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        axes.set_axis_off()
-        axes.set_xlim(low[0], high[0])
-        axes.set_ylim(low[1], high[1])
-        lines = [(positions[outline], REST, 0.9), (deformed[outline], FE, 1.6)]
-        if len(edges) <= MAX_EDGES:
-            lines.insert(1, (deformed[edges], MESH, 0.6))
-        for segments, colour, width in lines:
-            codes = np.tile((Path.MOVETO, Path.LINETO), len(segments))
-            path = Path(segments.reshape(-1, 2), codes)
-            axes.add_patch(PathPatch(path, fill=False, edgecolor=colour, linewidth=width, capstyle="round"))
-        return drawn(figure, name, caption, "Shapes")
+    reach = AMPLITUDE * np.ptp(positions, axis=0).min()
+    deformed, sizes = positions + reach * shape, np.linalg.norm(shape, axis=1)
+    nodes = np.unique(outline)
+    marks = (
+        _segments(positions, outline, "grey", 0.9),
+        *([_segments(deformed, edges, "steel", 0.6)] if len(edges) <= MAX_EDGES else []),
+        _segments(deformed, outline, "fe", 1.6),
+        Line(
+            "displacement",
+            deformed[nodes, 0],
+            deformed[nodes, 1],
+            width=0.0,
+            values=sizes[nodes].tolist(),
+            at=[f"{x:.3g} m; {y:.3g} m" for x, y in positions[nodes]],
+        ),
+    )
+    (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
+    x, y = Axis(low=left, high=right, named=()), Axis(low=low, high=high, named=())
+    plot = Plot(marks, y, None, nearest="xy", has_grid=False, has_legend=False)
+    return draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
+
+
+def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:
+    """Straight lines between pairs of places."""
+    ends = np.pad(places[pairs], ((0, 0), (0, 1), (0, 0)), constant_values=np.nan)
+    return Line("", ends[..., 0].ravel(), ends[..., 1].ravel(), colour, width)
 
 
 def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from postprocess.figures.curves import TIME, thinned
-from postprocess.figures.style import Curve, style
+from postprocess.figures.style import style
 from postprocess.figures.svg import chart, marks
+from postprocess.figures.svg.chart import Chart
+from postprocess.figures.svg.drawing import PALETTE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 SHADES = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
 """Colours of the lines, in order: names of the palette of pages."""
 
-COLOURS = tuple(marks.PALETTE[name] for name in SHADES)
+COLOURS = tuple(PALETTE[name] for name in SHADES)
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
 WIDTH, HEIGHT = 6.4, 2.5
 """Size of a panel [inches]."""
@@ -92,7 +94,7 @@ def overlay_plot(panels: Sequence[Overlay]) -> Plot:
         return Plot(_figure(panels))
 
 
-def overlay_curve(name: str, panel: Overlay, caption: str) -> Curve:
+def overlay_curve(name: str, panel: Overlay, caption: str) -> Chart:
     """One panel as SVG for a page; name: of its file."""
     lines = tuple(
         marks.Line(line.label, *thinned(line.t, line.values), SHADES[number % len(SHADES)])

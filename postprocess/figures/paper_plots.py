@@ -7,8 +7,7 @@ import numpy as np
 
 from postprocess.figures.curves import TIME, History, thinned
 from postprocess.figures.panels import COMPARED
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Line
 
 Points = tuple[tuple[float, float], ...]
@@ -26,7 +25,7 @@ MARKS: tuple[dict[str, Any], ...] = (
 
 def draw_figures(
     captions: Mapping[str, str], courses: Mapping[str, History], marks: Mapping[str, Mapping[str, Points]]
-) -> tuple[Curve, ...]:
+) -> tuple[Chart, ...]:
     """One plot for each quantity of `captions` (name of a column -> caption), in that order.
 
     courses: name of a motion, two at most -> its columns, SI, with the instants "t" [s]; marks: quantity ->
@@ -35,7 +34,7 @@ def draw_figures(
     return tuple(_draw(name, captions[name], courses, marks[name]) for name in captions)
 
 
-def _draw(name: str, caption: str, courses: Mapping[str, History], marks: Mapping[str, Points]) -> Curve:
+def _draw(name: str, caption: str, courses: Mapping[str, History], marks: Mapping[str, Points]) -> Chart:
     panel = next(panel for panel in COMPARED if panel.name == name)
     drawn = [
         Line(label, *thinned(columns["t"], columns[name]), **look)

@@ -81,7 +81,7 @@ def _chart(
     )
     adds = "what one choice adds to its mesh, " if series.dashed else ""
     caption = f"{diagram.title}: {adds}{series.label}"
-    plot = Plot(tuple(marks), up.named_as(diagram.error_label), 170.0, nearest=True)
+    plot = Plot(tuple(marks), up.named_as(diagram.error_label), 170.0, nearest="xy")
     along = across.named_as("time to solution, set-up included [s]")
     return draw_chart(f"{diagram.name}-{number}", caption, (plot,), along, "Work and precision", 330.0)
 

@@ -1,75 +1,53 @@
-"""Plots of an uncertainty study, as SVG text that goes into a page as it is: histogram, sensitivity."""
+"""Charts of an uncertainty study: histogram, sensitivity."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from postprocess.figures.style import FE, RIGID, Curve, drawn, style
+from postprocess.figures.rows import bars, heights, intervals, row_plot
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.drawing import Floats
+from postprocess.figures.svg.marks import Boxes, Line, Mark, Span, key
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-Floats = NDArray[np.float64]
-
-SIZE = (5.2, 3.3)
-LIGHT, DARK, MARK = "#a9c3dd", FE, "#5b6570"
+WIDTH, BAR = 400.0, 0.36
+INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", -0.19, "steel"))
+"""Of the indices: name, label, place in a row, colour."""
 
 
 def draw_histogram(
     edges: Floats, counts: Floats, percentiles: Sequence[tuple[int, float]], scene_value: float
-) -> Curve:
+) -> Chart:
     """The distribution of the peak force, in kN: counts between edges [N], percentiles and the scene's own value."""
     caption = "Peak force of the combinations: share of them in each bar"
-    with style():
-        figure, axes = _axes(0.13, 0.16, 0.84, 0.74)
-        share = 100.0 * counts / counts.sum()
-        axes.stairs(share, edges / 1e3, fill=True, color=LIGHT)
-        axes.margins(x=0.0)
-        top = 1.12 * float(share.max())
-        axes.set_ylim(0.0, top)
-        for percent, force in percentiles:
-            axes.axvline(force / 1e3, color=DARK, linewidth=1.0, linestyle="--")
-            axes.annotate(
-                f"{percent} %", (force / 1e3, top), (3, -10), textcoords="offset points", color=DARK
-            )
-        axes.axvline(scene_value / 1e3, color=RIGID, linewidth=1.8)
-        figure.text(0.13, 0.935, "━ the scene's own values", color=RIGID, fontweight="bold")
-        axes.set_xlabel("peak force [kN]")
-        axes.set_ylabel("share [%]")
-        return drawn(figure, "histogram", caption, "Distribution")
+    share, own, top = 100.0 * counts / counts.sum(), np.full(2, scene_value / 1e3), 1.12
+    bars = np.stack([edges[:-1], edges[1:]], axis=-1) / 1e3
+    ends = np.array([0.0, top * float(share.max())])
+    marks: list[Mark] = [
+        Boxes("share", bars, np.stack([0.0 * share, share], axis=-1), "steel", share.tolist(), strength=0.6),
+        *(Span(f"{percent} %", force / 1e3, force / 1e3, "fe") for percent, force in percentiles),
+        Line("", own, ends, "rigid", 2.0),
+        key("the scene's own values", "rigid", 2.0),
+    ]
+    plot = Plot(tuple(marks), Axis("share [%]", *ends.tolist()), 220.0)
+    return draw_chart(
+        "histogram", caption, (plot,), Axis("peak force [kN]", margin=0.0), "Distribution", WIDTH
+    )
 
 
-def draw_sensitivity(inputs: Sequence[Any], of: str = "the peak force", name: str = "sensitivity") -> Curve:
+def draw_sensitivity(inputs: Sequence[Any], of: str = "the peak force") -> Chart:
     """Bars of the first-order and total indices of inputs, the first on top, with their intervals.
 
     Each input has `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`.
     """
     caption = f"Share of the variance of {of} that comes from each input, and its 95 % interval"
-    with style():
-        figure, axes = _axes(0.27, 0.16, 0.69, 0.74)
-        places = np.arange(len(inputs))[::-1]
-        bars = (("first_order", 0.19, DARK), ("total", -0.19, LIGHT))
-        for name, shift, colour in bars:
-            values = [getattr(item, name) for item in inputs]
-            interval = np.transpose([getattr(item, f"{name}_interval") for item in inputs])
-            axes.barh(places + shift, values, height=0.36, color=colour)
-            axes.hlines(places + shift, *interval, color=MARK, linewidth=1.4)
-        axes.set_yticks(places, [item.key for item in inputs])
-        axes.set_xlim(left=min(0.0, *(item.first_order_interval[0] for item in inputs)))
-        axes.grid(axis="y", visible=False)
-        axes.set_xlabel("Sobol index")
-        figure.text(0.27, 0.935, "━ alone", color=DARK, fontweight="bold")
-        figure.text(0.43, 0.935, "━ with interactions", color="#6f95bb", fontweight="bold")
-        return drawn(figure, name, caption, "Sensitivity")
-
-
-def _axes(left: float, low: float, width: float, height: float) -> tuple["Figure", "Axes"]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=SIZE)
-    axes = figure.add_axes((left, low, width, height))
-    axes.tick_params(length=2.5)
-    return figure, axes
+    names, marks = [item.key for item in inputs], list[Mark]()
+    for index, label, shift, colour in INDICES:
+        values = np.array([getattr(item, index) for item in inputs])
+        ends, rows = np.array([getattr(item, f"{index}_interval") for item in inputs]), heights(names) + shift
+        zero = np.stack([0.0 * values, values], axis=-1)
+        marks += [bars(label, rows, zero, colour, values.tolist(), names, BAR), intervals(rows, ends)]
+    plot = row_plot(names, marks)
+    return draw_chart("sensitivity", caption, (plot,), Axis("Sobol index"), "Sensitivity", WIDTH)

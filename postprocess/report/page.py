@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from postprocess.figures.svg.scale import SUPERSCRIPTS
 from postprocess.report.table import Table
 
@@ -21,7 +21,7 @@ SYMBOL = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 CODE = re.compile(r"`([^`]+)`")
 EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
 MINUS = re.compile(r"(?<![\w.\-/])-(?=\d)")
-SQUARE = re.compile(r"(?<=[a-z])\^-?[23]\b")
+SQUARE = re.compile(r"(?<=[A-Za-z])\^-?[23]\b")
 LETTERS = {"omega": "ω", "theta": "θ", "mu": "μ", "us": "μs"}
 LETTER = re.compile(r"(?<![\w.\-])(?:omega|theta|mu)(?![\w\-]|\.\w)|(?<=\d\N{NO-BREAK SPACE})us\b")
 
@@ -55,7 +55,7 @@ class Section:
 
     title: str
     lead: str = ""
-    figures: Sequence[Curve | Picture] = ()
+    figures: Sequence[Chart | Picture] = ()
     tables: Sequence[Table] = ()
     sentences: Sequence[str] = ()
     findings: Sequence[Finding] = ()

@@ -10,7 +10,6 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from postprocess.figures.style import Curve
 from postprocess.figures.svg.chart import Chart
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
@@ -71,7 +70,7 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
     for name, text in report.texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     for figure in (figure for section in report.page.sections for figure in section.figures):
-        if isinstance(figure, Curve):
+        if isinstance(figure, Chart):
             (folder / f"{figure.name}.svg").write_text(figure.svg, encoding="utf-8")
 
 

@@ -1,25 +1,28 @@
-/* Shows the values of the lines and layers of charts at the pointer; without it charts are as they are. */
+/* Shows the values of the lines, layers and boxes of charts at the pointer; without it charts are as they are. */
 const powers = (text) => text.replace(/e([-+])0*(\d+)/, (_, sign, power) =>
   "×10" + [...(sign === "-" ? "⁻" : ""), ...[...power].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit])].join(""));
 const shown = (text) => powers(text).replace(/^-/, "−");
+const NEAR = 14;
 const numbers = (text) => text.split(" ").map(Number);
 
 const plotOf = (element) => {
   const [left, top, right, bottom] = numbers(element.dataset.box), [low, high] = numbers(element.dataset.x);
   const lines = [...element.querySelectorAll("[data-label]")].filter((line) => line.dataset.label).map((line) => {
-    const values = line.dataset.values.split(" "), path = (line.getAttribute("d").match(/-?[\d.]+/g) || []).map(Number);
-    return { label: line.dataset.label, values, places: values.map((_, i) => path.slice(2 * i, 2 * i + 2)) };
+    const [values, where] = [line.dataset.values, line.dataset.at ?? ""].map((texts) => texts.split(" "));
+    const path = (line.getAttribute("d").match(/-?[\d.]+/g) || []).map(Number);
+    return { label: line.dataset.label, values, where, places: values.map((_, i) => path.slice(2 * i, 2 * i + 2)) };
   });
   const across = (place) => {
     const share = (place - left) / (right - left);
     return element.dataset.log === "1" ? low * (high / low) ** share : low + share * (high - low);
   };
-  const nearest = "nearest" in element.dataset;
-  return { element, left, top, right, bottom, lines, nearest, at: (place) => shown(across(place).toPrecision(4)) };
+  const { nearest } = element.dataset;
+  const at = (place) => shown(across(place).toPrecision(4));
+  return { element, left, top, right, bottom, lines, nearest, at, label: element.dataset.y };
 };
 
 const closest = (places, far) => places.reduce((best, place, i) =>
-  place.length && far(place) < far(places[best] ?? [Infinity, Infinity]) ? i : best, -1);
+  place.length && far(place) < far(places[best] ?? [1e9, 1e9]) ? i : best, -1);
 
 const mark = (plot, name, attributes) => {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -28,12 +31,14 @@ const mark = (plot, name, attributes) => {
 };
 
 const point = (plot, x, y) => {
-  const far = ([a, b]) => (plot.nearest ? (a - x) ** 2 + (b - y) ** 2 : Math.abs(a - x));
-  return plot.lines.map(({ label, values, places }) => [label, values, places, closest(places, far)])
-    .filter(([, , , i]) => i >= 0)
-    .map(([label, values, places, i]) => {
+  const along = (axis) => (plot.nearest.includes(axis) ? 1 : 1e-3);
+  const far = ([a, b]) => Math.hypot(along("x") * (a - x), along("y") * (b - y));
+  const found = plot.lines.map((line) => [line, closest(line.places, far)]).filter(([, i]) => i >= 0);
+  const least = Math.min(...found.map(([{ places }, i]) => far(places[i])));
+  return found.filter(([{ places }, i]) => far(places[i]) < least + NEAR)
+    .map(([{ label, values, where, places }, i]) => {
       mark(plot, "circle", { cx: places[i][0], cy: places[i][1], r: 3 });
-      return { place: places[i][0], text: `${label}: ${shown(values[i])}` };
+      return { at: where[i] || plot.at(places[i][0]), place: places[i][0], text: `${label}: ${shown(values[i])}` };
     });
 };
 
@@ -54,10 +59,12 @@ document.querySelectorAll("svg.chart").forEach((svg) => {
     const x = (event.clientX - box.left) * scale, y = (event.clientY - box.top) * scale;
     const inside = (p) => p.lines.length && x >= p.left && x <= p.right && y >= p.top && y <= p.bottom;
     if (!plots.some(inside)) return;
-    const found = plots.flatMap((plot) => point(plot, x, y));
+    const each = plots.map((plot) => point(plot, x, y)), found = each.flat();
     const place = found[0]?.place ?? x;
-    plots.filter((p) => !p.nearest).forEach((p) => mark(p, "path", { d: `M${place} ${p.top}V${p.bottom}` }));
-    note.textContent = [`at ${plots[0].at(place)}`, ...found.map(({ text }) => text)].join("\n");
+    plots.filter((p) => p.nearest === "x").forEach((p) => mark(p, "path", { d: `M${place} ${p.top}V${p.bottom}` }));
+    const texts = (part) => part.map(({ text }) => text);
+    const said = each.flatMap((part, i) => (part.length && each[1] ? [plots[i].label, ...texts(part)] : texts(part)));
+    note.textContent = [`at ${found[0]?.at ?? plots[0].at(place)}`, ...said].join("\n");
     note.hidden = false;
     const left = Math.min(event.clientX - around.left + 14, around.width - note.offsetWidth);
     note.style.left = `${Math.max(0, left)}px`;

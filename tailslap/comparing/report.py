@@ -11,7 +11,7 @@ import tailslap
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.comparison.side_by_side import LIMITS, Beside
 from postprocess.figures.overlay import Line, Overlay, overlay_curve
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
@@ -139,7 +139,7 @@ def _quantities(found: Comparison) -> Iterator[Table]:
     yield Table(columns, rows)
 
 
-def _curves(found: Comparison) -> list[Curve]:
+def _curves(found: Comparison) -> list[Chart]:
     def lines(name: str) -> list[Line]:
         return [
             Line(item.label, item.columns["t"], item.columns[name])
@@ -153,7 +153,7 @@ def _curves(found: Comparison) -> list[Curve]:
     ]
 
 
-def _differences(found: Comparison) -> list[Curve]:
+def _differences(found: Comparison) -> list[Chart]:
     def lines(name: str) -> list[Line]:
         return [
             Line(label, each.t, each.difference)

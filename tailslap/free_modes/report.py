@@ -8,7 +8,7 @@ from typing import Any
 
 import tailslap
 from postprocess.figures.mode_plots import draw_mode
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
@@ -78,7 +78,7 @@ def summary(found: PlateModes) -> dict[str, Any]:
     }
 
 
-def _pictures(found: PlateModes) -> list[Curve]:
+def _pictures(found: PlateModes) -> list[Chart]:
     discretisation = found.fe_plan.model.discretisation
     cells = discretisation.cells
     positions = discretisation.positions[:, : cells.max() + 1].T

@@ -14,7 +14,7 @@ from tailslap.impact.outcome import ImpactOutcome
 
 if TYPE_CHECKING:
     from postprocess.figures.impact.strikes import StrikeMark
-    from postprocess.figures.style import Curve
+    from postprocess.figures.svg.chart import Chart
 
 PARTS = {
     "crush_energy": "crush, lost",
@@ -58,7 +58,7 @@ def outlines(outcome: ImpactOutcome) -> np.ndarray:
     )
 
 
-def position_strip(outcome: ImpactOutcome) -> Curve:
+def position_strip(outcome: ImpactOutcome) -> Chart:
     """Where the vehicle is at even instants."""
     from postprocess.figures.impact.positions import draw_positions
 
@@ -67,7 +67,7 @@ def position_strip(outcome: ImpactOutcome) -> Curve:
     return draw_positions(outlines(outcome)[shown], t[shown], marks(outcome.fe))
 
 
-def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Curve]:
+def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
     """Lateral and longitudinal force, raw and filtered; the rigid vehicle's lateral force beside the plate's."""
     from postprocess.figures.impact.forces import draw_forces
 
@@ -88,7 +88,7 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Curv
     ]
 
 
-def energy_figure(outcome: ImpactOutcome) -> Curve:
+def energy_figure(outcome: ImpactOutcome) -> Chart:
     """What becomes of the kinetic energy."""
     from postprocess.figures.impact.energy import draw_energies
 
@@ -97,7 +97,7 @@ def energy_figure(outcome: ImpactOutcome) -> Curve:
     return draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
 
 
-def contact_figures(outcome: ImpactOutcome) -> tuple[list[Curve], list[Curve]]:
+def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     """Force over crush of the corners that struck, and with more points than corners the force along the side."""
     from postprocess.figures.impact.forces import draw_loops
     from postprocess.figures.impact.side_force import draw_side_force

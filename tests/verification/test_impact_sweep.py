@@ -105,12 +105,12 @@ def test_pictures_of_impacts() -> None:
     no word of FE."""
     both, alone = draw_sweep(rows(True)), draw_sweep(rows(False))
     names = [curve.name for curve in alone]
-    assert [curve.name for curve in both if not curve.name.endswith("-difference")] == names
-    assert len(both) == len(alone) + 2
+    assert [curve.name for curve in both if not curve.name.endswith(("-difference", "-worst"))] == names
+    assert len(both) == len(alone) + 3
     assert [name for name in names if name.startswith("against-a-x")]
-    assert names[-1] == "maps"
+    assert names[-2:] == ["map-result", "map-status"]
     assert all("FE" not in curve.caption for curve in alone)
-    assert "F₂, 50 ms by FE" in both[-1].caption
+    assert both[-3].caption == "Second strike's peak, 50 ms mean by FE"
     assert draw_sweep(replace(rows(False), rigid=dict.fromkeys(STRIKES.quantities, np.full(4, np.nan)))) == ()
 
 

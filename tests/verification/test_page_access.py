@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from postprocess.figures.svg.marks import PALETTE
+from postprocess.figures.svg.drawing import PALETTE
 from postprocess.report.page import Page, write_page
 from tailslap.command_line import _status
 from tailslap.report.run_report import run_report

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures.curves import draw_histories, power_of_ten, thinned
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 
 pytestmark = pytest.mark.verification
 
@@ -41,7 +41,7 @@ def histories(n: int = 2000) -> tuple[dict[str, np.ndarray], dict[str, np.ndarra
     return {**fe, **energies, **works}, columns
 
 
-def texts(curve: Curve) -> list[str]:
+def texts(curve: Chart) -> list[str]:
     root = ElementTree.fromstring(curve.svg)
     assert root.tag == SVG + "svg"
     return [
@@ -52,11 +52,11 @@ def texts(curve: Curve) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def curves() -> dict[str, Curve]:
+def curves() -> dict[str, Chart]:
     return {curve.name: curve for curve in draw_histories(*histories())}
 
 
-def test_all_plots_are_there_in_order(curves: dict[str, Curve]) -> None:
+def test_all_plots_are_there_in_order(curves: dict[str, Chart]) -> None:
     reaction = ("reaction_normal", "reaction_tangential")
     assert tuple(curves) == (*MOTION, *reaction, "energy_exchanged", "energy_stored", "energy_error")
     assert [curve.group for curve in curves.values()] == ["Motion"] * 5 + ["Reaction"] * 2 + ["Energy"] * 3
@@ -74,7 +74,7 @@ def test_all_plots_are_there_in_order(curves: dict[str, Curve]) -> None:
         ("reaction_tangential", "R [kN]"),
     ],
 )
-def test_plots_over_rigid_are_labelled(curves: dict[str, Curve], name: str, label: str) -> None:
+def test_plots_over_rigid_are_labelled(curves: dict[str, Chart], name: str, label: str) -> None:
     shown = texts(curves[name])
     for words in (label, "t [s]", "FE", "rigid, exact"):
         assert shown.count(words) == 1
@@ -82,25 +82,25 @@ def test_plots_over_rigid_are_labelled(curves: dict[str, Curve], name: str, labe
     assert f"FE − rigid [10⁻⁹ {unit}" in shown
 
 
-def test_energy_plots_are_labelled(curves: dict[str, Curve]) -> None:
+def test_energy_plots_are_labelled(curves: dict[str, Chart]) -> None:
     assert {"kinetic, change", "work of friction", "energy [kJ]"} <= {*texts(curves["energy_exchanged"])}
     stored = {*texts(curves["energy_stored"])}
     assert {"strain", "spring", "vibration", "damping", "energy [10⁻³ J]"} <= stored
     assert {"error", "energy [10⁻⁶ J]"} <= {*texts(curves["energy_error"])}
 
 
-def test_kinetic_energy_is_shown_as_a_change(curves: dict[str, Curve]) -> None:
+def test_kinetic_energy_is_shown_as_a_change(curves: dict[str, Chart]) -> None:
     numbers = [float(w.replace("−", "-")) for w in texts(curves["energy_exchanged"]) if w[-1].isdigit()]
     assert min(numbers) >= -10.0, "9.12 kJ are lost, of 2.8 MJ"
     assert max(numbers) <= 1.0
 
 
-def test_the_ripple_is_drawn_at_its_size(curves: dict[str, Curve]) -> None:
+def test_the_ripple_is_drawn_at_its_size(curves: dict[str, Chart]) -> None:
     """Height of the difference line in the panel of 10^-9, whose ticks tell its scale."""
     assert {"−1000", "0", "1000"} <= {*texts(curves["slide"])}
 
 
-def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves: dict[str, Curve]) -> None:
+def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves: dict[str, Chart]) -> None:
     """Several fit on a page, and each is a file: its name spaces are declared, it has a paper and a size."""
     for curve in curves.values():
         assert not re.search(r"\b(id|href)=|url\(", curve.svg)
@@ -109,7 +109,7 @@ def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves: dict[str, Curve]
         assert (float(root.get("width", "nan")), root.get("role")) == (curve.width, "img")
 
 
-def test_values_are_those_of_the_history(curves: dict[str, Curve]) -> None:
+def test_values_are_those_of_the_history(curves: dict[str, Chart]) -> None:
     """What a page shows at the pointer, to five digits, at as many points as the path has."""
     fe, _ = histories()
     (path,) = [e for e in ElementTree.fromstring(curves["slide"].svg).iter() if e.get("data-label") == "FE"]
@@ -150,7 +150,7 @@ def test_a_run_that_went_wrong_is_still_drawn() -> None:
         assert any(shown in words for words in texts(omega))
 
 
-def vertices(curve: Curve) -> int:
+def vertices(curve: Chart) -> int:
     """Of the line of the FE history."""
     (line,) = [e for e in ElementTree.fromstring(curve.svg).iter() if e.get("data-label") == "FE"]
     return line.get("d", "").count("L")

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import duration, grouped, number, shown
 from postprocess.report.page import (
     NO_BREAK,
@@ -106,7 +106,7 @@ TABLE = Table(COLUMNS, RECORDS, "A table", notes=("A note.",), marks={1: "failed
 def full_page(folder: Path) -> Page:
     picture = folder / "contour_v_gx.png"
     picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
-    curve = Curve("omega", "Motion", "Angular velocity", '<svg viewBox="0 0 1 1"><text>curve-1</text></svg>')
+    curve = Chart("omega", "Motion", "Angular velocity", '<svg viewBox="0 0 1 1"><text>curve-1</text></svg>')
     finding = Finding("A finding", "what was checked", ("what was seen",), ("tailslap paper",))
     sections = (
         Section("Tables", "A lead.", tables=(TABLE, pairs({"mass": 9979.0}), Table(COLUMNS, ()))),

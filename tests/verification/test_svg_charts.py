@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from postprocess.figures.svg.chart import Axis, Plot, draw_chart
-from postprocess.figures.svg.marks import PALETTE, Layer, Level, Line, Span, Swatch, Words
+from postprocess.figures.svg.drawing import PALETTE
+from postprocess.figures.svg.marks import Layer, Level, Line, Span, Swatch, Words
 from postprocess.figures.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
 
 pytestmark = pytest.mark.verification

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.comparison import KEYS
-from postprocess.figures.style import Curve
-from postprocess.figures.sweep_plots import SweepRows, Varied, _edges, _scale, draw_sweep
+from postprocess.figures.parallels import scaled
+from postprocess.figures.svg.chart import Chart
+from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.report.page import Page, write_page
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
@@ -49,14 +50,14 @@ def test_which_plots_there_are() -> None:
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     word, c = key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4)
     assert names(a) == ["against-a-x"]
-    assert names(a, b) == ["against-a-x", "against-b-y", "maps"]
+    assert names(a, b) == ["against-a-x", "against-b-y", "map-result", "map-worst", "map-status"]
     assert names(a, word) == ["against-a-x"]
     assert names(a, word, c) == ["against-a-x", "against-d-w", "parallels"]
     nothing = rows(a)
     assert draw_sweep(replace(nothing, difference={k: np.full(4, np.nan) for k in KEYS})) == ()
 
 
-def values_drawn(curves: tuple[Curve, ...]) -> int:
+def values_drawn(curves: tuple[Chart, ...]) -> int:
     return sum(len(found.split()) for c in curves for found in re.findall('data-values="([^"]*)"', c.svg))
 
 
@@ -87,28 +88,43 @@ def test_no_axis_shows_a_negative_friction() -> None:
     assert float(low) == 0.0
 
 
-def test_edges_of_cells() -> None:
-    assert _edges(np.array([1.0, 2.0, 4.0]), False).tolist() == [0.5, 1.5, 3.0, 5.0]
-    ratios = _edges(np.array([1.0, 100.0, 1e4]), True)
-    assert ratios == pytest.approx([0.1, 10.0, 1e3, 1e5], rel=1e-12)
-    assert _edges(np.array([0.0, 1.0]), False).tolist() == [0.0, 0.5, 1.5]  # no friction below zero
+def test_a_modulus_over_decades_has_a_logarithmic_axis() -> None:
+    """Its smallest value is next to nothing beside the range, and no reason to begin at zero."""
+    first, *_ = draw_sweep(rows(key("plate.youngs_modulus", 1e9, 1e10, 1e12, logarithmic=True)))
+    (low,) = re.findall(r'data-x="(\S+) ', first.svg)
+    assert 0.5e9 < float(low) < 1e9
+
+
+def test_maps_show_each_run() -> None:
+    """Cells of a complete grid, points where it is none; what failed is red; a value a run, and none for no result."""
+    a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
+    some = rows(a, b)
+    some.status[:] = ["refused", "passed", "failed", "passed"]
+    some.fe["v_gy"][0] = np.nan
+    result, _, status = draw_sweep(some)[-3:]
+    (values,) = re.findall('data-values="([^"]*)"', result.svg)
+    assert values.split(" ")[0] == "1.3333\N{NO-BREAK SPACE}m/s"
+    assert len(values.split(" ")) == 3
+    assert re.findall('data-at="([^"]*)"', status.svg) == ["1;\xa01 1;\xa010 2;\xa01 2;\xa010"]
+    (red,) = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', status.svg)
+    assert red.count("M") == 1
 
 
 def test_heights_of_parallels() -> None:
-    assert _scale("x", np.array([2.0, 3.0, 4.0]), False).heights.tolist() == [0.0, 0.5, 1.0]
-    assert _scale("x", np.array([1.0, 10.0, 100.0]), True).heights == pytest.approx([0.0, 0.5, 1.0])
-    assert _scale("x", np.array([5.0, 5.0]), False).heights.tolist() == [0.5, 0.5]
-    words = _scale("x", np.array(["p", "q", "p"], dtype=object), False)
+    assert scaled("x", np.array([2.0, 3.0, 4.0]), False).heights.tolist() == [0.0, 0.5, 1.0]
+    assert scaled("x", np.array([1.0, 10.0, 100.0]), True).heights == pytest.approx([0.0, 0.5, 1.0])
+    assert scaled("x", np.array([5.0, 5.0]), False).heights.tolist() == [0.5, 0.5]
+    words = scaled("x", np.array(["p", "q", "p"], dtype=object), False)
     assert words.heights.tolist() == [0.25, 0.75, 0.25]
 
 
 def test_marks_of_parallels() -> None:
     """Round numbers within the values, and the value itself where there is but one: friction is never negative."""
-    assert _scale("x", np.array([0.0, 0.91]), False).ticks == [
+    assert scaled("x", np.array([0.0, 0.91]), False).ticks == [
         (pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.5)
     ]
-    assert [text for _, text in _scale("x", np.array([2e8, 3e11]), True).ticks] == ["10⁹", "10¹⁰", "10¹¹"]
-    assert _scale("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
+    assert [text for _, text in scaled("x", np.array([2e8, 3e11]), True).ticks] == ["10⁹", "10¹⁰", "10¹¹"]
+    assert scaled("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
 
 
 def test_the_worst_of_the_five_differences() -> None:
@@ -146,7 +162,7 @@ def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
     assert plain.index("energy &lt;balance&gt;") < plain.index("beyond &lt;theory&gt;")
     assert plain.count('<tr class="failed">') == 1
     assert "The first" not in plain
-    assert page.count("<svg") == 13
+    assert page.count("<svg") == 15
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 

@@ -253,7 +253,7 @@ def test_the_same_call_gives_the_same_files(tmp_path: Path) -> None:
             "samples.csv",
             "summary.json",
             "histogram.svg",
-            "total.svg",
+            "sensitivity.svg",
             MANIFEST,
         }
     for name in ("report.html", "samples.csv"):

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from postprocess.figures.curves import STRETCHES
 from postprocess.figures.impact.forces import START, WIDE
 from postprocess.figures.impact.strikes import StrikeMark, shaded
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Layer, Line
 
 Floats = NDArray[np.float64]
@@ -19,7 +18,7 @@ COLOURS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
 
 def draw_energies(
     t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strikes: Sequence[StrikeMark] = ()
-) -> Curve:
+) -> Chart:
     """What the motion gave up, as a line, and below it what it went into, layer upon layer; in kJ.
 
     t [s], kinetic and each of `parts` [J], shape (n,): crush lost, friction, damping, crush stored, strain and so on,

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from postprocess.figures.curves import TIME, thinned
 from postprocess.figures.impact.strikes import StrikeMark, corner_colour, shaded
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Level, Line
 
 Floats = NDArray[np.float64]
@@ -36,7 +35,7 @@ def draw_forces(
     curves: Mapping[str, Floats],
     strikes: Sequence[StrikeMark] = (),
     levels: Mapping[str, float] | None = None,
-) -> Curve:
+) -> Chart:
     """Curves of one force by the names of `force_curves`, shape (n,) [N], over t [s]; drawn in kN.
 
     levels: what a design force is called -> force [N], drawn as a line.
@@ -51,14 +50,14 @@ def draw_forces(
     return draw_chart(name, caption, (plot,), START, "Force", WIDE)
 
 
-def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Curve:
+def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
     """Force [N] over crush [m] of each contact point by its name, shape (n,) each; drawn in kN and mm."""
     caption = "Force over crush of each contact point: what a loop encloses is lost"
     lines = tuple(
         Line(label, *_cornered(crush * 1e3, force / 1e3), corner_colour(label))
         for label, (crush, force) in contacts.items()
     )
-    plot = Plot(lines, Axis("force [kN]", low=0.0), 230.0, nearest=True)
+    plot = Plot(lines, Axis("force [kN]", low=0.0), 230.0, nearest="xy")
     return draw_chart("loops", caption, (plot,), Axis("crush [mm]", low=0.0), "Force")
 
 

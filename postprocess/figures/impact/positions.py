@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures.impact.strikes import StrikeMark
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Line, Mark, Outline, Words
 
 Floats = NDArray[np.float64]
@@ -39,7 +38,7 @@ def draw_positions(
     instants: Sequence[float],
     strikes: Sequence[StrikeMark] = (),
     path: Floats | None = None,
-) -> Curve:
+) -> Chart:
     """Outlines at these instants [s], later ones darker, over the wall Y = 0; strikes as bars below its face.
 
     outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m].

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.contours.viridis import viridis
 from postprocess.figures.impact.forces import START, WIDE
 from postprocess.figures.impact.strikes import StrikeMark, shaded
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.chart import Axis, Plot, draw_chart
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Image, Swatch
 from postprocess.figures.svg.scale import round_ticks
 
@@ -20,15 +20,10 @@ Bytes = NDArray[np.uint8]
 COLUMNS = 600
 """Columns of the image; each is the largest force of its time."""
 
-COLOURS = np.array(
-    [(253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135), (68, 1, 84)], float
-)
-"""Viridis, from the smallest force to the largest."""
-
 
 def draw_side_force(
     t: Floats, distances: Floats, force: Floats, unit: str, strikes: Sequence[StrikeMark] = ()
-) -> Curve:
+) -> Chart:
     """Force at each distance from the front and instant; nothing where there is none.
 
     t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force, shape (n, k), in `unit`, for
@@ -51,10 +46,12 @@ def draw_side_force(
 
 
 def _coloured(shares: Floats) -> Bytes:
-    """Red, green, blue and cover of each share of the largest force, shape (..., 4); clear where there is none."""
-    at = np.clip(shares, 0.0, 1.0) * (len(COLOURS) - 1)
-    colour = [np.interp(at, np.arange(len(COLOURS)), channel) for channel in COLOURS.T]
-    return np.stack([*colour, np.where(shares > 0.0, 255.0, 0.0)], axis=-1).astype(np.uint8)
+    """Red, green, blue and cover of each share of the largest force, shape (..., 4); clear where there is none. The
+    largest is the darkest."""
+    colours = np.rint(255.0 * np.pad(viridis(256)[::-1], ((0, 0), (0, 1)), constant_values=1.0))
+    found = colours[np.rint(255.0 * np.clip(shares, 0.0, 1.0)).astype(int)]
+    found[shares <= 0.0] = 0.0
+    return found.astype(np.uint8)
 
 
 def _png(pixels: Bytes) -> bytes:

@@ -8,24 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal
 from xml.sax.saxutils import escape
 
 import numpy as np
 
-from postprocess.figures.style import Curve
-from postprocess.figures.svg.marks import QUOTE, Level, Mark, coloured, found_ranges, text_width, words
+from postprocess.figures.svg.drawing import QUOTE, coloured, text_width, words
+from postprocess.figures.svg.marks import Level, Mark, found_ranges
 from postprocess.figures.svg.scale import Scale, fitted, tick_texts
 
 SIZE, SMALL = 12.0, 11.0
 """Letters of labels, and of ticks."""
 
-HEAD, FOOT, ROW, RIGHT = 23.0, 36.0, 16.0, 12.0
-"""Room above a plot, below the last one, of a row of the legend, and to the right of the plots."""
+HEAD, FOOT, ROW, RIGHT, BARE = 23.0, 36.0, 16.0, 12.0, 4.0
+"""Room above a plot, below the last one, of a row of words, to the right of the plots, and beside a bare axis."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: its label with unit, its ends where they are not those of what is drawn, and its own ticks, if any."""
+    """An axis: its label with unit, its ends where they are not those of what is drawn, and its own ticks, which may be
+    none."""
 
     label: str = ""
     low: float | None = None
@@ -72,14 +74,15 @@ class Axis:
 
 @dataclass(frozen=True)
 class Plot:
-    """Marks in a frame. height: of the frame, None for equal scales of both axes; nearest: values are shown of the
-    point that is nearest, not of the nearest x."""
+    """Marks in a frame, if there are ticks. height: of the frame, None for equal scales of both axes; nearest: along
+    which axes points are near whose values are shown."""
 
     marks: tuple[Mark, ...]
     y: Axis = Axis()
     height: float | None = 190.0
-    nearest: bool = False
+    nearest: Literal["x", "y", "xy"] = "x"
     has_grid: bool = True
+    has_legend: bool = True
 
 
 @dataclass(frozen=True)
@@ -93,9 +96,15 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Chart(Curve):
-    """A curve that knows what it was drawn from, so that it can be drawn in other units."""
+class Chart:
+    """A drawn chart: short name, heading of the group it belongs to, caption, SVG text, width in pixels; and what it
+    was drawn from, to be drawn in other units."""
 
+    name: str
+    group: str
+    caption: str
+    svg: str
+    width: float = 0.0
     plots: tuple[Plot, ...] = field(default=(), compare=False)
     x: Axis = field(default=Axis(), compare=False)
 
@@ -120,7 +129,7 @@ def draw_chart(
         legend, top = _legend(plots[0], width)
         frames = _framed(plots, x, width, top)
         drawn = [legend, *map(_drawn, frames), _x_axis(x, frames)]
-    height = frames[-1].y.start + FOOT
+    height = frames[-1].y.start + _foot(x)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:.0f}" width="{width:g}" '
         f'height="{height:.0f}" role="img" aria-label="{escape(caption, QUOTE)}" class="chart" '
@@ -130,12 +139,27 @@ def draw_chart(
     return Chart(name, group, caption, head + "".join(drawn) + "</svg>", width, tuple(plots), x)
 
 
+def draw_legend(
+    name: str, caption: str, marks: Sequence[Mark], group: str = "", width: float = 300.0
+) -> Chart:
+    """A chart of nothing but the keys of these marks, for several charts that have none."""
+    bare = Axis(named=())
+    return draw_chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, width)
+
+
+def _foot(x: Axis) -> float:
+    """Room below the last plot."""
+    rows = max((text.count("\n") for _, text in x.named or ()), default=0)
+    return BARE + (FOOT - BARE - ROW) * (x.named != ()) + ROW * (bool(x.label) + rows)
+
+
 def _framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
     ranges = [found_ranges(plot.marks) for plot in plots]
     scales = [plot.y.scale(y) for plot, (_, y) in zip(plots, ranges, strict=True)]
     along = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
     sized = [
-        replace(scale, start=plot.height or 200.0, end=0.0) for scale, plot in zip(scales, plots, strict=True)
+        replace(scale, start=200.0 if plot.height is None else plot.height, end=0.0)
+        for scale, plot in zip(scales, plots, strict=True)
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
     left = 8.0 + max(text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
@@ -148,8 +172,8 @@ def _framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fr
     along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
-        height = plot.height or _equal_height(along, scale)
-        top += HEAD
+        height = _equal_height(along, scale) if plot.height is None else plot.height
+        top += HEAD if plot.y.label else BARE
         frames.append(Frame(plot, along, replace(scale, start=top + height, end=top), marked))
         top += height
     return frames
@@ -162,7 +186,7 @@ def _equal_height(x: Scale, y: Scale) -> float:
 def _legend(plot: Plot, width: float) -> tuple[str, float]:
     """The keys of the marks in rows above the first plot, and how much room they take."""
     shown = {mark.label: mark for mark in plot.marks if mark.label and mark.key()}
-    if not shown:
+    if not (shown and plot.has_legend):
         return "", 0.0
     across, row, drawn = 0.0, 0, []
     for label, mark in shown.items():
@@ -180,7 +204,7 @@ def _drawn(frame: Frame) -> str:
     x, y, plot = frame.x, frame.y, frame.plot
     width, height = x.end - x.start, y.start - y.end
     box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
-    near = ' data-nearest="1"' if plot.nearest else ""
+    near = f' data-nearest="{plot.nearest}" data-y="{escape(plot.y.label, QUOTE)}"'
     kind = f' data-log="{int(x.is_log)}"'
     edges = (
         f'data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" data-x="{x.low:.7g} {x.high:.7g}"'
@@ -189,7 +213,11 @@ def _drawn(frame: Frame) -> str:
         f'<g class="plot" {edges}{kind}{near}>'
         + (_grid(frame) if plot.has_grid else "")
         + "".join(mark.draw(x, y) for mark in plot.marks)
-        + coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
+        + (
+            coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
+            if frame.y_ticks
+            else ""
+        )
         + _y_axis(frame)
         + _level_names(frame)
         + "</g>"
@@ -218,9 +246,13 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     last = frames[-1]
     ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
     down = last.y.start + 15.0
-    texts = [words(text, float(last.x.at(value)), down, "middle", SMALL) for value, text in ticks]
+    texts = [
+        words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
+        for value, text in ticks
+        for row, line in enumerate(text.split("\n"))
+    ]
     marks = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
-    label = words(axis.label, 0.5 * (last.x.start + last.x.end), down + 16.0, "middle")
+    label = words(axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle")
     line = f'<path d="{marks}" stroke="currentColor" stroke-width="0.8"/>'
     return coloured(line, "grey") + coloured("".join(texts), "soft") + coloured(label, "ink")
 
@@ -230,8 +262,8 @@ def _levels(plot: Plot) -> list[Level]:
 
 
 def _level_lines(plot: Plot, level: Level) -> list[str]:
-    """Name and value of a level."""
-    return [level.label, f"{level.value:.4g} {plot.y.unit}".rstrip()]
+    """Name, if it has one, and value of a level."""
+    return [*([level.label] if level.label else []), f"{level.value:.4g} {plot.y.unit}".rstrip()]
 
 
 def _level_names(frame: Frame) -> str:

@@ -1,66 +1,48 @@
-"""What a plot shows: lines, layers, shaded times, levels, outlines, words, images; each a record that draws itself.
-
-A colour is a name of `PALETTE`; a page may give the names other colours (`page.css`, where it is dark).
-"""
+"""What a plot shows: lines, layers, boxes, shaded times, levels, outlines, words, images; each a record that draws
+itself in a colour of `drawing`."""
 
 from __future__ import annotations
 
 import base64
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
-from typing import Protocol
-from xml.sax.saxutils import escape
+from itertools import compress
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from postprocess.figures.svg.drawing import NOTHING, Floats, Range, coloured, extent, named, path, words
 from postprocess.figures.svg.scale import Scale
 
-Floats = NDArray[np.float64]
-Range = tuple[float, float]
-
-PALETTE = {
-    "fe": "#14467c",
-    "rigid": "#c8720a",
-    "difference": "#8a1c3b",
-    "red": "#d8453a",
-    "green": "#1f8a54",
-    "violet": "#7d57a8",
-    "steel": "#6d89a8",
-    "grey": "#7b858f",
-    "soft": "#5b6570",
-    "ink": "#1b1f24",
-    "grid": "#e3e6ea",
-}
-NOTHING: Range = (np.inf, -np.inf)
-SUBSCRIPT = re.compile(r"([^\W\d_])_([A-Za-z0-9]+)")
+HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
 
 
-class Mark(Protocol):
+class Mark:
     """Something drawn in a plot. Its label stands in the legend, if it has a key; ranges are of its finite values."""
 
-    @property
-    def label(self) -> str:
-        """Its name."""
+    label: str
 
     def ranges(self) -> tuple[Range, Range]:
-        """Smallest and largest x and y."""
+        """Smallest and largest x and y; none unless a kind of mark has its own."""
+        return NOTHING, NOTHING
 
     def scaled(self, along: float, up: float) -> Mark:
         """The same with x and y so many times as large."""
+        return self
 
     def draw(self, x: Scale, y: Scale) -> str:
         """SVG elements."""
+        return ""
 
     def key(self) -> str:
         """SVG of 18 by 10 that shows its look in the legend; empty for what is not in it."""
+        return ""
 
 
 @dataclass(frozen=True)
-class Line:
-    """A line through points, shape (n,); it has gaps where they are not finite, and its values are shown on pages."""
+class Line(Mark):
+    """A line through points, shape (n,), with gaps where they are not finite. Pages show y of each, or `values`, and
+    where it is, or `at`. width: 0 for points alone; dots: their radius."""
 
     label: str
     x: Floats
@@ -69,6 +51,8 @@ class Line:
     width: float = 1.4
     dashes: str = ""
     dots: float = 0.0
+    values: Sequence[Any] = ()
+    at: Sequence[str] = ()
 
     def ranges(self) -> tuple[Range, Range]:
         """Of its points."""
@@ -83,7 +67,8 @@ class Line:
         places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
         sound = np.isfinite(places).all(axis=-1)
         edge = path(places) if self.width else "".join(f"M{a:.2f} {b:.2f}Z" for a, b in places[sound])
-        shown = f'<path {named(self.label, self.y[sound])} d="{edge}" fill="none"{self._look()}/>'
+        values, at = (list(compress(of, sound)) for of in (self.values or self.y, self.at))
+        shown = f'<path {named(self.label, values, at)}d="{edge}" fill="none"{self._look()}/>'
         dotted = places[sound] if self.dots and self.width else places[:0]
         dots = "".join(f'<circle cx="{a:.2f}" cy="{b:.2f}" r="{self.dots:g}"/>' for a, b in dotted)
         return coloured(shown + dots, self.colour)
@@ -102,7 +87,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Layer:
+class Layer(Mark):
     """What lies between two lines over the same x, shape (n,); the value shown on pages is their distance."""
 
     label: str
@@ -125,30 +110,70 @@ class Layer:
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
         back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
-        name = named(self.label, self.high - self.low)
-        edge = path(np.concatenate([forth, back]))
-        return coloured(
-            f'<path {name} d="{edge}Z" fill="currentColor" fill-opacity="{self.strength:g}"/>', self.colour
-        )
+        name, edge = named(self.label, self.high - self.low), path(np.concatenate([forth, back]))
+        return coloured(f'<path {name}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour)
 
     def key(self) -> str:
         """A patch of it."""
-        patch = f'<rect width="18" height="10" fill="currentColor" fill-opacity="{self.strength:g}"/>'
-        return coloured(patch, self.colour)
+        return patch(self.colour, self.strength)
 
 
 @dataclass(frozen=True)
-class Span:
-    """A range of x shaded from top to bottom, named at its top."""
+class Boxes(Mark):
+    """Bars and cells: boxes between two values of x and two of y, shape (n, 2) each, all of one colour or each of its
+    own. Pages show the value of each, and where it is; strength: how much covers what is behind."""
+
+    label: str
+    x: Floats
+    y: Floats
+    colour: str | Sequence[str] = "steel"
+    values: Sequence[Any] = ()
+    at: Sequence[str] = ()
+    strength: float = 1.0
+
+    def ranges(self) -> tuple[Range, Range]:
+        """Of all boxes."""
+        return extent(self.x), extent(self.y)
+
+    def scaled(self, along: float, up: float) -> Boxes:
+        """With all x and y so many times as large."""
+        return replace(self, x=along * self.x, y=up * self.y)
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """A path a colour, each box a little smaller than it is, and an unseen one through the centres."""
+        left, right = np.sort(x.at(self.x)).T
+        top, bottom = np.sort(y.at(self.y)).T
+        gap = np.minimum(0.4, 0.1 * np.minimum(right - left, bottom - top))
+        edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
+        drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
+        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
+        shown = [
+            coloured(
+                f'<path d="{"".join(compress(drawn, [c == one for c in colours]))}"{self._look()}/>', one
+            )
+            for one in dict.fromkeys(colours)
+        ]
+        centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
+        unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres) if self.values else ""
+        name = named(self.label, self.values, self.at)
+        return "".join(shown) + (f'<path {name}d="{unseen}"/>' if unseen else "")
+
+    def key(self) -> str:
+        """A patch, if it has one colour."""
+        return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
+
+    def _look(self) -> str:
+        return f' fill-opacity="{self.strength:g}"' if self.strength < 1.0 else ""
+
+
+@dataclass(frozen=True)
+class Span(Mark):
+    """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top."""
 
     label: str
     start: float
     end: float
     colour: str = "soft"
-
-    def ranges(self) -> tuple[Range, Range]:
-        """None of its own."""
-        return NOTHING, NOTHING
 
     def scaled(self, along: float, up: float) -> Span:
         """With its ends so many times as large."""
@@ -157,17 +182,16 @@ class Span:
     def draw(self, x: Scale, y: Scale) -> str:
         """The band, and the name at its top."""
         left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
+        if self.start == self.end:
+            line = f'<path d="M{left:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
+            return coloured(line + words(self.label, left + 3.0, y.end + 11.0, size=10.0), self.colour)
         box = f'x="{left:.2f}" y="{y.end:.2f}" width="{right - left:.2f}" height="{y.start - y.end:.2f}"'
         name = words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 10.0)
-        return coloured(f'<rect {box} fill="currentColor" fill-opacity="0.1"/>{name}', self.colour)
-
-    def key(self) -> str:
-        """Named in the plot."""
-        return ""
+        return coloured(f'<rect {box} fill-opacity="0.1"/>{name}', self.colour)
 
 
 @dataclass(frozen=True)
-class Level:
+class Level(Mark):
     """A line across the plot at a value of y, its name beside the plot."""
 
     label: str
@@ -188,13 +212,9 @@ class Level:
         line = f'<path d="M{x.start:.2f} {height:.2f}H{x.end:.2f}" stroke-dasharray="5 2" '
         return coloured(line + 'stroke="currentColor"/>', self.colour)
 
-    def key(self) -> str:
-        """Named beside the plot."""
-        return ""
-
 
 @dataclass(frozen=True)
-class Outline:
+class Outline(Mark):
     """A closed polygon, shape (n, 2), its area faintly filled."""
 
     points: Floats
@@ -214,16 +234,12 @@ class Outline:
     def draw(self, x: Scale, y: Scale) -> str:
         """A closed path."""
         edge = path(np.stack([x.at(self.points[:, 0]), y.at(self.points[:, 1])], axis=-1))
-        look = f'fill="currentColor" fill-opacity="{self.fill:g}" stroke="currentColor" '
+        look = f'fill-opacity="{self.fill:g}" stroke="currentColor" '
         return coloured(f'<path d="{edge}Z" {look}stroke-opacity="{self.strength:.3g}"/>', self.colour)
-
-    def key(self) -> str:
-        """Not in the legend."""
-        return ""
 
 
 @dataclass(frozen=True)
-class Words:
+class Words(Mark):
     """A text at a point, shifted by pixels, y downwards; anchor: "start", "middle" or "end"."""
 
     label: str
@@ -243,17 +259,13 @@ class Words:
         return replace(self, x=along * self.x, y=up * self.y)
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """The text."""
+        """The text, with an edge that sets it off from lines."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
-        return coloured(words(self.label, across, down, self.anchor, self.size), self.colour)
-
-    def key(self) -> str:
-        """Not in the legend."""
-        return ""
+        return coloured(words(self.label, across, down, self.anchor, self.size, HALO), self.colour)
 
 
 @dataclass(frozen=True)
-class Image:
+class Image(Mark):
     """A PNG image between two values of x and of y, its rows from the first y to the last."""
 
     png: bytes = field(repr=False)
@@ -278,77 +290,27 @@ class Image:
         data = "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
         return f'<image {box} preserveAspectRatio="none" style="image-rendering:pixelated" href="{data}"/>'
 
-    def key(self) -> str:
-        """Not in the legend."""
-        return ""
-
 
 @dataclass(frozen=True)
-class Swatch:
-    """An entry of the legend alone: a colour as "#rrggbb", and what it stands for."""
+class Swatch(Mark):
+    """An entry of the legend alone: a colour, and what it stands for."""
 
     label: str
     colour: str
 
-    def ranges(self) -> tuple[Range, Range]:
-        """None."""
-        return NOTHING, NOTHING
-
-    def scaled(self, along: float, up: float) -> Swatch:
-        """As it is."""
-        return self
-
-    def draw(self, x: Scale, y: Scale) -> str:
-        """Nothing in the plot."""
-        return ""
-
     def key(self) -> str:
         """A patch of the colour."""
-        return f'<rect width="18" height="10" fill="{self.colour}"/>'
+        return patch(self.colour)
 
 
-QUOTE = {'"': "&quot;"}
+def key(label: str, colour: str, width: float, dashes: str = "", dots: float = 0.0) -> Line:
+    """A line of no points: an entry of the legend alone."""
+    return Line(label, np.zeros(0), np.zeros(0), colour, width, dashes, dots)
 
 
-def extent(values: Floats) -> Range:
-    """Smallest and largest finite value; `NOTHING` without any."""
-    finite = values[np.isfinite(values)]
-    return (float(finite.min()), float(finite.max())) if finite.size else NOTHING
-
-
-def path(places: Floats) -> str:
-    """Path through places, shape (n, 2), broken where they are not finite."""
-    sound = np.isfinite(places).all(axis=-1)
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]).astype(int)))
-    pieces = []
-    for first, last in list(pairwise(ends))[::2]:
-        points = places[first:last].ravel().tolist()
-        pieces.append("M" + "L".join(["%.2f %.2f"] * (last - first)) % tuple(points))
-    return "".join(pieces)
-
-
-def named(label: str, values: Floats) -> str:
-    """Attributes for pages that show values."""
-    texts = " ".join(["%.5g"] * values.size) % tuple(values.tolist())
-    return f'data-label="{escape(label, QUOTE)}" data-values="{texts}"'
-
-
-def coloured(elements: str, colour: str) -> str:
-    """Elements in a colour of the palette."""
-    return f'<g class="{colour}" color="{PALETTE[colour]}" fill="currentColor">{elements}</g>'
-
-
-def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12.0, more: str = "") -> str:
-    """A text element; a letter with a subscript, like v_GY, is set as one."""
-    small = f'\\1<tspan dy="0.25em" font-size="{0.75 * size:g}">\\2</tspan><tspan dy="-0.19em">\u200b</tspan>'
-    shown = SUBSCRIPT.sub(small, escape(text))
-    place = f'x="{x:.2f}" y="{y:.2f}"' + (f' text-anchor="{anchor}"' if anchor != "start" else "")
-    return f'<text {place} font-size="{size:g}"{more}>{shown}</text>'
-
-
-def text_width(text: str, size: float = 12.0) -> float:
-    """About how long a text is."""
-    return 0.6 * size * len(text)
+def patch(colour: str, strength: float = 1.0) -> str:
+    """A filled key of the legend."""
+    return coloured(f'<rect width="18" height="10" fill-opacity="{strength:g}"/>', colour)
 
 
 def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:

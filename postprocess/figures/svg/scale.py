@@ -58,13 +58,17 @@ def round_ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def log_ticks(low: float, high: float, most: int) -> list[float]:
-    """Powers of ten between low and high; with 2 and 5 times these where that leaves few, round values within one."""
+    """Powers of ten between low and high; with 2 and 5 times these where that is not too many, or leaves one; else
+    round values."""
     first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
-    factors = (1.0, 2.0, 5.0) if 3 * (last - first) <= most else (1.0,)
     every = max(1, math.ceil((last - first) / most))
-    found = [factor * 10.0**power for power in range(first, last + 1, every) for factor in factors]
-    inside = [value for value in found if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
-    return inside if len(inside) > 1 else round_ticks(low, high, most)
+    tens = [10.0**power for power in range(first // every * every, last + 1, every)]
+    more = [factor * ten for ten in tens for factor in (1.0, 2.0, 5.0)]
+    for found in [more] if 3 * (last - first) <= most else [tens, more]:
+        inside = [value for value in found if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
+        if len(inside) > 1:
+            return inside
+    return round_ticks(low, high, most)
 
 
 def tick_texts(ticks: list[float], is_log: bool = False) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.figures.flexibility_plots import DOTS, RINGS, SweepAxis, SweepLine, draw_sweep
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from tailslap.planning.rigid import COMPARED
 from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.sweep import STARTS
@@ -26,14 +26,14 @@ MARKED = {"starts": LEVELS, "difference": LEVELS, "modal": LEVELS[:2]}
 """Levels that are marked."""
 
 
-def figures(found: FlexibilityResults) -> tuple[Curve, ...]:
+def figures(found: FlexibilityResults) -> tuple[Chart, ...]:
     """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
     shown = {"difference": COMPARED, "reaction": ("reaction",), "stored": ("stored",)}
     sizes = (_draw(found, name, [_size(found, each) for each in shown[name]]) for name in shown)
     return (_starts(found), *sizes, _draw(found, "modal", _modal(found)))
 
 
-def _starts(found: FlexibilityResults) -> Curve:
+def _starts(found: FlexibilityResults) -> Chart:
     """The largest difference of v_GY from each start; a plate failed where none of its starts passed."""
     lines = []
     for name, label in START_NAMES.items():
@@ -58,7 +58,7 @@ def _modal(found: FlexibilityResults) -> list[SweepLine]:
     ]
 
 
-def _draw(found: FlexibilityResults, name: str, lines: list[SweepLine], passed: Sequence[bool] = ()) -> Curve:
+def _draw(found: FlexibilityResults, name: str, lines: list[SweepLine], passed: Sequence[bool] = ()) -> Chart:
     """passed: of the points, where not those of the first start."""
     frequencies = [point.frequency for point in found.points]
     passed = passed or [point.passed for point in found.points]

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from postprocess.figures.flexibility_plots import SweepAxis, SweepLine, draw_sweep
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import known
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
@@ -119,7 +119,7 @@ def summary(found: ImpactFlexibility) -> dict[str, Any]:
     }
 
 
-def _figure(found: ImpactFlexibility) -> Curve:
+def _figure(found: ImpactFlexibility) -> Chart:
     frequencies, passed = zip(*((point.frequency, point.passed) for point in found.points), strict=True)
     lines = [
         SweepLine(

@@ -8,8 +8,8 @@ from dataclasses import asdict
 from itertools import combinations
 from typing import Any
 
-from postprocess.figures.map_plots import MapAxis, draw_legend, draw_map
-from postprocess.figures.style import Curve
+from postprocess.figures.map_plots import MapAxis, draw_map, draw_meanings
+from postprocess.figures.svg.chart import Chart
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, text_table
@@ -149,12 +149,12 @@ def _causes(found: Campaign) -> tuple[Table, Table]:
     return checks, text_table("Key", "Cells", rows=refused, title="Refused by")
 
 
-def _maps(found: Campaign) -> tuple[Curve, ...]:
+def _maps(found: Campaign) -> tuple[Chart, ...]:
     maps = tuple(_map(found, *pair) for pair in combinations(found.axes, 2))
-    return maps and (draw_legend(found.kinds, "What the colours mean, in every picture."), *maps)
+    return maps and (draw_meanings(found.kinds, "What the colours mean, in every picture"), *maps)
 
 
-def _map(found: Campaign, across: Axis, up: Axis) -> Curve:
+def _map(found: Campaign, across: Axis, up: Axis) -> Chart:
     columns, rows = (MapAxis(axis.meaning, axis.values) for axis in (across, up))
     name = f"map-{across.name}-{up.name}".replace(" ", "-")
     caption = f"{up.name} over {across.name}".capitalize()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from postprocess.figures.strike_plots import (
@@ -12,7 +14,7 @@ from postprocess.figures.strike_plots import (
     draw_inputs,
     draw_plates,
 )
-from postprocess.figures.style import Curve
+from postprocess.figures.svg.chart import Chart
 from tailslap.studies.strike.campaign import Curve as Varied
 from tailslap.studies.strike.campaign import StrikeResults
 from tailslap.studies.strike.limits import LABELS
@@ -22,34 +24,35 @@ from tailslap.studies.strike.rows import TAKEN
 
 UNITS = {quantity.name: quantity for quantity in QUANTITIES}
 SHOWN = {
-    "peaks": ("Peak lateral force of both strikes against each input alone", ("mean_50ms", "raw", "cfc60")),
-    "impulses": ("Impulse of both strikes against each input alone", ("impulse",)),
-    "durations": ("Duration of both strikes against each input alone", ("duration",)),
+    "peak [kN]": ("mean_50ms", "raw", "cfc60"),
+    "impulse [kN s]": ("impulse",),
+    "duration [ms]": ("duration",),
 }
-AXES = {"peaks": "peak [kN]", "impulses": "impulse [kN s]", "durations": "duration [ms]"}
+"""Quantities by the label of their axis."""
+
 PLATE_QUANTITIES = ("impulse", "raw", "mean_50ms", "duration")
 
 
-def curve_figures(found: StrikeResults) -> list[Curve]:
+def curve_figures(found: StrikeResults) -> list[Chart]:
     """Peaks, impulses and durations against each input alone."""
-    return [
-        draw_inputs(name, caption, AXES[name], [_panel(each, names) for each in found.curves])
-        for name, (caption, names) in SHOWN.items()
-    ]
+    return draw_inputs("Both strikes against", [_panel(each) for each in found.curves])
 
 
-def _panel(curve: Varied, names: tuple[str, ...]) -> InputPanel:
+def _panel(curve: Varied) -> InputPanel:
     label, unit, scale = LABELS[curve.input.key]
-    lines = {
-        strike: {UNITS[name].label: curve.columns[column(strike, name)] / UNITS[name].scale for name in names}
-        for strike in STRIKES
-    }
-    heading = f"{label} [{unit}]" if unit else label
+    lines = {axis: {strike: _quantities(curve, strike, SHOWN[axis]) for strike in STRIKES} for axis in SHOWN}
+    heading, key = f"{label} [{unit}]" if unit else label, curve.input.key
     values, own = curve.input.values / scale, curve.input.own / scale
-    return InputPanel(heading, values, own, curve.input.key == "contact.stiffness", lines)
+    name = "against-" + key.replace(".", "-").replace("_", "-")
+    return InputPanel(name, heading, values, own, key == "contact.stiffness", lines)
 
 
-def band_figure(found: StrikeResults) -> Curve:
+def _quantities(curve: Varied, strike: int, names: tuple[str, ...]) -> dict[str, Any]:
+    scales = {name: UNITS[name].scale for name in names}
+    return {UNITS[name].label: curve.columns[column(strike, name)] / scale for name, scale in scales.items()}
+
+
+def band_figure(found: StrikeResults) -> Chart:
     """Bands of the peaks, with the paper's rows beside those of the second strike."""
     bars = []
     for name in PEAKS:
@@ -67,7 +70,7 @@ def _dots(found: StrikeResults, name: str) -> list[tuple[str, float, bool]]:
     return [(row.row, row.measured / 1e3, row.projected) for row in found.rows if row.kind == kind]
 
 
-def plate_figures(found: StrikeResults) -> list[Curve]:
+def plate_figures(found: StrikeResults) -> list[Chart]:
     """Both strikes against the first frequency; none without a plate."""
     soft = [point for point in found.plates if np.isfinite(point.frequency) and point.values]
     if not soft:

@@ -58,9 +58,7 @@ def _sections(found: StrikeResults) -> list[Section]:
         inputs = sorted(found.bands.sources[MAIN], key=lambda item: -item.total)
         sensitivity = [draw_sensitivity(inputs, "the second strike's 50 ms mean")]
     return [
-        Section(
-            "Bands", figures=[band_figure(found)], tables=[bands_table(found.bands, found.own)], layout="tall"
-        ),
+        Section("Bands", figures=[band_figure(found)], tables=[bands_table(found.bands, found.own)]),
         Section("Inputs, and their shares of the variance", tables=[inputs_table(found.bands)]),
         Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
         Section("What was computed, and what it means", sentences=_sentences(found), layout="half"),
@@ -69,7 +67,7 @@ def _sections(found: StrikeResults) -> list[Section]:
             "" if found.rows else NOT_TL_4,
             tables=[rows_table(found.rows)] if found.rows else [],
         ),
-        Section("Each input alone", figures=curve_figures(found), layout="tall"),
+        Section("Each input alone", figures=curve_figures(found)),
         Section(
             "From 2 Hz to rigid",
             PLATES if found.plates else "",
@@ -78,7 +76,6 @@ def _sections(found: StrikeResults) -> list[Section]:
             sentences=[
                 f"{point.frequency:g} Hz: {', '.join(point.failed)}." for point in _failed(found.plates)
             ],
-            layout="tall",
         ),
     ]
 

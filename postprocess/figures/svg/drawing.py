@@ -1,0 +1,86 @@
+"""What marks and charts write: colours by name, paths, words; and the ranges of numbers.
+
+A colour is a name of `PALETTE`, which a page may give another colour (`page.css`, where it is dark), or "#rrggbb".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import Any
+from xml.sax.saxutils import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Range = tuple[float, float]
+
+PALETTE = {
+    "fe": "#14467c",
+    "rigid": "#c8720a",
+    "difference": "#8a1c3b",
+    "red": "#d8453a",
+    "green": "#1f8a54",
+    "violet": "#7d57a8",
+    "steel": "#6d89a8",
+    "grey": "#7b858f",
+    "soft": "#5b6570",
+    "ink": "#1b1f24",
+    "grid": "#e3e6ea",
+}
+NOTHING: Range = (np.inf, -np.inf)
+SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
+QUOTE = {'"': "&quot;"}
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+def extent(values: Floats) -> Range:
+    """Smallest and largest finite value; `NOTHING` without any."""
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if finite.size else NOTHING
+
+
+def path(places: Floats) -> str:
+    """Path through places, shape (n, 2), broken where they are not finite."""
+    sound = np.isfinite(places).all(axis=-1)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]).astype(int)))
+    pieces = []
+    for first, last in list(pairwise(ends))[::2]:
+        points = places[first:last].ravel().tolist()
+        pieces.append("M" + "L".join(["%.2f %.2f"] * (last - first)) % tuple(points))
+    return "".join(pieces)
+
+
+def named(label: str, values: Iterable[Any], at: Sequence[str] = ()) -> str:
+    """Attributes for pages that show values, and where these are, if `at` tells it; nothing without a label."""
+    if not label:
+        return ""
+    place = f' data-at="{_listed(at)}"' if len(at) else ""
+    return f'data-label="{escape(label, QUOTE)}" data-values="{_listed(values)}"{place} '
+
+
+def _listed(items: Iterable[Any]) -> str:
+    """Numbers and words with spaces between, and none within."""
+    texts = (item.replace(" ", NO_BREAK) if isinstance(item, str) else f"{item:.5g}" for item in items)
+    return escape(" ".join(texts), QUOTE)
+
+
+def coloured(elements: str, colour: str) -> str:
+    """Elements in a colour."""
+    name = f'class="{colour}" ' if colour in PALETTE else ""
+    return f'<g {name}color="{PALETTE.get(colour, colour)}" fill="currentColor">{elements}</g>'
+
+
+def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12.0, more: str = "") -> str:
+    """A text element; a letter with a subscript, like v_GY, is set as one."""
+    small = f'\\1<tspan dy="0.25em" font-size="{0.75 * size:g}">\\2</tspan><tspan dy="-0.19em">\u200b</tspan>'
+    shown = SUBSCRIPT.sub(small, escape(text))
+    place = f'x="{x:.2f}" y="{y:.2f}"' + (f' text-anchor="{anchor}"' if anchor != "start" else "")
+    return f'<text {place} font-size="{size:g}"{more}>{shown}</text>'
+
+
+def text_width(text: str, size: float = 12.0) -> float:
+    """About how long a text is."""
+    return 0.6 * size * len(text)
