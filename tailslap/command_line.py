@@ -167,8 +167,9 @@ commands.add_command(compare)
 def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as_json: bool) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
     from postprocess.files.summary import summary_text
+    from postprocess.report.units import US
     from tailslap.planning.affordable import demand_affordable, is_large
-    from tailslap.report.check_text import as_numbers, estimate_part, in_units
+    from tailslap.report.check_text import as_numbers, estimate_part
 
     analysis, plan = _planned(name, changes)
     scene, duration = plan.scene, analysis.duration(plan)
@@ -178,7 +179,7 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as
     if as_json:
         click.echo(summary_text(as_numbers(scene.name, lines)))
     else:
-        _say(in_units(lines, units), 13)
+        _say(lines if units == "si" else [US.said(line) for line in lines], 13)
     return DONE
 
 

@@ -23,7 +23,7 @@ def draw_ratios(ratios: Mapping[str, Any]) -> Chart:
     names = sorted(ratios, key=lambda name: -ratios[name].median)
     values = np.array([ratios[name].median for name in names])
     ends = np.array([(ratios[name].low, ratios[name].high) for name in names])
-    rows, low, high = heights(names), 0.95 * min(0.9, *ends[:, 0]), 1.35 * max(1.2, *ends[:, 1])
+    rows, low, high = heights(names), 0.95 * min(0.9, *ends[:, 0]), max(1.2, *ends[:, 1])
     ones = np.stack([np.ones_like(values), values], axis=-1)
     marks: list[Mark] = [
         bars("times the loop without it", rows, ones, "fe", values.tolist(), names, BAR),
@@ -35,5 +35,5 @@ def draw_ratios(ratios: Mapping[str, Any]) -> Chart:
         Words(text, max(1.0, right), row, (6.0, 3.5))
         for text, (_, right), row in zip(shown, ends, rows, strict=True)
     ]
-    x = Axis("times the loop without the part", low, high, is_log=True)
+    x = Axis("times the loop without the part", low, high * (high / low) ** 0.2, is_log=True)
     return draw_chart("features", caption, (row_plot(names, marks, ROW),), x, width=WIDTH)

@@ -19,6 +19,8 @@ from postprocess.report.terminal import Part, place_line, printed
 from postprocess.report.units import Units
 
 PAGE, SUMMARY = "report.html", "summary.json"
+SHOWN = ("figures", "tables", "sentences")
+"""Parts of a section that have units."""
 
 
 @dataclass(frozen=True)
@@ -46,16 +48,17 @@ def in_units(report: Report, units: Units) -> Report:
     """The report as people who think in other units read it; its files stay in SI."""
 
     def shown(part: Any) -> Any:
-        if isinstance(part, Table):
+        if isinstance(part, str):
+            return units.said(part)
+        if isinstance(part, Table | Chart):
             return part.in_units(units)
-        if isinstance(part, Chart):
-            return part.in_units(units.of)
         if isinstance(part, Section):
-            tables, figures = ([shown(each) for each in parts] for parts in (part.tables, part.figures))
-            return replace(part, tables=tables, figures=figures)
+            parts: dict[str, Any] = {name: [shown(each) for each in getattr(part, name)] for name in SHOWN}
+            return replace(part, title=shown(part.title), lead=shown(part.lead), **parts)
         return part
 
-    page = replace(report.page, sections=[shown(section) for section in report.page.sections])
+    sections = [shown(section) for section in report.page.sections]
+    page = replace(report.page, headline=shown(report.page.headline), sections=sections)
     return replace(report, page=page, terminal=tuple(shown(part) for part in report.terminal))
 
 

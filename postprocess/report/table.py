@@ -28,7 +28,7 @@ class Column:
     form : str or callable
         Format specification of a number, or a function that gives the text; "" for words, which stand to the left.
     style : str
-        "strong" or "soft" on pages.
+        "strong", "soft" or, for words in one line, "whole" on pages.
     group : str
         Heading over several neighbours.
     below : Column, optional
@@ -68,6 +68,10 @@ class Column:
 
     def text(self, record: Any) -> str:
         """The entry as people read it."""
+        text = self._text(record)
+        return text if self.units is SI else self.units.said(text)
+
+    def _text(self, record: Any) -> str:
         value = self.value(record)
         if self.is_unit:
             return self.units.of(value)[1]
@@ -126,7 +130,8 @@ class Table:
             replace(column, units=units, below=column.below and replace(column.below, units=units))
             for column in self.columns
         ]
-        return replace(self, columns=tuple(columns))
+        notes = tuple(units.said(note) for note in self.notes)
+        return replace(self, columns=tuple(columns), title=units.said(self.title), notes=notes)
 
     def records(self) -> list[dict[str, Any]]:
         """The entries as they are, by key: what JSON and other files hold."""

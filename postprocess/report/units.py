@@ -6,10 +6,15 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 FOOT, POUND, KIP = 0.3048, 0.45359237, 4448.2216152605
 """[m], [kg], [N]; 1 kip is 1000 lbf."""
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
+NUMBER = rf"[+\-−]?(?:\d{{1,3}}(?:[ {NO_BREAK}]\d{{3}})+|\d+(?:\.\d+)?(?:e[+\-]?\d+)?)"
+ANOTHER = rf"(?:,|,?[ {NO_BREAK}](?:to|and|by))[ {NO_BREAK}]{NUMBER}"
+CODE = re.compile(r"(`[^`]+`)")
 POWER = re.compile(r"^(10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) (.*)$")
 
 
@@ -29,6 +34,38 @@ class Units:
             factor, name = self.others[power[2]]
             return factor, f"{power[1]} {name}"
         return 1.0, unit
+
+    def said(self, text: str) -> str:
+        """A text with its values in these units, and of as many digits, but three at least; `keys` stay as they are."""
+        parts = CODE.split(text)
+        parts[::2] = [_values(tuple(self.others)).sub(self._value, part) for part in parts[::2]]
+        return "".join(parts)
+
+    def _value(self, found: re.Match[str]) -> str:
+        """One or several numbers with their unit."""
+        factor, name = self.others[found["unit"].replace(NO_BREAK, " ")]
+        numbers = re.sub(NUMBER, lambda number: _scaled(number[0], factor), found["numbers"])
+        return f"{numbers}{found['gap']}{name}"
+
+
+@cache
+def _values(units: tuple[str, ...]) -> re.Pattern[str]:
+    """Numbers with one of these units, the longest that fits."""
+    names = "|".join(re.escape(unit) for unit in sorted(units, key=len, reverse=True))
+    return re.compile(
+        rf"(?<![\w.\-−])(?P<numbers>{NUMBER}(?:{ANOTHER})*)(?P<gap>[ {NO_BREAK}])(?P<unit>{names})(?![\w/^])"
+    )
+
+
+def _scaled(text: str, factor: float) -> str:
+    """A number in another unit, with as many digits, but three at least."""
+    digits = re.sub(r"\D", "", text.split("e")[0]).lstrip("0")
+    value = factor * float(text.replace("−", "-").replace(" ", "").replace(NO_BREAK, ""))
+    shown = f"{value:.{max(3, len(digits))}g}"
+    between = re.sub(r"[^\s]", "", text)[:1]
+    if abs(value) >= 1e3 and (between or "e" in shown):
+        shown = f"{float(shown):,.0f}".replace(",", between)
+    return shown.replace("-", "−", 1) if "−" in text else shown
 
 
 SI = Units(
@@ -53,6 +90,8 @@ US = Units(
             "N/m": (FOOT / KIP, "kip/ft"),
             "N/m^2": (FOOT**2 / KIP, "kip/ft^2"),
         },
+        **{"MN/m": (1e6 * FOOT / KIP, "kip/ft"), "t": (1e3 / POUND, "lb")},
+        **{"GPa": (1e9 * (FOOT / 12.0) ** 2 / KIP, "ksi"), "MPa": (1e6 * (FOOT / 12.0) ** 2 / KIP, "ksi")},
         "kg m^2": (1.0 / (POUND * FOOT**2), "lb ft^2"),
         "rad": (180.0 / math.pi, "deg"),
     },

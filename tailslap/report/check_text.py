@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
-from postprocess.report.units import US
 from tailslap.planning.affordable import expected_memory, expected_nodes
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.effort import expected_effort
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
 
 LABEL = 13
 """Columns of a label."""
-
-VALUE = re.compile(r"(?<![\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) (m/s|m|kg m\^2|kg|Pa|N/m|kN|N)(?![\w/^])")
 
 
 def rigid_part(plan: Plan, pictures: bool = True) -> list[str]:
@@ -88,16 +84,6 @@ def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:
     for line in lines[1:]:
         said.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
     return said
-
-
-def in_units(lines: list[str], units: str) -> list[str]:
-    """The lines in SI, or with units "us", with the same in US customary units behind each value."""
-    return lines if units == "si" else [VALUE.sub(_with_us, line) for line in lines]
-
-
-def _with_us(found: re.Match[str]) -> str:
-    factor, name = US.of(found[2])
-    return found[0] if name == found[2] else f"{found[0]} ({factor * float(found[1]):.4g} {name})"
 
 
 def _stiffness(fe_plan: FePlan) -> str:

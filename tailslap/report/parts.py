@@ -21,7 +21,7 @@ PEAKS = (
     Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
 )
 DESIGN = (
-    Column("name", "Design force"),
+    Column("name", "Design force", style="whole"),
     Column("force", "Lateral", "N", form="#.3g", style="strong"),
     Column("share", "FE over it", form=".2f"),
     Column("source", "Source", style="soft"),
@@ -41,7 +41,7 @@ FAILED = (
 )
 INPUTS = (
     Column("key", "Key", form=lambda key: f"`{key}`"),
-    Column("given", "As given"),
+    Column("given", "As given", form=lambda given: f"`{given}`" if given else ""),
     Column("value", "Value", form=lambda value: number(value, 6), unit_key="unit"),
     Column("unit", "Unit", is_unit=True),
     Column("origin", "From"),

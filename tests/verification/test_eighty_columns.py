@@ -96,6 +96,7 @@ def test_labels_hang(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     lines = labelled("steps        " + "many words " * 8, 13)
     assert all(line.startswith((" " * 13, "steps")) for line in lines)
+    assert labelled("no label here at all", 13) == ["no label here at all"]
     assert max(map(len, lines)) <= 40
 
 

@@ -6,8 +6,15 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.marks import Level, Line
+from postprocess.report.page import Page, Section
+from postprocess.report.report import Report, in_units
+from postprocess.report.table import Column, Table
+from postprocess.report.units import SI, US
 from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
@@ -80,6 +87,7 @@ def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixtu
     (peak,) = (line for line in lines if line[:2] == ["peak", "force"])
     (slide,) = (line for line in lines if line[:1] == ["slide"])
     (v_gx,) = (line for line in lines if line[:1] == ["v_GX"])
+    assert "Stage 1, impulse at the front corner" in text
     assert peak[3] == "kip"
     assert float(peak[2]) == pytest.approx(answer["stage3"]["peak_force"] / KIP, rel=1e-6)
     assert slide[2] == "ft"
@@ -89,6 +97,57 @@ def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixtu
     assert float(v_gx[3][1:]) == pytest.approx(answer["stage2"]["v_gx"] / MPH, rel=1e-6)
     for metric in (" m/s", "kN", " m\n"):
         assert metric not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("a peak of 445 kN.", "a peak of 100 kip."),
+        ("between 339 and 850 kN", "between 76.2 and 191 kip"),
+        ("4.5 to 5.5 m, 10 by 2.4 m", "14.8 to 18 ft, 32.8 by 7.87 ft"),
+        ("10 000 kg at 25.034 m/s", "22 046 lb at 82.133 ft/s"),
+        ("20 GPa; 2e+06 N/m", "2900 ksi; 137 kip/ft"),
+        ("−1.25 kN s, -2 mm", "−0.281 kip s, -0.0787 in."),
+        ("1.33 times the 50 ms mean of 8 Hz", "1.33 times the 50 ms mean of 8 Hz"),
+        ("as `impact.speed = 25 m/s` has it", "as `impact.speed = 25 m/s` has it"),
+        ("54.0 kip; x1 m; 3 m^2; TL-4 m", "54.0 kip; x1 m; 3 m^2; TL-4 m"),
+    ],
+)
+def test_sentences_say_american_units(text: str, expected: str) -> None:
+    """Values by the units' definitions, to as many digits, but three at least; `keys` as they are."""
+    assert US.said(text) == expected
+    assert US.said(text.replace(" ", "\N{NO-BREAK SPACE}")) == expected.replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def test_a_report_is_in_american_units_everywhere() -> None:
+    """Headline, lead, sentences, captions, cells, axes, ticks, and what charts say at the pointer."""
+    line = Line("445 kN", np.array([0.0, 445.0]), np.zeros(2), values=["445 kN"] * 2, at=["2 m", "3 m"])
+    chart = draw_chart("c", "2 m", (Plot((line, Level("", 445.0)), Axis("y [kN]")),), Axis("x [kN]"))
+    columns = (
+        Column("a", "a", form=str),
+        Column("b", "b", "N", form=".1f"),
+        Column("c", "c", form="`{}`".format),
+    )
+    table = Table(columns, [{"a": "2 m", "b": 445e3, "c": "2 m"}], "of 2 m", ("2 m",))
+    section = Section("2 m", "2 m", (chart,), (table,), ("2 m",))
+    page = Page("", "", "2 m", (section,), "")
+    shown = in_units(Report(page, {}, ("2 m", table)), US)
+    (part,) = shown.page.sections
+    (made,), (figure,) = part.tables, part.figures
+    assert {shown.page.headline, part.title, part.lead, *part.sentences, *made.notes} == {"6.56 ft"}
+    assert [column.text(made.rows[0]) for column in made.columns] == ["6.56 ft", "100.0", "`2 m`"]
+    assert (made.title, made.columns[1].heading, shown.terminal[0]) == ("of 6.56 ft", "b [kip]", "6.56 ft")
+    assert isinstance(figure, Chart)
+    for text in (
+        ">x [kip]<",
+        ">100 kip<",
+        ">100<",
+        'data-at="6.56\xa0ft 9.84\xa0ft"',
+        'data-values="100\xa0kip ',
+    ):
+        assert text in figure.svg
+    assert "kN" not in figure.svg
+    assert in_units(Report(page, {}, ()), SI).page.headline == "2 m"
 
 
 def test_si_stays_the_default() -> None:

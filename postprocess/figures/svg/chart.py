@@ -6,7 +6,7 @@ The text stands by itself as an SVG file, and goes into a page as it is: it has 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 from xml.sax.saxutils import escape
@@ -16,6 +16,7 @@ import numpy as np
 from postprocess.figures.svg.drawing import QUOTE, coloured, text_width, words
 from postprocess.figures.svg.marks import Level, Mark, found_ranges
 from postprocess.figures.svg.scale import Scale, fitted, tick_texts
+from postprocess.report.units import Units
 
 SIZE, SMALL = 12.0, 11.0
 """Letters of labels, and of ticks."""
@@ -108,17 +109,18 @@ class Chart:
     plots: tuple[Plot, ...] = field(default=(), compare=False)
     x: Axis = field(default=Axis(), compare=False)
 
-    def in_units(self, convert: Callable[[str], tuple[float, str]]) -> Chart:
-        """The same in other units; convert: unit -> how many of another one it is, and what that is called."""
-        along, x_unit = convert(self.x.unit)
+    def in_units(self, units: Units) -> Chart:
+        """The same in other units."""
+        along, x_unit = units.of(self.x.unit)
         plots = []
         for plot in self.plots:
-            up, unit = convert(plot.y.unit)
+            up, unit = units.of(plot.y.unit)
             marks = tuple(mark.scaled(along, up) for mark in plot.marks)
             plots.append(replace(plot, marks=marks, y=plot.y.scaled(up, unit)))
-        return draw_chart(
-            self.name, self.caption, plots, self.x.scaled(along, x_unit), self.group, self.width
+        drawn = draw_chart(
+            self.name, units.said(self.caption), plots, self.x.scaled(along, x_unit), self.group, self.width
         )
+        return replace(drawn, svg=units.said(drawn.svg))
 
 
 def draw_chart(

@@ -53,9 +53,9 @@ def path(places: Floats) -> str:
     return "".join(pieces)
 
 
-def named(label: str, values: Iterable[Any], at: Sequence[str] = ()) -> str:
-    """Attributes for pages that show values, and where these are, if `at` tells it; nothing without a label."""
-    if not label:
+def named(label: str, values: Sequence[Any] | Floats, at: Sequence[str] = ()) -> str:
+    """Attributes for pages that show values, and where these are, if `at` tells it; nothing without label or values."""
+    if not (label and len(values)):
         return ""
     place = f' data-at="{_listed(at)}"' if len(at) else ""
     return f'data-label="{escape(label, QUOTE)}" data-values="{_listed(values)}"{place} '
@@ -74,7 +74,9 @@ def coloured(elements: str, colour: str) -> str:
 
 
 def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12.0, more: str = "") -> str:
-    """A text element; a letter with a subscript, like v_GY, is set as one."""
+    """A text element; a letter with a subscript, like v_GY, is set as one. No element for no text."""
+    if not text:
+        return ""
     small = f'\\1<tspan dy="0.25em" font-size="{0.75 * size:g}">\\2</tspan><tspan dy="-0.19em">\u200b</tspan>'
     shown = SUBSCRIPT.sub(small, escape(text))
     place = f'x="{x:.2f}" y="{y:.2f}"' + (f' text-anchor="{anchor}"' if anchor != "start" else "")

@@ -11,7 +11,7 @@ from postprocess.figures.svg.drawing import Floats, extent
 from postprocess.figures.svg.marks import Swatch
 from postprocess.figures.svg.scale import Scale, tick_texts
 
-COUNT = 64
+COUNT = 65
 """Colours of a scale."""
 
 UNIFORM = 1e-3

@@ -160,7 +160,7 @@ def _terminal(found: StrikeResults) -> tuple[Any, ...]:
         parts.append(
             plates_table(
                 found,
-                "The plate from soft to rigid: 50 ms mean [kN], impulse [kN s], duration [ms]",
+                "The plate from soft to rigid",
                 short=True,
             )
         )

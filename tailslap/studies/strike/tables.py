@@ -22,9 +22,12 @@ SHARE = known(".2f")
 BANDS = (
     Column("strike", "Strike"),
     Column("quantity", "Quantity"),
-    Column("own", "Scene", form=".1f", style="strong"),
-    *(Column(f"percentiles.{k}", f"{p} %", form=".1f", group="Band") for k, p in enumerate(PERCENTILES)),
-    Column("unit", "Unit"),
+    Column("own", "Scene", form=".1f", style="strong", unit_key="unit"),
+    *(
+        Column(f"percentiles.{k}", f"{p} %", form=".1f", group="Band", unit_key="unit")
+        for k, p in enumerate(PERCENTILES)
+    ),
+    Column("unit", "Unit", is_unit=True),
     Column("source", "Most of the variance from"),
     Column("share", "Index", form=SHARE),
 )
@@ -159,7 +162,7 @@ def plates_table(found: StrikeResults, title: str = "", short: bool = False) -> 
         Column(
             column(s, q.name),
             q.label.replace(" mean", ""),
-            "" if short else q.unit,  # in the title
+            q.unit,
             form=known(".1f"),
             group=f"Strike {s}",
         )
