@@ -47,10 +47,10 @@ def place_line(label: str, place: object) -> str:
 
 
 def labelled(text: str, indent: int) -> list[str]:
-    """A line of a label and what it says, the further lines below the latter; one without a label as a sentence."""
+    """A line of a label and what it says, the further lines below the latter; one without a label as it begins."""
     if text[indent - 1 : indent] != " ":
-        return wrapped(text) or [text]
-    return wrapped(text[indent:].strip(), text[:indent])
+        indent = len(text) - len(text.lstrip())
+    return wrapped(text[indent:].strip(), text[:indent]) or [text]
 
 
 def _single(part: Part) -> Iterator[Table | Finding | str]:

@@ -90,7 +90,11 @@ US = Units(
             "N/m": (FOOT / KIP, "kip/ft"),
             "N/m^2": (FOOT**2 / KIP, "kip/ft^2"),
         },
-        **{"MN/m": (1e6 * FOOT / KIP, "kip/ft"), "t": (1e3 / POUND, "lb")},
+        **{
+            "kN/m": (1e3 * FOOT / KIP, "kip/ft"),
+            "MN/m": (1e6 * FOOT / KIP, "kip/ft"),
+            "t": (1e3 / POUND, "lb"),
+        },
         **{"GPa": (1e9 * (FOOT / 12.0) ** 2 / KIP, "ksi"), "MPa": (1e6 * (FOOT / 12.0) ** 2 / KIP, "ksi")},
         "kg m^2": (1.0 / (POUND * FOOT**2), "lb ft^2"),
         "rad": (180.0 / math.pi, "deg"),

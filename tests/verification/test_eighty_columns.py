@@ -96,7 +96,8 @@ def test_labels_hang(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     lines = labelled("steps        " + "many words " * 8, 13)
     assert all(line.startswith((" " * 13, "steps")) for line in lines)
-    assert labelled("no label here at all", 13) == ["no label here at all"]
+    assert labelled("  no label here at all" * 2, 13) == ["  no label here at all  no label here at", "  all"]
+    assert labelled("", 13) == [""]
     assert max(map(len, lines)) <= 40
 
 

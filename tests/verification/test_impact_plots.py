@@ -13,7 +13,7 @@ from postprocess.figures.impact.animation import MAX_FRAMES, write_animation
 from postprocess.figures.impact.energy import draw_energies
 from postprocess.figures.impact.forces import draw_forces, draw_loops
 from postprocess.figures.impact.positions import draw_positions, vehicle_outlines
-from postprocess.figures.impact.side_force import draw_side_force
+from postprocess.figures.impact.side_force import COLUMNS, draw_side_force
 from postprocess.figures.impact.strikes import StrikeMark
 
 pytestmark = pytest.mark.verification
@@ -117,14 +117,17 @@ def test_layers_end_at_what_was_given_up() -> None:
 
 
 def test_contact_of_one_instant_is_seen() -> None:
-    """The image keeps the largest force of each of its columns, and is one image however many instants there are."""
+    """A cell keeps the largest force of its time, and there are few however many instants there are."""
     force = np.zeros((T.size, 5))
     plain = draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN").svg
     force[1777, 2] = 300.0
     svg = draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES).svg
-    assert svg.count("<image") <= 2
+    assert "data-values" not in plain
+    assert found('data-label="force" data-values="([^"]*)"', svg) == "300\N{NO-BREAK SPACE}kN"
+    time, place = found('data-at="([^"]*)"', svg).replace("\N{NO-BREAK SPACE}", " ").split("; ")
+    assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / COLUMNS), "5 m")
     assert "300 kN" in texts(svg)
-    assert re.findall(r"base64,[^\"]+", svg) != re.findall(r"base64,[^\"]+", plain)
+    assert len(svg) < len(plain) + 1500
 
 
 @pytest.mark.parametrize(("instants", "frames"), [(7, 7), (MAX_FRAMES + 30, MAX_FRAMES)])

@@ -20,7 +20,7 @@ from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import rigid_answer, rigid_lines
 from tailslap.scene.files import read_scene
-from tailslap.scene.us_units import converted, shown
+from tailslap.scene.us_units import shown
 
 pytestmark = pytest.mark.verification
 
@@ -61,14 +61,26 @@ def test_a_force_is_no_mass_and_no_stress(change: str) -> None:
         read_scene("mash-tl4-sut", (change,))
 
 
-def test_definitions() -> None:
-    assert converted(FOOT, "m") == ((pytest.approx(1.0, rel=1e-14), "ft"),)
-    assert converted(MPH, "m/s") == (
-        (pytest.approx(5280 / 3600, rel=1e-14), "ft/s"),
-        (pytest.approx(1.0, rel=1e-14), "mph"),
-    )
-    assert converted(KIP, "N") == ((pytest.approx(1.0, rel=1e-14), "kip"),)
-    assert converted(-2.0 * KIP, "N s") == ((pytest.approx(-2.0, rel=1e-14), "kip s"),)
+@pytest.mark.parametrize(
+    ("unit", "size"),
+    [
+        *(
+            ("m", FOOT),
+            ("m/s", FOOT),
+            ("N", KIP),
+            ("N s", KIP),
+            ("J", KIP * FOOT),
+            ("kg", POUND),
+            ("Pa", KSI),
+        ),
+        *(("mm", 1e3 * INCH), ("kN", KIP / 1e3), ("kg/m^3", POUND / FOOT**3), ("N/m", KIP / FOOT)),
+        *(("MN/m", KIP / FOOT / 1e6), ("kN/m", KIP / FOOT / 1e3), ("GPa", KSI / 1e9), ("MPa", KSI / 1e6)),
+        *(("t", POUND / 1e3), ("kg m^2", POUND * FOOT**2), ("kN s", KIP / 1e3), ("kJ", KIP * FOOT / 1e3)),
+    ],
+)
+def test_definitions(unit: str, size: float) -> None:
+    """How many of the American unit one of the SI unit is."""
+    assert US.of(unit)[0] * size == pytest.approx(1.0, rel=1e-14)
 
 
 def test_what_is_shown() -> None:
@@ -76,7 +88,8 @@ def test_what_is_shown() -> None:
     assert shown(653321.7, "N") == "653.3217 kN"
     assert shown(KIP * 100.0, "N", "us") == "100 kip"
     assert shown(56 * MPH, "m/s", "us") == "82.13333 ft/s (56 mph)"
-    assert shown(0.25, "rad", "us", width=8) == "    0.25 rad"
+    assert shown(np.pi / 12.0, "rad", "us", width=8) == "      15 deg"
+    assert shown(np.pi / 12.0, "rad") == "15 deg"
 
 
 def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixture[str]) -> None:

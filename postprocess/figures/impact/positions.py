@@ -51,7 +51,7 @@ def draw_positions(
     rows = low[1] - ROW * np.arange(len(strikes))
     low[1] -= ROW * len(strikes)
     wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
-    marks: list[Mark] = [Outline(wall, "grey", fill=0.25)]
+    marks: list[Mark] = [Outline(wall[:, 0], wall[:, 1], "grey", fill=0.25)]
     marks += [] if path is None else [Line("", path[:, 0], path[:, 1], "soft", 0.8, "4 3")]
     for number, (outline, instant) in enumerate(zip(outlines, instants, strict=True)):
         marks += _position(outline, instant, (number + 1) / len(outlines), high[1])
@@ -68,7 +68,7 @@ def _position(outline: Floats, instant: float, shade: float, top: float) -> list
     x, y = outline[outline[:, 0].argmax()]
     foot = top - 0.5 * TOP
     return [
-        Outline(outline, "fe", 0.25 + 0.75 * shade),
+        Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade),
         Line("", np.array([x, x]), np.array([y, foot]), "steel", 0.7, "1 2"),
         Words(f"{instant:.2f} s", x, foot, (0.0, -3.0), "middle", "fe"),
     ]

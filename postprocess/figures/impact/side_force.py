@@ -1,30 +1,27 @@
-"""Contact force along the vehicle's side over time, as an image."""
+"""Contact force along the vehicle's side over time, as cells."""
 
-import struct
-import zlib
+from __future__ import annotations
+
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from postprocess.contours.viridis import viridis
 from postprocess.figures.impact.forces import START, WIDE
 from postprocess.figures.impact.strikes import StrikeMark, shaded
 from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
-from postprocess.figures.svg.marks import Image, Swatch
-from postprocess.figures.svg.scale import round_ticks
+from postprocess.figures.svg.drawing import Floats
+from postprocess.figures.svg.marks import Boxes
+from postprocess.figures.svg.shades import Shades
 
-Floats = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
-
-COLUMNS = 600
-"""Columns of the image; each is the largest force of its time."""
+COLUMNS = 240
+"""Columns of cells at most; each is the largest force of its time."""
 
 
 def draw_side_force(
     t: Floats, distances: Floats, force: Floats, unit: str, strikes: Sequence[StrikeMark] = ()
 ) -> Chart:
-    """Force at each distance from the front and instant; nothing where there is none.
+    """Force at each distance from the front and instant, the largest darkest; nothing where there is none.
 
     t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force, shape (n, k), in `unit`, for
     example "kN" of each node or "kN/m".
@@ -32,39 +29,18 @@ def draw_side_force(
     caption = "Contact force along the side that faces the wall, over time"
     edges = np.concatenate([distances[:1], 0.5 * (distances[1:] + distances[:-1]), distances[-1:]])
     starts = np.unique(np.linspace(0, t.size, min(COLUMNS, t.size), endpoint=False).astype(int))
-    table = np.maximum.reduceat(force, starts, axis=0).T
-    most = float(table.max()) or 1.0
-    rows = np.searchsorted(edges, np.linspace(edges[0], edges[-1], 4 * distances.size + 1)[:-1], "right") - 1
-    image = Image(_png(_coloured(table[rows] / most)), (t[0], t[-1]), (edges[0], edges[-1]))
-    keys = [
-        Swatch(f"{value:g} {unit}", "#" + _coloured(np.array([value / most])).tobytes()[:3].hex())
-        for value in round_ticks(0.0, most, 5)[1:]
-    ]
+    table, times = np.maximum.reduceat(force, starts, axis=0), np.append(t[starts], t[-1])
+    column, row = np.nonzero(table > 0.0)
+    pressed, shades = table[column, row], Shades(float(table.max()) or 1.0, 0.0)
+    cells = Boxes(
+        "force",
+        np.stack([times[column], times[column + 1]], axis=-1),
+        np.stack([edges[row], edges[row + 1]], axis=-1),
+        shades.colours(pressed),
+        [f"{value:.4g} {unit}" for value in pressed],
+        [f"{time:.4g} s; {place:.4g} m" for time, place in zip(times[column], distances[row], strict=True)],
+    )
+    x = replace(START, high=float(t[-1]))
     y = Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
-    plot = Plot((*keys, image, *shaded(strikes)), y, 200.0, has_grid=False)
-    return draw_chart("side-force", caption, (plot,), START, "Force", WIDE)
-
-
-def _coloured(shares: Floats) -> Bytes:
-    """Red, green, blue and cover of each share of the largest force, shape (..., 4); clear where there is none. The
-    largest is the darkest."""
-    colours = np.rint(255.0 * np.pad(viridis(256)[::-1], ((0, 0), (0, 1)), constant_values=1.0))
-    found = colours[np.rint(255.0 * np.clip(shares, 0.0, 1.0)).astype(int)]
-    found[shares <= 0.0] = 0.0
-    return found.astype(np.uint8)
-
-
-def _png(pixels: Bytes) -> bytes:
-    """PNG file of pixels, shape (rows, columns, 4)."""
-    rows, columns = pixels.shape[:2]
-    lines = np.zeros((rows, 1 + 4 * columns), np.uint8)
-    lines[:, 1:] = pixels.reshape(rows, -1)
-    parts = (
-        (b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 6, 0, 0, 0)),
-        (b"IDAT", zlib.compress(lines.tobytes(), 9)),
-        (b"IEND", b""),
-    )
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in parts
-    )
+    plot = Plot((*shades.keys(unit), cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
+    return draw_chart("side-force", caption, (plot,), x, "Force", WIDE)

@@ -1,18 +1,20 @@
-"""What a plot shows: lines, layers, boxes, shaded times, levels, outlines, words, images; each a record that draws
+"""What a plot shows: lines, layers, boxes, shaded times, levels, outlines, words; each a record that draws
 itself in a colour of `drawing`."""
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import compress
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from postprocess.figures.svg.drawing import NOTHING, Floats, Range, coloured, extent, named, path, words
+from postprocess.figures.svg.drawing import Floats, Range, coloured, extent, named, path, words
 from postprocess.figures.svg.scale import Scale
+
+SMALL = 4.0
+"""Pixels of a box."""
 
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
 
@@ -21,14 +23,19 @@ class Mark:
     """Something drawn in a plot. Its label stands in the legend, if it has a key; ranges are of its finite values."""
 
     label: str
+    ACROSS: ClassVar[tuple[str, ...]] = ()
+    UP: ClassVar[tuple[str, ...]] = ()
 
     def ranges(self) -> tuple[Range, Range]:
-        """Smallest and largest x and y; none unless a kind of mark has its own."""
-        return NOTHING, NOTHING
+        """Smallest and largest x and y, of the entries that ACROSS and UP name."""
+        along, up = ([np.ravel(getattr(self, name)) for name in names] for names in (self.ACROSS, self.UP))
+        return extent(np.concatenate([np.zeros(0), *along])), extent(np.concatenate([np.zeros(0), *up]))
 
     def scaled(self, along: float, up: float) -> Mark:
         """The same with x and y so many times as large."""
-        return self
+        changed = {name: along * np.asarray(getattr(self, name)) for name in self.ACROSS}
+        changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
+        return replace(self, **changed)  # type: ignore[type-var]
 
     def draw(self, x: Scale, y: Scale) -> str:
         """SVG elements."""
@@ -44,6 +51,8 @@ class Line(Mark):
     """A line through points, shape (n,), with gaps where they are not finite. Pages show y of each, or `values`, and
     where it is, or `at`. width: 0 for points alone; dots: their radius."""
 
+    ACROSS = ("x",)
+    UP = ("y",)
     label: str
     x: Floats
     y: Floats
@@ -53,14 +62,6 @@ class Line(Mark):
     dots: float = 0.0
     values: Sequence[Any] = ()
     at: Sequence[str] = ()
-
-    def ranges(self) -> tuple[Range, Range]:
-        """Of its points."""
-        return extent(self.x), extent(self.y)
-
-    def scaled(self, along: float, up: float) -> Line:
-        """With all x and y so many times as large."""
-        return replace(self, x=along * self.x, y=up * self.y)
 
     def draw(self, x: Scale, y: Scale) -> str:
         """A path, and dots at its points where it has any; of dots alone each is a stroke of no length."""
@@ -90,20 +91,14 @@ class Line(Mark):
 class Layer(Mark):
     """What lies between two lines over the same x, shape (n,); the value shown on pages is their distance."""
 
+    ACROSS = ("x",)
+    UP = ("low", "high")
     label: str
     x: Floats
     low: Floats
     high: Floats
     colour: str = "steel"
     strength: float = 0.7
-
-    def ranges(self) -> tuple[Range, Range]:
-        """Of both lines."""
-        return extent(self.x), extent(np.concatenate([self.low, self.high]))
-
-    def scaled(self, along: float, up: float) -> Layer:
-        """With all x and y so many times as large."""
-        return replace(self, x=along * self.x, low=up * self.low, high=up * self.high)
 
     def draw(self, x: Scale, y: Scale) -> str:
         """The upper line forth, the lower line back."""
@@ -123,6 +118,8 @@ class Boxes(Mark):
     """Bars and cells: boxes between two values of x and two of y, shape (n, 2) each, all of one colour or each of its
     own. Pages show the value of each, and where it is; strength: how much covers what is behind."""
 
+    ACROSS = ("x",)
+    UP = ("y",)
     label: str
     x: Floats
     y: Floats
@@ -131,19 +128,11 @@ class Boxes(Mark):
     at: Sequence[str] = ()
     strength: float = 1.0
 
-    def ranges(self) -> tuple[Range, Range]:
-        """Of all boxes."""
-        return extent(self.x), extent(self.y)
-
-    def scaled(self, along: float, up: float) -> Boxes:
-        """With all x and y so many times as large."""
-        return replace(self, x=along * self.x, y=up * self.y)
-
     def draw(self, x: Scale, y: Scale) -> str:
-        """A path a colour, each box a little smaller than it is, and an unseen one through the centres."""
+        """A path a colour, with a gap between boxes that are not small, and an unseen one through the centres."""
         left, right = np.sort(x.at(self.x)).T
         top, bottom = np.sort(y.at(self.y)).T
-        gap = np.minimum(0.4, 0.1 * np.minimum(right - left, bottom - top))
+        gap = np.where(np.minimum(right - left, bottom - top) < SMALL, 0.0, 0.4)
         edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
         drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
         colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
@@ -163,21 +152,19 @@ class Boxes(Mark):
         return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
 
     def _look(self) -> str:
-        return f' fill-opacity="{self.strength:g}"' if self.strength < 1.0 else ""
+        crisp = "" if self.strength < 1.0 else ' shape-rendering="crispEdges"'
+        return f' fill-opacity="{self.strength:g}"{crisp}'
 
 
 @dataclass(frozen=True)
 class Span(Mark):
     """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top."""
 
+    ACROSS = ("start", "end")
     label: str
     start: float
     end: float
     colour: str = "soft"
-
-    def scaled(self, along: float, up: float) -> Span:
-        """With its ends so many times as large."""
-        return replace(self, start=along * self.start, end=along * self.end)
 
     def draw(self, x: Scale, y: Scale) -> str:
         """The band, and the name at its top."""
@@ -194,17 +181,10 @@ class Span(Mark):
 class Level(Mark):
     """A line across the plot at a value of y, its name beside the plot."""
 
+    UP = ("value",)
     label: str
     value: float
     colour: str = "difference"
-
-    def ranges(self) -> tuple[Range, Range]:
-        """Its value."""
-        return NOTHING, (self.value, self.value)
-
-    def scaled(self, along: float, up: float) -> Level:
-        """With a value so many times as large."""
-        return replace(self, value=up * self.value)
 
     def draw(self, x: Scale, y: Scale) -> str:
         """The line; charts set the name, which may have to make room for others."""
@@ -215,25 +195,20 @@ class Level(Mark):
 
 @dataclass(frozen=True)
 class Outline(Mark):
-    """A closed polygon, shape (n, 2), its area faintly filled."""
+    """A closed polygon through points, shape (n,), its area faintly filled."""
 
-    points: Floats
+    ACROSS = ("x",)
+    UP = ("y",)
+    x: Floats
+    y: Floats
     colour: str = "fe"
     strength: float = 1.0
     fill: float = 0.04
     label: str = ""
 
-    def ranges(self) -> tuple[Range, Range]:
-        """Of its corners."""
-        return extent(self.points[:, 0]), extent(self.points[:, 1])
-
-    def scaled(self, along: float, up: float) -> Outline:
-        """With all x and y so many times as large."""
-        return replace(self, points=self.points * (along, up))
-
     def draw(self, x: Scale, y: Scale) -> str:
         """A closed path."""
-        edge = path(np.stack([x.at(self.points[:, 0]), y.at(self.points[:, 1])], axis=-1))
+        edge = path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" '
         return coloured(f'<path d="{edge}Z" {look}stroke-opacity="{self.strength:.3g}"/>', self.colour)
 
@@ -242,6 +217,8 @@ class Outline(Mark):
 class Words(Mark):
     """A text at a point, shifted by pixels, y downwards; anchor: "start", "middle" or "end"."""
 
+    ACROSS = ("x",)
+    UP = ("y",)
     label: str
     x: float
     y: float
@@ -250,45 +227,10 @@ class Words(Mark):
     colour: str = "ink"
     size: float = 10.0
 
-    def ranges(self) -> tuple[Range, Range]:
-        """Those of its point."""
-        return (self.x, self.x), (self.y, self.y)
-
-    def scaled(self, along: float, up: float) -> Words:
-        """With x and y so many times as large."""
-        return replace(self, x=along * self.x, y=up * self.y)
-
     def draw(self, x: Scale, y: Scale) -> str:
         """The text, with an edge that sets it off from lines."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
         return coloured(words(self.label, across, down, self.anchor, self.size, HALO), self.colour)
-
-
-@dataclass(frozen=True)
-class Image(Mark):
-    """A PNG image between two values of x and of y, its rows from the first y to the last."""
-
-    png: bytes = field(repr=False)
-    x: Range
-    y: Range
-    label: str = ""
-
-    def ranges(self) -> tuple[Range, Range]:
-        """Its own."""
-        return self.x, (min(self.y), max(self.y))
-
-    def scaled(self, along: float, up: float) -> Image:
-        """With its ends so many times as large."""
-        (left, right), (first, last) = self.x, self.y
-        return replace(self, x=(along * left, along * right), y=(up * first, up * last))
-
-    def draw(self, x: Scale, y: Scale) -> str:
-        """The image, stretched."""
-        left, right = x.at(self.x)
-        top, bottom = sorted(y.at(self.y))
-        box = f'x="{left:.2f}" y="{top:.2f}" width="{right - left:.2f}" height="{bottom - top:.2f}"'
-        data = "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
-        return f'<image {box} preserveAspectRatio="none" style="image-rendering:pixelated" href="{data}"/>'
 
 
 @dataclass(frozen=True)
