@@ -73,8 +73,18 @@ def test_the_loop_goes_on_with_the_same_bits(at: int) -> None:
     np.testing.assert_array_equal(resumed.strike.velocities, whole.strike.velocities)
 
 
-def test_a_whole_impact_goes_on_with_the_same_bits() -> None:
-    scene = ("time.end=0.4", "plate.elements=[8,3]")
+WALL_THAT_GIVES = (
+    "wall.length=36 m",
+    "wall.depth=0.3 m",
+    "wall.height=1 m",
+    "wall.elements=[60,1]",
+    "wall.foundation_stiffness=100 MN/m^2",
+)
+
+
+@pytest.mark.parametrize("wall", [(), WALL_THAT_GIVES], ids=["rigid wall", "wall that gives"])
+def test_a_whole_impact_goes_on_with_the_same_bits(wall: tuple[str, ...]) -> None:
+    scene = ("time.end=0.4", "plate.elements=[8,3]", *wall)
     fe_plan = make_impact_fe_plan(make_impact_plan(*read_scene("impact-mash-tl4-sut", scene)))
 
     def run(keeper: Any) -> Any:
