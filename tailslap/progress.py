@@ -1,4 +1,4 @@
-"""Signs of life on standard error: on a terminal a line that moves, for what takes over two seconds.
+"""Signs of life on standard error: on a terminal a line that moves, for what takes over a second.
 
 One line at a time: what runs within something that shows its progress is silent. The environment variable `MODE` says
 how: "auto"; "lines", from time to time a line also where standard error is no terminal; or "none"."""
@@ -15,7 +15,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 Write = Callable[[float, Callable[[], str]], None]
 """Takes how much is done, and what makes the label, which is called where they are shown."""
 
-DELAY, EVERY = 2.0, 0.1
+DELAY, EVERY = 1.0, 0.1
 """Seconds before anything is shown, and between two states of the line."""
 
 LOGGED_EVERY, ASKED_EVERY = 30.0, 5.0

@@ -14,6 +14,7 @@ import tailslap
 from tailslap.errors import InputError, Verbatim
 from tailslap.execution.worker import make_ready
 from tailslap.machine import available_cores
+from tailslap.progress import announced
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -42,12 +43,18 @@ def connected(cluster: str | None, workers: int | None) -> Iterator[Client]:
     None: as many as this process may use cores. All workers have been asked for their version of this program.
     Raises InputError for a scheduler that does not reply, or for workers with another version.
     """
-    import dask
-    import distributed  # noqa: F401  its own settings must be there before ours, which are taken back at the end
+    starting = "Connecting to the scheduler ..." if cluster else "Starting processes ..."
+    with contextlib.ExitStack() as stack:
+        with announced(starting):
+            import dask
+            import distributed  # noqa: F401  its own settings must be there before ours, which are taken back at the end
 
-    with _quiet(), dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
-        client = stack.enter_context(_remote(cluster) if cluster else _local(workers or available_cores()))
-        _check_versions(client, cluster)
+            stack.enter_context(_quiet())
+            stack.enter_context(dask.config.set(SETTINGS))
+            client = stack.enter_context(
+                _remote(cluster) if cluster else _local(workers or available_cores())
+            )
+            _check_versions(client, cluster)
         yield client
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -30,16 +31,17 @@ def run_parts(
     if not left:
         return
     count = min(workers or available_cores(), len(left))
-    with counted(label, len(parts), len(parts) - len(left)) as show:
+    with contextlib.ExitStack() as stack:
+        client = stack.enter_context(connected(None, count)) if count > 1 else None
+        show = stack.enter_context(counted(label, len(parts), len(parts) - len(left)))
 
         def take(records: Mapping[Key, Any]) -> None:
             journal.records.add(records)
             show(len(journal.records))
 
-        if count > 1:
-            with connected(None, count) as client:
-                work = Work(function, left, lambda key: parts[str(key)], _died)
-                Dispatcher(client, work, take).run(lambda threads: show(len(journal.records)))
+        if client:
+            work = Work(function, left, lambda key: parts[str(key)], _died)
+            Dispatcher(client, work, take).run(lambda threads: show(len(journal.records)))
             return
         for key in left:
             done = run_batch(tailslap.__version__, function, [Part(key, parts[key])])
