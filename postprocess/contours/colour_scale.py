@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.contours.view import round_step
+from postprocess.figures.svg.scale import round_step
 
 STEPS = 7
 """Steps between labels, at most."""

@@ -1,10 +1,11 @@
 """Where the camera of a picture stands: straight above the X-Y plane, with pixel positions of its points."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from postprocess.figures.svg.scale import round_ticks
 
 SIDE, TOP, BOTTOM = 70, 190, 120
 
@@ -47,17 +48,6 @@ def view_of_plate(points: NDArray[np.float64], size: tuple[int, int]) -> View:
     return View((float(0.5 * (left + right)), float(center_y)), float(0.5 * size[1] * length), size)
 
 
-def round_step(span: float, most: int) -> float:
-    """The smallest of 1, 2 and 5 times a power of ten that parts a span into at most so many steps."""
-    decade = 10.0 ** math.floor(math.log10(span / most))
-    return next(
-        decade * factor for factor in (1, 2, 5, 10) if span / (decade * factor) <= most * (1.0 + 1e-9)
-    )
-
-
 def round_positions(low: float, high: float, most: int = 12) -> list[float]:
     """About `most` round numbers, multiples of 1, 2 or 5 times a power of ten, between low and high."""
-    if not low < high:
-        return []
-    step = round_step(high - low, most)
-    return [step * index for index in range(math.ceil(low / step), math.floor(high / step) + 1)]
+    return round_ticks(low, high, most) if low < high else []

@@ -82,6 +82,12 @@ class Page:
     passed: bool | None = None
     contents: bool = False
 
+    @property
+    def charts(self) -> list[Chart]:
+        """All charts."""
+        figures = (figure for section in self.sections for figure in section.figures)
+        return [figure for figure in figures if isinstance(figure, Chart)]
+
 
 def write_page(path: Path, page: Page) -> Path:
     """Write the page and return its path; every picture must be there."""

@@ -46,20 +46,27 @@ class Report:
 
 def in_units(report: Report, units: Units) -> Report:
     """The report as people who think in other units read it; its files stay in SI."""
+    terminal = tuple(_shown(part, units) for part in report.terminal)
+    return replace(report, page=page_in_units(report.page, units), terminal=terminal)
 
-    def shown(part: Any) -> Any:
-        if isinstance(part, str):
-            return units.said(part)
-        if isinstance(part, Table | Chart):
-            return part.in_units(units)
-        if isinstance(part, Section):
-            parts: dict[str, Any] = {name: [shown(each) for each in getattr(part, name)] for name in SHOWN}
-            return replace(part, title=shown(part.title), lead=shown(part.lead), **parts)
-        return part
 
-    sections = [shown(section) for section in report.page.sections]
-    page = replace(report.page, headline=shown(report.page.headline), sections=sections)
-    return replace(report, page=page, terminal=tuple(shown(part) for part in report.terminal))
+def page_in_units(page: Page, units: Units) -> Page:
+    """A page alike."""
+    sections = [_shown(section, units) for section in page.sections]
+    return replace(page, headline=units.said(page.headline), sections=sections)
+
+
+def _shown(part: Any, units: Units) -> Any:
+    if isinstance(part, str):
+        return units.said(part)
+    if isinstance(part, Table | Chart):
+        return part.in_units(units)
+    if isinstance(part, Section):
+        parts: dict[str, Any] = {
+            name: [_shown(each, units) for each in getattr(part, name)] for name in SHOWN
+        }
+        return replace(part, title=units.said(part.title), lead=units.said(part.lead), **parts)
+    return part
 
 
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
@@ -72,9 +79,8 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
         write_history(folder / name, columns)
     for name, text in report.texts.items():
         (folder / name).write_text(text, encoding="utf-8")
-    for figure in (figure for section in report.page.sections for figure in section.figures):
-        if isinstance(figure, Chart):
-            (folder / f"{figure.name}.svg").write_text(figure.svg, encoding="utf-8")
+    for chart in report.page.charts:
+        (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
 
 
 def write_table(path: Path, table: Table) -> Path:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tailslap.options import JSON, PROGRESS, QUIET, Folder, Text, Whole, complete_scene, with_options
+from tailslap.options import JSON, PROGRESS, QUIET, UNITS, Folder, Text, Whole, complete_scene, with_options
 from tailslap.sweeps.values import MAX_RUNS
 
 SEED = 307
@@ -44,7 +44,7 @@ SEED = 307
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )
-@with_options(JSON, QUIET, PROGRESS)
+@with_options(UNITS, JSON, QUIET, PROGRESS)
 def sweep(
     name: str,
     varied: tuple[str, ...],
@@ -54,6 +54,7 @@ def sweep(
     out: Path | None,
     cluster: str | None,
     workers: int | None,
+    units: str,
     as_json: bool,
 ) -> int:
     """Run a scene for many values of its keys: one table, a row a run.
@@ -74,7 +75,7 @@ def sweep(
     from tailslap.sweeps.report import sweep_text
 
     try:
-        done = perform(definition, place, cluster, workers)
+        done = perform(definition, place, cluster, workers, units=units)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status

@@ -38,10 +38,12 @@ def perform(
     cluster: str | None = None,
     workers: int | None = None,
     compute: Compute = compute_row,
+    units: str = "si",
 ) -> Sweep:
     """Make the runs that are missing in the folder `place`, and write what belongs there.
 
-    cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run.
+    cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run;
+    units: of the page, "si" or "us".
     Raises InputError, and StoppedError for an interruption or the loss of the scheduler: the rows so far are then kept.
     """
     with sweep_folder(place, definition) as folder:
@@ -52,7 +54,7 @@ def perform(
             done = Sweep(definition, {name: rows.statuses[name] for name in STATUSES}, effort)
             from tailslap.sweeps.report import write_sweep
 
-            write_sweep(done, folder)
+            write_sweep(done, folder, units)
             return done
         except KeyboardInterrupt:
             raise _stopped("interrupted", folder, definition, INTERRUPTED) from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,10 @@ from postprocess.comparison.comparison import Quantity
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.files.summary import write_summary
 from postprocess.report.page import Page, Section, write_page
+from postprocess.report.report import page_in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
+from postprocess.report.units import SYSTEMS, Units
 from tailslap.progress import clock
 from tailslap.report.footer import footer
 from tailslap.results.manifest import listed_file
@@ -50,12 +53,16 @@ NOT_PASSED = (
 )
 
 
-def write_sweep(sweep: Sweep, folder: Path) -> None:
-    """Write `report.html` and `summary.json` from the table in the folder."""
-    rows = _rows(sweep.definition, folder / TABLE)
+def write_sweep(sweep: Sweep, folder: Path, units: str = "si") -> None:
+    """Write `report.html` and its charts, in these units, and `summary.json` from the table in the folder."""
+    rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
     with listed_file(folder / REPORT) as page:
-        write_page(page, sweep_page(sweep, rows, reasons))
+        made = page_in_units(sweep_page(sweep, rows, reasons), SYSTEMS[units])
+        write_page(page, made)
+    for chart in made.charts:
+        with listed_file(folder / f"{chart.name}.svg") as drawing:
+            drawing.write_text(chart.svg, encoding="utf-8")
     with listed_file(folder / SUMMARY) as numbers:
         write_summary(numbers, summary(sweep, rows))
 
@@ -161,7 +168,7 @@ def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) ->
     return Table(NOT_PASSED, listed, notes=more, marks=marks)
 
 
-def _rows(definition: Definition, table: Path) -> SweepRows:
+def _rows(definition: Definition, table: Path, units: Units) -> SweepRows:
     compared, keys = definition.compared, [item.key for item in definition.variations]
     groups = {
         group: {key: f"{group}.{key}" for key in compared.quantities if f"{group}.{key}" in definition.kinds}
@@ -170,17 +177,20 @@ def _rows(definition: Definition, table: Path) -> SweepRows:
     names = [name for group in groups.values() for name in group.values()]
     columns = read_columns(table, ["status", *keys, *names])
     fe, rigid, difference = ({key: columns[name] for key, name in groups[group].items()} for group in groups)
-    varied = tuple(_varied(item, columns[item.key]) for item in definition.variations)
+    varied = tuple(_varied(item, columns[item.key], units) for item in definition.variations)
     if len(difference) < len(fe):
         difference = {key: fe[key] / rigid[key] - 1.0 for key in fe}
+    factors = {key: units.of(quantity.unit)[0] for key, quantity in compared.quantities.items()}
+    fe, rigid = ({key: factors[key] * values for key, values in of.items()} for of in (fe, rigid))
+    quantities = {key: replace(q, unit=units.of(q.unit)[1]) for key, q in compared.quantities.items()}
+    compared = replace(compared, quantities=quantities)
     return SweepRows(varied, columns["status"], fe, rigid, difference, compared)
 
 
-def _varied(item: Variation, values: np.ndarray) -> Varied:
-    """The key as people read it: angles in degrees."""
-    if item.unit == "rad":
-        return Varied(item.key, "deg", np.degrees(values), item.logarithmic)
-    return Varied(item.key, item.unit, values, item.logarithmic)
+def _varied(item: Variation, values: np.ndarray, units: Units) -> Varied:
+    """The key as people read it."""
+    factor, unit = units.of(item.unit) if item.unit else (1.0, "")
+    return Varied(item.key, unit, values if factor == 1.0 else factor * values, item.logarithmic)
 
 
 def counts(sweep: Sweep) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,7 +58,9 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
     definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
     done = perform(definition, tmp_path / "sweep", workers=1)
     assert (done.statuses["passed"], done.effort.runs) == (2, 2)
-    found = read_columns(tmp_path / "sweep" / "sweep.parquet", ["run", "rigid.strike_1.peak_force"])
+    found = read_columns(
+        tmp_path / "sweep" / "sweep.parquet", ["run", "rigid.strike_1.peak_force", "rigid.strike_1.mean_50ms"]
+    )
     assert found["rigid.strike_1.peak_force"][1] / found["rigid.strike_1.peak_force"][0] == pytest.approx(
         2.0, rel=0.1
     )
@@ -65,6 +68,16 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
     page = (tmp_path / "sweep" / "report.html").read_text()
     assert "Of both strikes" in page
     assert "Rigid, least" in page
+    assert "F₁, 50 ms [kN]" in page
+    drawn = {path.stem for path in (tmp_path / "sweep").glob("*.svg")}
+    assert drawn == {f"against-contact-stiffness-{name.replace('.', '-')}" for name in STRIKES.quantities}
+    perform(definition, tmp_path / "sweep", units="us")
+    shown = (tmp_path / "sweep" / "report.html").read_text()
+    assert "F₁, 50 ms [kip]" in shown
+    assert "contact.stiffness [kip/ft]" in shown
+    assert "kN" not in re.sub(r"<style>.*</style>", "", shown, flags=re.DOTALL)
+    least = found["rigid.strike_1.mean_50ms"].min() / 4448.2216152605
+    assert f"{least:.5g}" in shown
     assert perform(definition, tmp_path / "sweep").effort.runs == 0
     with pytest.raises(InputError, match=r"contact\.restitution"):
         make_definition(scene_file(tmp_path, RIGID), (), varied, None, 1)
