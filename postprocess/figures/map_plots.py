@@ -67,11 +67,15 @@ def draw_map(
     """Cells of equal size, verdicts[row][column]: rows go up, columns across; pages show the values of each."""
     x, y = (places.ravel() for places in np.meshgrid(across.places, up.places))
     kinds = [kind for row in verdicts for kind in row]
-    at = [f"{power_text(a)}; {power_text(b)}" for b in up.values for a in across.values]
+    at = [f"{_rounded(a)}; {_rounded(b)}" for b in up.values for a in across.values]
     ends = cells_about(x, not across.is_even), cells_about(y, not up.is_even)
     cells = Boxes("verdict", *ends, [COLOURS[kind] for kind in kinds], kinds, at)
     plot = Plot((cells,), up.axis, HEIGHT, nearest="xy", has_grid=False)
     return draw_chart(name, caption, (plot,), across.axis, "Maps", WIDTH)
+
+
+def _rounded(value: float) -> str:
+    return power_text(float(f"{value:.3g}"))
 
 
 def draw_meanings(meanings: Mapping[str, str], caption: str) -> Chart:

@@ -132,14 +132,14 @@ class Boxes(Mark):
         """A path a colour, with a gap between boxes that are not small, and an unseen one through the centres."""
         left, right = np.sort(x.at(self.x)).T
         top, bottom = np.sort(y.at(self.y)).T
-        gap = np.where(np.minimum(right - left, bottom - top) < SMALL, 0.0, 0.4)
+        is_small = bool((np.minimum(right - left, bottom - top) < SMALL).any())
+        gap = 0.0 if is_small else 0.4
         edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
         drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
         colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
+        look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
         shown = [
-            coloured(
-                f'<path d="{"".join(compress(drawn, [c == one for c in colours]))}"{self._look()}/>', one
-            )
+            coloured(f'<path d="{"".join(compress(drawn, [c == one for c in colours]))}"{look}/>', one)
             for one in dict.fromkeys(colours)
         ]
         centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
@@ -150,10 +150,6 @@ class Boxes(Mark):
     def key(self) -> str:
         """A patch, if it has one colour."""
         return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
-
-    def _look(self) -> str:
-        crisp = "" if self.strength < 1.0 else ' shape-rendering="crispEdges"'
-        return f' fill-opacity="{self.strength:g}"{crisp}'
 
 
 @dataclass(frozen=True)
