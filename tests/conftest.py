@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+import signal
 from collections.abc import Callable
 from typing import Any
 
@@ -20,6 +21,12 @@ from tailslap.scene_run import Outcome, run_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
+
+
+def pytest_configure() -> None:
+    """Commands that the tests interrupt are to hear it, also where a shell has started the tests in the background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @functools.cache

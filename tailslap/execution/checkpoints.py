@@ -81,6 +81,7 @@ class FileCheckpoint:
         began = time.monotonic()
         if began < self._due:
             return
+        self._path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(self._path) as partial, partial.open("wb") as file:
             named: dict[str, Any] = {DEFINITION: np.array(self._definition), **arrays()}
             np.savez(file, **named)

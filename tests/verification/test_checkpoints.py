@@ -18,6 +18,7 @@ import pytest
 from fem.explicit.checkpoint import Arrays
 from fem.explicit.impact_run import simulate_impact
 from fem.explicit.simulate import simulate
+from tailslap.command_line import _status
 from tailslap.errors import Interrupted
 from tailslap.execution import checkpoints
 from tailslap.execution.checkpoints import checkpointed, next_checkpoint
@@ -108,6 +109,14 @@ def loaded(place: Path, definition: dict[str, Any], resume: bool, count: int = 1
     with pytest.raises(Interrupted, match="--resume"):
         interrupted_command()
     return [None if each is None else each["x"].size for each in found]
+
+
+def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the first run of a user is, where it takes long enough for a checkpoint."""
+    monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
+    monkeypatch.chdir(tmp_path)
+    assert _status(["run", "paper-abaqus", "--no-pictures", "--quiet"]) == 0
+    assert [path.name for path in tmp_path.joinpath("results").iterdir()] == ["paper-abaqus"]
 
 
 def test_files_belong_to_one_definition(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,11 @@ ELEMENTS = (20, 6)
 
 def shuffled(table: ElementTable, number: np.ndarray) -> ElementTable:
     """The same elements on renumbered nodes."""
-    return table._replace(connectivity=np.ascontiguousarray(number[table.connectivity], dtype=np.int32))
+    connectivity = np.ascontiguousarray(number[table.connectivity], dtype=np.int32)
+    if table.mapping is None:
+        return table._replace(connectivity=connectivity)
+    reference = np.ascontiguousarray(table.mapping.reference[:, np.argsort(number)])
+    return table._replace(connectivity=connectivity, mapping=table.mapping._replace(reference=reference))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.2])

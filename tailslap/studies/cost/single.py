@@ -24,7 +24,7 @@ def single(values: np.ndarray) -> np.ndarray:
 def single_model(model: PlateModel) -> PlateModel:
     """The model with its arrays in single precision."""
     table = model.loop.table
-    table = table._replace(gradients=single(table.gradients), weights=single(table.weights))
+    table = table._replace(gradients=single(table.gradients), weights=single(table.weights), mapping=None)
     positions = single(model.discretisation.positions)
     return dataclasses.replace(
         model,
