@@ -19,7 +19,7 @@ from postprocess.figures.svg.shades import Shades, cells_about
 
 Values = NDArray[Any]
 
-STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grid", "error": "ink"}
+STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grey", "error": "ink"}
 MAX_DRAWN = 1500
 """Rows above which not all are drawn, or shown on pages: both would be too large."""
 
@@ -181,37 +181,27 @@ def _shaded(name: str, title: str, values: Values, unit: str, is_log: bool = Fal
 
 
 def _draw_map(of: _Map, across: Varied, up: Varied) -> Chart:
-    """Cells of a complete grid in the values' colours, or points; the keys stand above."""
-    known = of.colours != ""
-    x, y, colours = across.values[known], up.values[known], of.colours[known].tolist()
-    said, at = (of.said[known].tolist(), _places(x, y)) if len(x) <= MAX_DRAWN else ((), ())
-    marks: list[Mark] = [*of.keys]
-    if _is_grid(across.values, up.values):
-        left, low = (cells_about(item.values, item.logarithmic)[known] for item in (across, up))
-        marks.append(Boxes(of.title, left, low, colours, said, at))
-    else:
-        marks += [_points(x, y, colours, one) for one in dict.fromkeys(colours)]
-        marks.append(Line(of.title, x, y, width=0.0, values=said, at=at))
-    margin = 0.0 if _is_grid(across.values, up.values) else 0.03
-    along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=margin) for item in (across, up))
-    plot = Plot(tuple(marks), upwards, 230.0, nearest="xy", has_grid=False)
+    """Cells of a complete grid in the values' colours, or small boxes; the keys stand above."""
+    x, y, shown = across.values, up.values, of.colours != ""
+    is_grid = (
+        np.unique(x).size * np.unique(y).size == x.size and min(np.unique(x).size, np.unique(y).size) > 1
+    )
+    places = [f"{a:.4g}; {b:.4g}" for a, b in zip(x[shown], y[shown], strict=True)]
+    said, at = (of.said[shown].tolist(), places) if shown.sum() <= MAX_DRAWN else ((), ())
+    left, low = (_ends(item, is_grid)[shown] for item in (across, up))
+    cells = Boxes(of.title, left, low, of.colours[shown].tolist(), said, at)
+    along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=0.0) for item in (across, up))
+    plot = Plot((*of.keys, cells), upwards, 230.0, nearest="xy", has_grid=False)
     return draw_chart(f"map-{of.name}", of.title, (plot,), along, "Maps", 360.0)
 
 
-def _points(x: Values, y: Values, colours: list[str], one: str) -> Line:
-    """The points of one colour."""
-    chosen = np.array([colour == one for colour in colours])
-    return Line("", x[chosen], y[chosen], one, 0.0, dots=3.0)
-
-
-def _places(x: Values, y: Values) -> list[str]:
-    return [f"{a:.4g}; {b:.4g}" for a, b in zip(x, y, strict=True)]
-
-
-def _is_grid(x: Values, y: Values) -> bool:
-    """Whether every value of x has been run with every value of y, and there are several of each."""
-    columns, rows = np.unique(x).size, np.unique(y).size
-    return columns * rows == x.size and min(columns, rows) > 1
+def _ends(item: Varied, is_grid: bool) -> Values:
+    """Ends of the cell about each value, or where runs make no grid, of a box of a fortieth of the range."""
+    if is_grid:
+        return cells_about(item.values, item.logarithmic)
+    values = np.log(item.values) if item.logarithmic else item.values
+    ends = values[:, None] + np.ptp(values) / 80.0 * np.array([-1.0, 1.0])
+    return np.exp(ends) if item.logarithmic else ends
 
 
 def draw_parallels(rows: SweepRows) -> Chart:

@@ -12,8 +12,10 @@ from typing import Any
 import pytest
 
 from postprocess.figures.svg.drawing import PALETTE
-from postprocess.report.page import Page, write_page
+from postprocess.report.page import Page, Section, write_page
+from postprocess.report.table import Table
 from tailslap.command_line import _status
+from tailslap.report.parts import DESIGN
 from tailslap.report.run_report import run_report
 
 pytestmark = pytest.mark.verification
@@ -156,6 +158,15 @@ def test_paper_cuts_no_column_and_leaves_no_heading_alone() -> None:
     assert {"h2", "h3", "summary", "caption", "thead"} <= set(kept.split(", "))
     script = (TEMPLATES / "page.js").read_text(encoding="utf-8")
     assert "beforeprint" in script, "what is folded is printed"
+
+
+def test_a_name_that_is_kept_whole_is(tmp_path: Path) -> None:
+    """TL-4 in the table of design forces."""
+    table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "share": 2.0, "source": ""}])
+    page = Page("", "x", "", (Section("Forces", tables=(table,)),), "")
+    text = write_page(tmp_path / "p.html", page).read_text(encoding="utf-8")
+    assert '<th scope="row" class="whole">AASHTO LRFD, TL-4<' in text
+    assert ".whole { white-space: nowrap; }" in text
 
 
 def test_a_long_word_does_not_widen_the_page(tmp_path: Path) -> None:

@@ -165,6 +165,7 @@ def test_inputs_have_a_chart_each_and_one_legend() -> None:
         "the scene's own",
     ]
     assert said(legend) == {}
+    assert "first strike, raw" not in words(charts[0])
     assert said(charts[0])["second strike, raw"] == ["1.5", "6", "10.5", "15"]
     assert {"0.5", "1", "2", "5"} <= set(words(charts[1])), "round ticks of a logarithmic axis"
     assert charts[0].caption == "Against input 0"
@@ -184,3 +185,4 @@ def test_a_mode_says_how_far_its_outline_moves() -> None:
     assert said(chart) == {"displacement": ["1", "0", "0", "0.5"]}
     assert 'data-at="0\xa0m;\xa00\xa0m 2\xa0m;\xa00\xa0m ' in chart.svg
     assert words(chart) == [], "no axes"
+    assert chart.svg.count("<rect") == 1, "the paper, and no frame"
