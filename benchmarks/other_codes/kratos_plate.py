@@ -1,13 +1,18 @@
 """The plate in Kratos: total Lagrangian elements, its explicit strategy with central differences and lumped masses.
 
-Started by benchmarks/speed.py.
+See jobs.py.
 """
 
 from __future__ import annotations
 
+from importlib import metadata
+from typing import Any
+
 import KratosMultiphysics as Kratos
 import KratosMultiphysics.StructuralMechanicsApplication as Structural
-from plate import Plate, from_argument, report
+import numpy as np
+from other_codes.jobs import answer
+from other_codes.plate import Plate
 
 VARIABLES = (
     Kratos.DISPLACEMENT,
@@ -20,6 +25,41 @@ VARIABLES = (
     Kratos.RESIDUAL_VECTOR,
     Structural.MIDDLE_VELOCITY,
 )
+
+
+class KratosPlate:
+    """The model at its start; a step leaves positions at its end and velocities at its beginning."""
+
+    version = metadata.version("KratosMultiphysics")
+    velocity_lag = 1.0
+
+    def __init__(self, plate: Plate) -> None:
+        Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
+        self.plate, self.nodes, self.model = plate, plate.nodes(), Kratos.Model()
+        self.part = self.model.CreateModelPart("plate")
+        fill(self.part, plate)
+        self.strategy = make_strategy(self.part)
+
+    def advance(self, steps: int) -> None:
+        """Make steps."""
+        part, strategy = self.part, self.strategy
+        for _ in range(steps):
+            part.ProcessInfo[Kratos.STEP] += 1
+            part.CloneTimeStep(part.ProcessInfo[Kratos.TIME] + self.plate.time_step)
+            strategy.InitializeSolutionStep()
+            strategy.Predict()
+            strategy.SolveSolutionStep()
+            strategy.FinalizeSolutionStep()
+
+    def state(self) -> tuple[np.ndarray, np.ndarray]:
+        """Positions, and velocities of a step before."""
+        positions = self.nodes + self._nodal(Kratos.DISPLACEMENT)
+        return positions, self._nodal(Kratos.VELOCITY)
+
+    def _nodal(self, variable: Any) -> np.ndarray:
+        """Values of a variable, shape (nodes, 2)."""
+        values = Kratos.VariableUtils().GetSolutionStepValuesVector(self.part.Nodes, variable, 0, 2)
+        return np.array(values).reshape(-1, 2)
 
 
 def fill(part: Kratos.ModelPart, plate: Plate) -> None:
@@ -61,29 +101,5 @@ def make_strategy(part: Kratos.ModelPart) -> Structural.MechanicalExplicitStrate
     return strategy
 
 
-def main() -> None:
-    """Run and report."""
-    Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
-    plate, model = from_argument(), Kratos.Model()
-    part = model.CreateModelPart("plate")
-    fill(part, plate)
-    strategy = make_strategy(part)
-
-    def advance(steps: int) -> None:
-        for _ in range(steps):
-            part.ProcessInfo[Kratos.STEP] += 1
-            part.CloneTimeStep(part.ProcessInfo[Kratos.TIME] + plate.time_step)
-            strategy.InitializeSolutionStep()
-            strategy.Predict()
-            strategy.SolveSolutionStep()
-            strategy.FinalizeSolutionStep()
-
-    def far_corner() -> tuple[float, float]:
-        node = part.GetNode(plate.far + 1)
-        return node.X, node.Y
-
-    report(plate, Kratos.KratosGlobals.Kernel.Version(), "total Lagrangian", advance, far_corner)
-
-
 if __name__ == "__main__":
-    main()
+    answer(KratosPlate)

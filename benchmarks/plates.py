@@ -1,0 +1,64 @@
+"""The plates of speed.py and peers.py: our models of them, and the same plate for the other codes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import meshio
+    import numpy as np
+    from other_codes.plate import Plate
+
+    from fem.discretisation.model import PlateModel
+
+LENGTH, WIDTH = 10.0, 2.438
+DISTORTION = 0.2
+"""Largest displacement of an inner node of a distorted mesh, as a share of the element's size."""
+
+ONE_THREAD = {
+    f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "VECLIB_MAXIMUM")
+}
+
+
+def make_mesh(elements: tuple[int, int], distortion: float) -> meshio.Mesh:
+    """The plate's mesh."""
+    from meshes import distorted, plate_mesh
+
+    mesh = plate_mesh(LENGTH, WIDTH, elements)
+    return distorted(mesh, distortion, elements) if distortion else mesh
+
+
+def make_model(elements: tuple[int, int], distortion: float = 0.0, bare: bool = False) -> PlateModel:
+    """The plate with friction and exact inertia; bare: as in the other codes, exact corner, no friction, row sums."""
+    from fem.contact.friction import Drag
+    from fem.discretisation.model import build_model
+    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
+
+    plate = PlateProperties(0.053, 7800.0, 200e9, 0.3, lumping="row-sum" if bare else "exact")
+    corner = CornerProperties(constraint="exact") if bare else CornerProperties(Drag(0.47))
+    return build_model(make_mesh(elements, distortion), plate, corner, StepProperties())
+
+
+def same_plate(
+    elements: tuple[int, int], distortion: float, time_step: float, folder: Path, angle: float = 0.0
+) -> Plate:
+    """The plate for the other codes; nodes of a distorted mesh go into a file in the folder."""
+    import numpy as np
+    from other_codes.plate import Plate
+
+    if not distortion:
+        return Plate(elements, time_step, angle)
+    file = folder / f"{elements[0]}x{elements[1]}.npy"
+    if not file.exists():
+        np.save(file, row_by_row(elements, distortion))
+    return Plate(elements, time_step, angle, str(file))
+
+
+def row_by_row(elements: tuple[int, int], distortion: float) -> np.ndarray:
+    """Nodes [m] of our distorted mesh in the other codes' order, shape (nodes, 2)."""
+    import numpy as np
+
+    even, moved = (make_mesh(elements, share).points[:, :2] for share in (0.0, distortion))
+    columns, rows = np.rint(even / (LENGTH / elements[0], WIDTH / elements[1])).astype(int).T
+    return np.asarray(moved[np.lexsort((columns, rows))])

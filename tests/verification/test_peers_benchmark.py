@@ -1,0 +1,141 @@
+"""Verification: what benchmarks/peers.py compares by is right, and codes that give nothing stand in its table."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
+sys.path.insert(0, BENCHMARKS)
+from comparison import entries, picture, rigid_body, table  # noqa: E402
+from comparison.processes import NotMeasuredError, Turn  # noqa: E402
+from other_codes import jobs  # noqa: E402
+from other_codes.plate import Plate, Reading  # noqa: E402
+from plates import DISTORTION, make_model, row_by_row, same_plate  # noqa: E402
+
+sys.path.remove(BENCHMARKS)
+
+pytestmark = pytest.mark.verification
+
+ELEMENTS = (6, 3)
+PLATE = Plate(ELEMENTS, time_step=1e-5, angle=0.01)
+NONE = (0.3831252875, 23.3113534750, -3.2868596947, 0.6573719389, 9.4126003049)
+"""Of the paper's start without friction, in the order of QUANTITIES."""
+
+
+def reading(plate: Plate) -> Reading:
+    return Reading(plate, plate.body(), plate.masses())
+
+
+class SteadyTurn:
+    """A code whose plate turns about its corner, which slides, both steadily."""
+
+    version = "1"
+
+    def __init__(self, plate: Plate, velocity_lag: float) -> None:
+        self.plate, self.velocity_lag, self.made = plate, velocity_lag, 0
+
+    def advance(self, steps: int) -> None:
+        self.made += steps
+
+    def state(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._at(self.made)[0], self._at(self.made - self.velocity_lag)[1]
+
+    def _at(self, steps: float) -> tuple[np.ndarray, np.ndarray]:
+        time = steps * self.plate.time_step
+        turned = Plate(ELEMENTS, 1e-5, angle=self.plate.angle - self.plate.omega * time)
+        return turned.nodes() + np.array([self.plate.speed * time, 0.0]), turned.velocities()
+
+
+def test_the_rigid_motion_is_the_exact_one() -> None:
+    found = rigid_body.of_rectangle(Plate((20, 6), 1e-5, angle=0.26))
+    np.testing.assert_allclose(found, NONE, rtol=1e-10)
+
+
+def test_row_sums_overstate_the_inertia_by_the_square_of_the_element() -> None:
+    def shift(elements: tuple[int, int]) -> float:
+        plate = Plate(elements, 1e-5, angle=0.26)
+        return rigid_body.distance(rigid_body.of_row_sums(plate), rigid_body.of_rectangle(plate))
+
+    assert shift((20, 6)) / shift((40, 12)) == pytest.approx(4.0, rel=0.02)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.5, 1.0])
+def test_the_tail_slap_is_found_between_steps(lag: float) -> None:
+    time = PLATE.angle / PLATE.omega
+    found = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, lag), time, limit=60.0)["values"]
+    v_g = PLATE.speed - PLATE.omega * PLATE.width / 2, -PLATE.omega * PLATE.length / 2
+    np.testing.assert_allclose(found, [time, *v_g, PLATE.omega, PLATE.speed * time], rtol=1e-9)
+
+
+def test_a_loop_that_takes_too_long_is_left_and_reckoned(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jobs, "PROBE_S", 0.0)
+    found = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, 0.0), expected=1e3, limit=0.0)
+    assert found["values"] is None
+    assert found["loop_s"] == pytest.approx(found["ran_s"] * 1e3 / PLATE.time_step / jobs.FIRST_STEPS)
+
+
+@pytest.mark.parametrize("distortion", [0.0, DISTORTION])
+def test_the_other_codes_have_our_mesh_and_masses(distortion: float, tmp_path: Path) -> None:
+    plate = same_plate(ELEMENTS, distortion, 1e-5, tmp_path)
+    ours = make_model(ELEMENTS, distortion, bare=True)
+    body = np.vstack([ours.discretisation.positions, ours.loop.mass]).T
+    theirs = np.column_stack([plate.body(), plate.masses()])
+    for nodes in (body, theirs):
+        nodes[:] = nodes[np.lexsort(nodes.T.round(9))]
+    np.testing.assert_allclose(theirs, body, rtol=1e-9, atol=1e-12)
+    shift = np.abs(row_by_row(ELEMENTS, DISTORTION) - Plate(ELEMENTS, 1e-5).body()).max(axis=0)
+    assert (shift <= DISTORTION * np.array([10.0, 2.438]) / ELEMENTS).all()
+
+
+def row(mesh: entries.Mesh, code: str, measure: Callable[[], Turn]) -> entries.Entry:
+    entry = entries.Entry(code, mesh, mesh.exact, measure)
+    entry.turn()
+    return entry
+
+
+def no_code() -> Turn:
+    raise NotMeasuredError("not installed")
+
+
+def rows() -> list[entries.Entry]:
+    exact, lumped = (make(PLATE) for make in (rigid_body.of_rectangle, rigid_body.of_row_sums))
+    mesh = entries.Mesh(PLATE, 0.0, exact, lumped)
+    found = [Turn(2.0, 0.5, 0.25, tuple(lumped * (1.0 + share)), "1.0") for share in (1e-3, 1e-3 + 1e-9)]
+    left = Turn(150.0, 0.5, 149.0, None, "1.1")
+    return [
+        row(mesh, entries.ALIKE, lambda: found[0]),
+        row(mesh, "Akantu", lambda: found[1]),
+        row(mesh, "Kratos", lambda: left),
+        row(mesh, "Warp loop", no_code),
+    ]
+
+
+def test_the_error_is_parted_and_the_codes_are_held_against_each_other() -> None:
+    ours, akantu, kratos, _ = rows()
+    assert ours.by_flexibility == pytest.approx(1e-3)
+    assert ours.by_masses == rigid_body.distance(ours.mesh.lumped, ours.mesh.exact) if ours.mesh else False
+    assert entries.apart(ours, [ours, akantu, kratos]) == pytest.approx(1e-9, rel=1e-2)
+    assert math.isnan(entries.apart(kratos, [ours, akantu, kratos]))
+    assert ours.median("rest") == 1.25
+
+
+def test_the_table_says_what_was_not_measured_and_what_is_reckoned() -> None:
+    for text in (table.terminal_text(rows()), table.markdown(rows(), "head")):
+        assert "not measured: not installed" in text
+        assert "about 150" in text
+        assert "tailslap run, as the others, Akantu: at most 1.0e-09 apart" in text
+        assert "whole time of tailslap run, as the others over that of: Akantu 1.00, Kratos 0.01" in text
+
+
+def test_the_picture_has_a_line_for_each_code_that_ended() -> None:
+    mesh = entries.Mesh(Plate(ELEMENTS, 1e-5, angle=entries.ANGLE), 0.0, np.array(NONE), np.array(NONE))
+    turn = Turn(2.0, 0.5, 0.25, tuple(1.001 * np.array(NONE)), "1.0")
+    drawn = picture.draw([row(mesh, "Akantu", lambda: turn), row(mesh, "Warp loop", no_code)]).svg
+    assert 'data-label="Akantu"' in drawn
+    assert 'data-label="Warp loop"' not in drawn
