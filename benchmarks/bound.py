@@ -3,6 +3,8 @@
 Needs are counted from the source, for n nodes and p points an element. Additions and multiplications:
 
     _add_point      F 8 m - 4 | strain 13 | stress 7 | w S 3 | P = F S 12 | nodal forces 8 m    per point
+    mapped elements J 8 m - 4 | det J 3 | its inverse 5 | F 12 | w det J 1 | P J^-T 12          per point, besides
+                    reference positions less the first 2 m                                    per element
     subtract_first  2 m                                                                       per element
     balance         2 m                                                                       per element
     scatter         2 n                                                                       per element
@@ -14,7 +16,8 @@ with m = n - 1. Bytes, each array once for every pass over it, as if nothing sta
                     connectivity 4 n where the nodes are not numbered alike                   per element
     force           cleared 16 | added to 32                                                  per node
     drift           positions 32 | velocities 32 | force 16 | mass 8                          per node
-    _add_point      8 p (2 m + 1) where elements are not congruent                            per element
+    _add_point      8 p (2 m + 1) where elements are neither congruent nor mapped             per element
+                    reference positions 16 where they are mapped                              per node
 
 So the bandwidth is a bound where these arrays are far larger than the cache; below that only arithmetic is, and
 more than the bandwidth's share can be reached.
@@ -76,6 +79,8 @@ def flops_per_update(stepper: Stepper) -> float:
     """Additions and multiplications an element and step; see above."""
     table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
     element = len(table.weights) * (16 * (nodes - 1) + 31) + 4 * (nodes - 1) + 2 * nodes
+    if table.mapping is not None:
+        element += len(table.weights) * (8 * (nodes - 1) + 29) + 2 * (nodes - 1)
     return element + 10 * _nodes_per_element(stepper)
 
 
@@ -85,6 +90,8 @@ def bytes_per_update(stepper: Stepper) -> float:
     moved = 152 * _nodes_per_element(stepper)
     if stepper._scratch.lattice is None:
         moved += 4 * nodes
+    if table.mapping is not None:
+        return moved + 16 * _nodes_per_element(stepper)
     return moved if table.weights.shape[1] == 1 else moved + 8 * len(table.weights) * (2 * nodes - 1)
 
 
@@ -102,7 +109,8 @@ def multiply_adds(stepper: Stepper) -> tuple[int, int]:
     loop, positions = stepper.loop, stepper.model.discretisation.positions
     parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
     scratch = stepper._scratch
-    fresh(positions, np.zeros_like(positions), *parts, loop.table, loop.material, scratch)
+    given = (positions, np.zeros_like(positions), *parts, loop.table, loop.material, scratch)
+    fresh.compile(tuple(map(numba.typeof, given)))
     found = MULTIPLY_ADD.findall("\n".join(fresh.inspect_asm().values()))
     packed = sum(kind == "p" and ("ymm" in operands or "zmm" in operands) for kind, operands in found)
     return packed, sum(kind == "s" for kind, _ in found)

@@ -1,20 +1,25 @@
-"""The picture of peers.py: error against the time of the whole process, a line for each code."""
+"""The picture of peers.py: error against the time of the whole process, a line for each code.
+
+A dashed line leads to where a code would be whose loop was left: its time is reckoned, its error the model's.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from comparison.entries import ANGLE, COMMAND, EXACT, EXUDYN, RIGID, Entry
+from comparison.entries import ALIKE, ANGLE, COMMAND, EXACT, EXUDYN, RIGID, SAME_MODEL, Entry
 from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.figures.svg.marks import Line, Mark, Words
 
 COLOURS = {
     COMMAND: "fe",
     EXACT: "steel",
-    "tailslap run, as the others": "grey",
+    ALIKE: "difference",
     "Akantu": "rigid",
     "Kratos": "violet",
     "Warp loop": "green",
@@ -24,43 +29,87 @@ COLOURS = {
 FLOOR = 1e-10
 """Where exact values are shown."""
 
+NUMBERED = (120, 7680)
+"""Numbers of elements that are written beside their points."""
+
+BELOW = (EXACT, "Akantu")
+"""Codes whose numbers stand below their points, where others are above."""
+
 WIDTH = 620.0
 
 
+class Point(NamedTuple):
+    """A code on a mesh: elements, 0 for a rigid body; seconds, error, and whether the time is reckoned."""
+
+    code: str
+    elements: int
+    time: float
+    error: float
+    is_reckoned: bool
+
+
+def points(entries: Sequence[Entry], is_distorted: bool) -> list[Point]:
+    """Of the whole event on either kind of mesh; rigid bodies are among the even ones."""
+    found = []
+    for entry in entries:
+        mesh, is_reckoned = entry.mesh, entry.values is None
+        if (mesh is not None and mesh.distortion > 0.0) != is_distorted or not entry.turns:
+            continue
+        error = _error_of_model(entry, entries) if is_reckoned else entry.error
+        if math.isfinite(error) and (mesh is None or mesh.plate.angle == ANGLE):
+            count = mesh.plate.count if mesh else 0
+            found.append(Point(entry.code, count, entry.median("whole"), max(error, FLOOR), is_reckoned))
+    return found
+
+
+def _error_of_model(entry: Entry, entries: Sequence[Entry]) -> float:
+    """That of the other codes on this mesh, for one that has none of its own."""
+    same = [other.error for other in entries if other.mesh is entry.mesh and other.code in SAME_MODEL]
+    return next((error for error in same if math.isfinite(error)), math.nan)
+
+
 def draw(entries: Sequence[Entry]) -> Chart:
-    """Equal rectangles above, distorted elements below, of the whole event."""
-    whole = [entry for entry in entries if entry.mesh is None or entry.mesh.plate.angle == ANGLE]
-    ended = [entry for entry in whole if entry.values is not None]
-    even = [entry for entry in ended if entry.mesh is None or not entry.mesh.distortion]
-    uneven = [entry for entry in ended if entry.mesh is not None and entry.mesh.distortion]
-    plots = [
-        Plot(
-            tuple(_marks(members)), Axis(f"largest error of five, {shape}", is_log=True), 260.0, nearest=True
-        )
-        for members, shape in ((even, "equal rectangles"), (uneven, "distorted elements"))
-        if members
-    ]
+    """Equal rectangles above, distorted elements below."""
+    plots = []
+    for is_distorted, shape in ((False, "equal rectangles"), (True, "distorted elements")):
+        found = points(entries, is_distorted)
+        if found:
+            axis = _axis(f"largest error of five, {shape}", [point.error for point in found])
+            plots.append(Plot(tuple(_marks(found)), axis, 240.0, nearest="xy"))
     caption = "Error at the tail-slap against the time of the whole process; numbers are elements"
     return draw_chart("peers", caption, plots, Axis("whole process [s]", is_log=True), width=WIDTH)
 
 
-def _marks(entries: Sequence[Entry]) -> list[Mark]:
+def _axis(label: str, errors: Sequence[float]) -> Axis:
+    """From half a power of ten below the least error to the one above the largest."""
+    low, high = math.floor(math.log10(min(errors))), math.ceil(math.log10(max(errors)))
+    return Axis(label, 10.0 ** (low - 0.5), 10.0**high, is_log=True)
+
+
+def _marks(found: Sequence[Point]) -> list[Mark]:
     marks: list[Mark] = []
     for code, colour in COLOURS.items():
-        members = [entry for entry in entries if entry.code == code]
-        if members:
-            times = np.array([entry.median("whole") for entry in members])
-            errors = np.array([max(entry.error, FLOOR) for entry in members])
-            marks.append(Line(code, times, errors, colour, 1.2, dots=2.6))
-            marks += [_number(*place, colour) for place in zip(members, times, errors, strict=True)]
+        members = [point for point in found if point.code == code]
+        ended = [point for point in members if not point.is_reckoned]
+        if ended:
+            marks.append(_line(code, ended, colour, ""))
+        if len(ended) < len(members):
+            marks.append(_line("" if ended else code, members[-2:], colour, "4 3"))
+        marks += [_name(point, colour) for point in members if code != ALIKE]
     return marks
 
 
-def _number(entry: Entry, time: float, error: float, colour: str) -> Words:
-    text = (
-        str(entry.mesh.plate.count) if entry.mesh else entry.code if error > FLOOR else f"{entry.code}: exact"
-    )
-    return Words(text, time, error, (5.0, -4.0), colour=colour, size=9.0)
+def _line(label: str, members: Sequence[Point], colour: str, dashes: str) -> Line:
+    times, errors = (np.array([getattr(point, part) for point in members]) for part in ("time", "error"))
+    return Line(label, times, errors, colour, 1.2, dashes, 0.0 if dashes else 2.6)
+
+
+def _name(point: Point, colour: str) -> Words:
+    text = str(point.elements) if point.elements in NUMBERED else ""
+    if not point.elements:
+        text = f"{point.code}, exact" if point.error == FLOOR else point.code
+    shift = (5.0, 11.0 if point.code in BELOW else -4.0)
+    return Words(text, point.time, point.error, shift, colour=colour, size=9.0)
 
 
 def write(entries: Sequence[Entry], path: Path) -> None:

@@ -133,9 +133,22 @@ def test_the_table_says_what_was_not_measured_and_what_is_reckoned() -> None:
         assert "whole time of tailslap run, as the others over that of: Akantu 1.00, Kratos 0.01" in text
 
 
-def test_the_picture_has_a_line_for_each_code_that_ended() -> None:
-    mesh = entries.Mesh(Plate(ELEMENTS, 1e-5, angle=entries.ANGLE), 0.0, np.array(NONE), np.array(NONE))
+def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_reckoned_times() -> None:
+    plate = Plate(ELEMENTS, 1e-5, angle=entries.ANGLE)
+    mesh = entries.Mesh(plate, 0.0, np.array(NONE), np.array(NONE))
     turn = Turn(2.0, 0.5, 0.25, tuple(1.001 * np.array(NONE)), "1.0")
-    drawn = picture.draw([row(mesh, "Akantu", lambda: turn), row(mesh, "Warp loop", no_code)]).svg
-    assert 'data-label="Akantu"' in drawn
-    assert 'data-label="Warp loop"' not in drawn
+    left = Turn(150.0, 0.5, 149.0, None, "1.1")
+    shown = [
+        row(mesh, "Akantu", lambda: turn),
+        row(mesh, "Kratos", lambda: left),
+        row(mesh, "Warp loop", no_code),
+    ]
+    drawn = picture.draw(shown).svg
+    assert [label in drawn for label in ('data-label="Akantu"', 'data-label="Kratos"', "Warp")] == [
+        True,
+        True,
+        False,
+    ]
+    assert drawn.count('stroke-dasharray="4 3"') == 2
+    reckoned = picture.points(shown, is_distorted=False)[1]
+    assert reckoned == picture.Point("Kratos", PLATE.count, 150.0, pytest.approx(1e-3), True)
