@@ -14,10 +14,10 @@ from main_job import row
 
 from fem.explicit.simulate import Run, simulate
 from fem.modal.modes import free_modes
+from postprocess.comparison.comparison import KEYS
 from tailslap.modal_run import MODES, ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import COMPARED
 from tailslap.scene.files import read_scene
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}
@@ -41,7 +41,7 @@ def differences(fe_plan: FePlan, found: ModalRun) -> dict[str, float]:
     """Modal over finite-element result - 1, for the five quantities."""
     strike = whole(fe_plan).strike
     assert strike
-    return {name: found.values[name] / strike.values[name] - 1.0 for name in COMPARED}
+    return {name: found.values[name] / strike.values[name] - 1.0 for name in KEYS}
 
 
 def accuracy() -> None:

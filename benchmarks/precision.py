@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from fem.explicit.simulate import Run, Stepper, simulate
-from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.comparison import KEYS, relative_difference
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.files import read_scene
 from tailslap.studies.cost.single import SingleStepper
 
@@ -33,7 +33,7 @@ def row(what: str, fe_plan: FePlan, result: Run) -> str:
     """One line of the table."""
     if result.strike is None:
         return f"{what:<8} no tail-slap: the run left the finite or its time"
-    values = {name: result.strike.values[name] for name in COMPARED}
+    values = {name: result.strike.values[name] for name in KEYS}
     difference = relative_difference(values, stage_two_numbers(fe_plan.plan))
     energy = np.sum([result.history[name] for name in ENERGIES], axis=0)
     drift = np.abs(energy / energy[0] - 1.0).max()
@@ -46,7 +46,7 @@ def row(what: str, fe_plan: FePlan, result: Run) -> str:
 def main() -> None:
     """Run both and print."""
     fe_plan = make_fe_plan(make_plan(*read_scene(SCENE)))
-    names = "".join(f"{name:>12}" for name in COMPARED)
+    names = "".join(f"{name:>12}" for name in KEYS)
     print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}{'updates/s':>12}")
     for what, stepper in (("double", Stepper), ("single", SingleStepper)):
         run(fe_plan, stepper)  # compiles

@@ -64,13 +64,16 @@ def module_name(path: Path) -> str:
 
 
 def imports(path: Path, names: set[str]) -> Iterator[str]:
-    """Modules of the five packages that a module imports anywhere: at its head, within functions, for types."""
+    """Modules of the five packages that a module imports anywhere: at its head, within functions, for types, or by the
+    name of a function, "module:function"."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in names)
         elif isinstance(node, ast.ImportFrom) and node.module in names:
             below = {f"{node.module}.{alias.name}" for alias in node.names}
             yield from below & names or {node.module}
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield from {node.value.partition(":")[0]} & names if ":" in node.value else ()
 
 
 def circles(root: Path = ROOT) -> list[list[str]]:

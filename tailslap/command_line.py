@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tailslap.options import (
+    ALLOW_LARGE,
     FORCE,
     JSON,
     PROGRESS,
     QUIET,
+    SCENE,
+    SET,
     UNITS,
     Folder,
     Real,
     Whole,
-    complete_key,
-    complete_scene,
+    tell,
     with_options,
 )
 
@@ -51,39 +53,18 @@ COMPLETE = "_TAILSLAP_COMPLETE"
 HELP = {"help_option_names": ["-h", "--help"]}
 
 
-def scene_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The argument SCENE and the option --set, which most commands share."""
-    function = click.option(
-        "--set",
-        "changes",
-        multiple=True,
-        metavar="KEY=VALUE",
-        help="Change a key, like plate.thickness=20mm; KEY= takes it out.",
-        shell_complete=complete_key,
-    )(function)
-    return click.argument("name", metavar="SCENE", shell_complete=complete_scene)(function)
-
-
-allow_large = click.option(
-    "--allow-large", is_flag=True, help="Also where it takes more memory, time or threads than there are."
-)
-
-
 def fe_scene(function: Callable[..., int]) -> Callable[..., int]:
     """SCENE, --set and --allow-large of a command that takes the calculation of a scene with a plate, and its plan."""
 
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], allow_large: bool, **options: Any) -> int:
-        from tailslap.analyses import needs_plate
-        from tailslap.planning.affordable import demand_affordable
+        from tailslap.planning.affordable import demand_run
 
         analysis, plan = _planned(name, changes)
-        needs_plate(plan.scene)
-        if not allow_large:
-            demand_affordable(plan.scene, analysis.duration(plan))
+        demand_run(plan.scene, analysis.duration(plan), allow_large)
         return function(analysis, plan, **options)
 
-    return scene_arguments(allow_large(command))
+    return with_options(SCENE, SET, ALLOW_LARGE)(command)
 
 
 @click.group(context_settings=HELP)
@@ -127,7 +108,7 @@ def run(
     demand_own(place, plan.scene.name, force)
     demand_place(place)
     with checkpointed(place, {"scene": plan.source.given, "tolerance": tolerance}, resume):
-        outcome = analysis.run(plan, tolerance)
+        outcome = analysis.outcome(plan, tolerance)
         if not no_pictures:  # what was computed is there, whatever becomes of the pictures
             leave(place, lambda folder: analysis.report(outcome, folder, False), units=units)
 
@@ -138,20 +119,17 @@ def run(
 
 
 @commands.command()
-@scene_arguments
-@with_options(UNITS, JSON, QUIET)
+@with_options(SCENE, SET, UNITS, JSON, QUIET)
 def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int:
     """The rigid-body method, or the rigid vehicle's whole impact, alone."""
-    from postprocess.files.summary import summary_text
+    from postprocess.report.terminal import labelled_text
 
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
     analysis, plan = _planned(name, changes)
     if as_json:
-        click.echo(summary_text(analysis.rigid_numbers(plan)))
-    else:
-        _say(analysis.rigid_lines(plan, units), 19)
-    return DONE
+        return tell(analysis.rigid_numbers(plan), "", True)
+    return tell({}, labelled_text(analysis.rigid_lines(plan, units), 19), False)
 
 
 commands.add_command(study)
@@ -161,26 +139,17 @@ commands.add_command(compare)
 
 
 @commands.command()
-@scene_arguments
-@allow_large
-@with_options(UNITS, JSON, QUIET)
+@with_options(SCENE, SET, ALLOW_LARGE, UNITS, JSON, QUIET)
 def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as_json: bool) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    from postprocess.files.summary import summary_text
+    from postprocess.report.terminal import labelled_text
     from postprocess.report.units import US
-    from tailslap.planning.affordable import demand_affordable, is_large
-    from tailslap.report.check_text import as_numbers, estimate_part
+    from tailslap.report.check_text import LABEL, as_numbers
 
     analysis, plan = _planned(name, changes)
-    scene, duration = plan.scene, analysis.duration(plan)
-    if not allow_large:
-        demand_affordable(scene, duration)
-    lines = estimate_part(scene, duration) if is_large(scene) else analysis.check_lines(plan)
-    if as_json:
-        click.echo(summary_text(as_numbers(scene.name, lines)))
-    else:
-        _say(lines if units == "si" else [US.said(line) for line in lines], 13)
-    return DONE
+    lines = analysis.checked(plan, allow_large)
+    text = labelled_text(lines if units == "si" else [US.said(line) for line in lines], LABEL)
+    return tell(as_numbers(plan.scene.name, lines), text, as_json)
 
 
 @commands.command()
@@ -228,11 +197,11 @@ def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: floa
     from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
-    from tailslap.report.modal_text import modal_json, modal_text
+    from tailslap.report.modal_text import modal_numbers, modal_text
 
     fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     found = modal_run(fe_plan, modes, tolerance, steps)
-    click.echo((modal_json if as_json else modal_text)(fe_plan, found))
+    tell(modal_numbers(fe_plan, found), modal_text(fe_plan, found), as_json)
     return DONE if found.passed else CHECK_FAILED
 
 
@@ -240,16 +209,13 @@ def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: floa
 @with_options(JSON, QUIET)
 def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
-    from postprocess.files.summary import summary_text
+    from postprocess.report.terminal import labelled_text
     from tailslap.scene.files import shipped_scenes, title
 
     shipped = {name: title(text) for name, text in shipped_scenes().items()}
     width = max(map(len, shipped))
-    if as_json:
-        click.echo(summary_text(shipped))
-    else:
-        _say([f"{name:<{width}}  {text}" for name, text in shipped.items()], width + 2)
-    return DONE
+    lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
+    return tell(shipped, labelled_text(lines, width + 2), as_json)
 
 
 @commands.command()
@@ -257,16 +223,10 @@ def scenes(as_json: bool) -> int:
 @with_options(JSON, QUIET)
 def new(name: str, as_json: bool) -> int:
     """Write NAME.toml: a scene with every key, its meaning, and an example."""
-    from postprocess.files.summary import summary_text
     from tailslap.scene.written import write_new_scene
 
     path = write_new_scene(name)
-    click.echo(
-        summary_text({"scene": name, "file": str(path)})
-        if as_json
-        else f"{path}: see `tailslap check {path}`"
-    )
-    return DONE
+    return tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
 
 @commands.command()
@@ -279,12 +239,9 @@ def completion(shell: str, as_json: bool) -> int:
     """
     from click.shell_completion import get_completion_class
 
-    from postprocess.files.summary import summary_text
-
     made = get_completion_class(shell)
     script = made(commands, {}, "tailslap", COMPLETE).source() if made else ""
-    click.echo(summary_text({"shell": shell, "script": script}) if as_json else script)
-    return DONE
+    return tell({"shell": shell, "script": script}, script, as_json)
 
 
 @commands.command()
@@ -303,16 +260,9 @@ def paper(out: Path | None, as_json: bool) -> int:
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 
 
-def _say(lines: list[str], indent: int) -> None:
-    """Lines of a label and a text, which goes on below itself where the terminal ends."""
-    from postprocess.report.terminal import labelled
-
-    click.echo("\n".join(part for line in lines for part in labelled(line, indent)))
-
-
 def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
     """The calculation that the scene asks for, and its plan."""
-    from tailslap.analyses import analysis_of
+    from tailslap.analysis import analysis_of
     from tailslap.scene.files import read_scene
     from tailslap.scene.plausible import remarks
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.comparison import KEYS, largest_relative, relative_difference
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def modal_run(
     )
     estimate = _estimate(fe_plan, float(finer.frequencies[0]), motion, *others)
     rigid = stage_two_numbers(fe_plan.plan)
-    values = {name: motion.strike[name] for name in COMPARED} if motion.strike else {}
+    values = {name: motion.strike[name] for name in KEYS} if motion.strike else {}
     return ModalRun(
         values=values,
         rigid=rigid,
@@ -144,36 +144,21 @@ def _estimate(
     size = min(motion.history["t"].size, finer.history["t"].size) - 1
     moved = max(
         np.abs(motion.history[name][:size] - finer.history[name][:size]).max() / abs(motion.strike[name])
-        for name in COMPARED
+        for name in KEYS
     )
-    at_strike = _worst(finer, motion)
+    modes, steps = (largest_relative(run.strike or {}, motion.strike) for run in (finer, coarser))
     cycles = max(1.0, lowest * fe_plan.plan.motion.strike.t)
-    return Estimate(
-        float(max(moved, at_strike)), fe_plan.deflection_ratio**2 * cycles, _worst(coarser, motion)
-    )
-
-
-def _worst(one: ModalMotion, other: ModalMotion) -> float:
-    """Largest relative difference of the five quantities at the tail-slap."""
-    assert one.strike
-    assert other.strike
-    return max(abs(one.strike[name] / other.strike[name] - 1.0) for name in COMPARED)
+    return Estimate(float(max(moved, modes)), fe_plan.deflection_ratio**2 * cycles, steps)
 
 
 def _checks(motion: ModalMotion, estimate: Estimate, tolerance: float) -> tuple[Check, ...]:
     angle = 0.0 if motion.strike else float(motion.history["theta"][-1])
-    meanings = {
-        "modes left out": (
-            estimate.modes,
-            "how far the result moves with more of them; --modes takes a larger number",
-        ),
-        "linear modes": (
-            estimate.linear,
-            "what their linear strain leaves out; the plate is too soft for modes, `tailslap run` is not",
-        ),
-        "time steps": (estimate.steps, "how far the result moves with half as many; --steps takes more"),
-    }
-    checks = [Check("tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]")]
-    for name, (value, meaning) in meanings.items():
-        checks.append(Check(name, value, tolerance, bool(value <= tolerance), meaning))
-    return tuple(checks)
+    more = "how far the result moves with more of them; --modes takes a larger number"
+    linear = "what their linear strain leaves out; the plate is too soft for modes, `tailslap run` is not"
+    half = "how far the result moves with half as many; --steps takes more"
+    return (
+        Check("tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]"),
+        Check.at_most("modes left out", estimate.modes, tolerance, more),
+        Check.at_most("linear modes", estimate.linear, tolerance, linear),
+        Check.at_most("time steps", estimate.steps, tolerance, half),
+    )

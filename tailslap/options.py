@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -91,6 +91,26 @@ def complete_key(context: click.Context, parameter: click.Parameter, typed: str)
     return [f"{key}=" for key in MEANINGS if key.startswith(typed)]
 
 
+def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
+    """Print the numbers as JSON, or the text; the exit status of success."""
+    from postprocess.files.summary import summary_text
+
+    click.echo(summary_text(numbers) if as_json else text)
+    return 0
+
+
+SCENE = click.Argument(["name"], metavar="SCENE", shell_complete=complete_scene)
+SET = click.Option(
+    ["--set", "changes"],
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key, like plate.thickness=20mm; KEY= takes it out.",
+    shell_complete=complete_key,
+)
+ALLOW_LARGE = click.Option(
+    ["--allow-large"], is_flag=True, help="Also where it takes more memory, time or threads than there are."
+)
+WORKERS = click.Option(["--workers"], type=Whole(1, 256), help="Processes  [default: one a core]")
 JSON = click.Option(["--json", "as_json"], is_flag=True, help="Print the numbers as JSON, in SI.")
 QUIET = click.Option(
     ["--quiet", "-q"],
@@ -117,7 +137,7 @@ UNITS = click.Option(
 FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another scene.")
 
 
-def with_options(*options: click.Option) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def with_options(*options: click.Parameter) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """A decorator that gives a command these options."""
 
     def decorated(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.comparison import KEYS, relative_difference
 from postprocess.comparison.metrics import Metrics
 from tailslap.errors import InputError
 from tailslap.execution.checkpoints import next_checkpoint
 from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
-from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.verification.check import Check, history_metrics
 from tailslap.verification.checks import error_of, ringing_checks, run_checks
@@ -89,6 +89,11 @@ class Outcome:
     def passed(self) -> bool:
         """Whether every check passed."""
         return all(check.passed for check in self.checks)
+
+    @property
+    def histories(self) -> dict[str, dict[str, np.ndarray]]:
+        """Both histories by the names of their files."""
+        return {"history.csv": self.fe_history, "rigid.csv": self.rigid_history}
 
 
 def run_scene(plan: Plan) -> Outcome:
@@ -182,7 +187,7 @@ def rings(outcome: Outcome) -> bool:
 def compare(fe_plan: FePlan, run: Run, setup: float, second: SecondRun | None = None) -> Outcome:
     """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
     rigid = stage_two_numbers(fe_plan.plan)
-    fe = {name: run.strike.values[name] for name in COMPARED} if run.strike else {}
+    fe = {name: run.strike.values[name] for name in KEYS} if run.strike else {}
     difference = relative_difference(fe, rigid) if fe else {}
     rigid_history = rigid_columns(fe_plan, run.history)
     with np.errstate(all="ignore"):  # a run that diverged is judged, not warned about

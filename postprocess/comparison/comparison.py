@@ -112,26 +112,25 @@ def largest(differences: Mapping[str, float]) -> float:
     return max(sizes) if sizes and all(map(math.isfinite, sizes)) else math.nan
 
 
+def largest_relative(values: Mapping[str, float], others: Mapping[str, float]) -> float:
+    """Size of the largest relative difference of the five quantities; NaN where there is no result, or no number."""
+    return largest(relative_difference(values, others)) if values and others else math.nan
+
+
 def comparison_rows(
     fe: Mapping[str, float],
     rigid: Mapping[str, float],
     paper: Mapping[str, Mapping[str, float]] | None = PAPER_TABLE_3,
-    keys: Sequence[str] = KEYS,
 ) -> tuple[ComparisonRow, ...]:
     """The rows of the comparison table; `paper=None` where the scene is not the paper's."""
     columns = {} if paper is None else paper
     analytical, abaqus = columns.get("analytical", {}), columns.get("abaqus", {})
-    difference = relative_difference(fe, rigid, keys)
+    difference = relative_difference(fe, rigid)
     return tuple(
         ComparisonRow(
-            QUANTITIES[key],
-            float(fe[key]),
-            float(rigid[key]),
-            difference[key],
-            analytical.get(key),
-            abaqus.get(key),
+            quantity, float(fe[key]), float(rigid[key]), difference[key], analytical.get(key), abaqus.get(key)
         )
-        for key in keys
+        for key, quantity in QUANTITIES.items()
     )
 
 

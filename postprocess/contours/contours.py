@@ -27,7 +27,7 @@ from postprocess.contours.colour_scale import WIDENING, ColourScale, colour_scal
 from postprocess.contours.view import View, round_positions, view_of_plate
 
 SIZE = (1600, 700)
-WALL, WALL_EDGE, OUTLINE = "#bfc3c7", "#a9aeb3", "#d1495b"
+WALL, WALL_EDGE = "#bfc3c7", "#a9aeb3"
 
 Floats = NDArray[np.float64]
 Quads = NDArray[np.integer[Any]]
@@ -45,46 +45,31 @@ class ContourField:
 
 @dataclass(frozen=True)
 class Setting:
-    """What all pictures of one instant share; see `draw_contours` for shapes and units."""
+    """What all pictures of one instant share.
+
+    points: deformed nodes of the plate [m], shape (n, 2); quads: its elements, shape (e, 4); wall_points and
+    wall_quads: the same for the wall, which without them is the line Y = 0; corner and centroid: the points P and G [m]
+    to mark; time: of the strike [s].
+    """
 
     points: Floats
     quads: Quads
-    wall_points: Floats | None
-    wall_quads: Quads | None
-    outline: Floats | None
-    corner: Sequence[float] | None
-    centroid: Sequence[float] | None
-    caption: str
+    wall_points: Floats | None = None
+    wall_quads: Quads | None = None
+    corner: Sequence[float] | None = None
+    centroid: Sequence[float] | None = None
+    scene: str = ""
+    time: float | None = None
 
 
-def draw_contours(
-    points: Floats,
-    quads: Quads,
-    fields: Sequence[ContourField],
-    out_dir: Path,
-    *,
-    wall_points: Floats | None = None,
-    wall_quads: Quads | None = None,
-    outline: Floats | None = None,
-    corner: Sequence[float] | None = None,
-    centroid: Sequence[float] | None = None,
-    scene: str = "",
-    time: float | None = None,
-) -> list[Path]:
-    """Writes `contour_NAME.png` for each field into out_dir and returns the paths.
-
-    points: deformed nodes of the plate [m], shape (n, 2); quads: its elements, shape (e, 4); wall_points and
-    wall_quads: the same for the wall, which without them is the line Y = 0; outline: closed reference
-    polygon [m], shape (k, 2); corner and centroid: the points P and G [m] to mark; time: of the strike [s].
-    """
-    moment = [] if time is None else [f"tail-slap at t = {time:.4g} s"]
-    caption = ",  ".join([scene, *moment])
-    setting = Setting(points, quads, wall_points, wall_quads, outline, corner, centroid, caption)
-    view = view_of_plate(points, SIZE)
+def draw_contours(setting: Setting, fields: Sequence[ContourField], out_dir: Path) -> list[Path]:
+    """Write `contour_NAME.png` for each field into out_dir; returns the paths."""
+    moment = [] if setting.time is None else [f"tail-slap at t = {setting.time:.4g} s"]
+    view = view_of_plate(setting.points, SIZE)
     with canvas(view) as plotter:
         _add_wall(plotter, setting, view)
         _add_height_ruler(plotter, setting, view)
-        add_text(plotter, setting.caption, (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
+        add_text(plotter, ",  ".join([setting.scene, *moment]), (SIZE[0] - 24, SIZE[1] - 44), 20, "right")
         return [
             _draw(plotter, setting, field, view, out_dir / f"contour_{field.name}.png") for field in fields
         ]
@@ -168,11 +153,8 @@ def _add_height_ruler(plotter: Canvas, setting: Setting, view: View) -> None:
 
 
 def _add_marks(plotter: Canvas, setting: Setting, field: ContourField, view: View) -> list[Any]:
-    """The reference and the points P and G, with the field's value at G; returns what was added."""
+    """The points P and G, with the field's value at G; returns what was added."""
     added: list[Any] = []
-    if setting.outline is not None:
-        added.append(add_line(plotter, np.vstack([setting.outline, setting.outline[:1]]), OUTLINE))
-        added.append(add_text(plotter, "red outline: reference", (SIZE[0] / 2, 24), 20, "center"))
     for name, point in (("P", setting.corner), ("G", setting.centroid)):
         if point is not None:
             value = _signed(f"{value_at(setting.points, field.values, point):.4g}")

@@ -21,7 +21,7 @@ Lines = list[list[str]]
 
 
 def printed(parts: Iterable[Part]) -> str:
-    """Tables, findings, sentences and whole sections as text, one below the other."""
+    """Tables, findings, sentences and whole sections as text, one below the other; a table without rows is left out."""
     shown = chain.from_iterable(map(_single, parts))
     return "\n".join(chain.from_iterable(map(_lines, shown))).rstrip("\n")
 
@@ -53,6 +53,11 @@ def labelled(text: str, indent: int) -> list[str]:
     return wrapped(text[indent:].strip(), text[:indent]) or [text]
 
 
+def labelled_text(lines: Iterable[str], indent: int) -> str:
+    """Such lines as one text."""
+    return "\n".join(part for line in lines for part in labelled(line, indent))
+
+
 def _single(part: Part) -> Iterator[Table | Finding | str]:
     """A section's title, tables, sentences and findings, each of these with its number; other parts as they are."""
     if not isinstance(part, Section):
@@ -78,7 +83,7 @@ def _lines(part: Table | Finding | str) -> Iterator[str]:
         yield from (line for sentence in part.seen for line in wrapped(sentence, "  seen     "))
         yield from (line for sentence in part.inferred for line in wrapped(sentence, "  inferred "))
         yield from (line for command in part.repeat for line in wrapped(command, "  repeat   ", " \\"))
-    else:
+    elif part.rows:
         yield from table_lines(part, line_width())
         yield from (line for note in part.notes for line in wrapped(note))
         yield ""

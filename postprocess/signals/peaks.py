@@ -7,7 +7,7 @@ eye, off 50 ms means and SAE-filtered curves; here, a valley is the first bottom
 free by w.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,16 @@ PROMINENCE = 0.25
 
 LOWEST = 0.05
 """How far above the lowest force a valley may lie, over the peak: undershoot of filters elsewhere is no valley."""
+
+
+FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
+    "raw": lambda force, interval: force,
+    "mean_50ms": lambda force, interval: moving_mean(force, interval, 0.05),
+    "cfc60": lambda force, interval: cfc_filter(force, interval, 60),
+    "cfc180": lambda force, interval: cfc_filter(force, interval, 180),
+    "cutoff_60hz": cutoff_60hz,
+}
+"""Of a force [N] with this interval [s]."""
 
 
 @dataclass(frozen=True)
@@ -44,21 +54,15 @@ class StrikeDuration:
         return 2.0 * self.impulse / self.peak
 
 
-def force_curves(force: Floats, interval: float) -> dict[str, Floats]:
+def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FILTERS)) -> dict[str, Floats]:
     """The force [N] itself and by each filter, under the names of `summary.json`; shape (n,) each.
 
     force: shape (n,), each sample the mean over its interval [s]. It starts at first touch: before there is none.
+    names: of `FILTERS`.
     ValueError for samples too rare for CFC 180 (1800 Hz), and for a history shorter than 50 ms.
     """
     touched = np.concatenate(([0.0], force))
-    found = {
-        "raw": touched,
-        "mean_50ms": moving_mean(touched, interval, 0.05),
-        "cfc60": cfc_filter(touched, interval, 60),
-        "cfc180": cfc_filter(touched, interval, 180),
-        "cutoff_60hz": cutoff_60hz(touched, interval),
-    }
-    return {name: values[1:] for name, values in found.items()}
+    return {name: FILTERS[name](touched, interval)[1:] for name in names}
 
 
 def force_peaks(curves: Mapping[str, Floats]) -> dict[str, float]:

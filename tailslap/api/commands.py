@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from postprocess.fields import FORMATS
-from tailslap.options import JSON, QUIET, Folder, Real, Text, with_options
+from tailslap.options import JSON, QUIET, Folder, Real, Text, tell, with_options
 
 
 @click.command("export")
@@ -27,12 +27,10 @@ def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: 
     RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
     histories of any run.
     """
-    from postprocess.files.summary import summary_text
     from tailslap.api.exports import export as write
 
     written = write(folder, to, out, field=field, magnify=magnify)
-    click.echo(summary_text({"written": written}) if as_json else f"Written: {written}")
-    return 0
+    return tell({"written": written}, f"Written: {written}", as_json)
 
 
 @click.command("compare")

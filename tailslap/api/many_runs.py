@@ -11,7 +11,7 @@ from postprocess.files.summary import plain
 from postprocess.report.table import Table
 from postprocess.report.terminal import printed
 from tailslap.api.laws import named
-from tailslap.api.result import Result
+from tailslap.api.result import Result, filled_by
 from tailslap.errors import InputError
 from tailslap.scene.vary import shown
 
@@ -67,7 +67,7 @@ def study(
     import click
 
     from tailslap.studies import find_study
-    from tailslap.studies.study import compute_study, study_command, study_report
+    from tailslap.studies.study import compute_study, study_command
 
     chosen = find_study(name)
     words = [os.fspath(scene), *_words("set", named(changes or {})), *_options(options)]
@@ -78,17 +78,13 @@ def study(
     own = {str(option.name): given[str(option.name)] for option in chosen.options}
     out = None if folder is None else Path(folder)
     found = compute_study(chosen, given["name"], given["changes"], out, allow_large, own)[1]
-    report = study_report(chosen, found)
-
-    def fill(place: Path, pictures: bool) -> None:
-        from postprocess.report.report import write_report
-
-        write_report(report, place)
+    report = chosen.report(found)
 
     parts = [part for part in report.terminal if isinstance(part, Table)]
     tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
     page, summary = report.page, plain(report.summary)
     said = printed(report.terminal)
+    fill = filled_by(lambda place, pictures: report)
     return Result(
         f"study {name}", page.title, summary, page.headline, page.passed, tables, fill=fill, text=said
     )

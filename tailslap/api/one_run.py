@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,15 +10,13 @@ import numpy as np
 
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
+from postprocess.report.terminal import labelled_text
 from tailslap.analysis import Analysis
 from tailslap.api.columns import Columns
-from tailslap.api.result import FE, RIGID, Result
+from tailslap.api.result import FE, RIGID, Result, filled_by
 from tailslap.api.run_tables import run_headline, run_tables
 from tailslap.api.scenes import Changes, Scene, planned, planned_plate
 from tailslap.results.columns import column_units
-
-RIGID_ROWS = 401
-"""Instants of the rigid motion that `rigid` samples."""
 
 
 def run(
@@ -59,18 +58,13 @@ def run(
     (True, 0.3867)
     """
     analysis, plan = planned_plate(scene, changes, allow_large)
-    return run_result(analysis, analysis.run(plan, tolerance))
+    return run_result(analysis, analysis.outcome(plan, tolerance))
 
 
 def run_result(analysis: Analysis, outcome: Any) -> Result:
     """The record of a finished run."""
     summary = plain(analysis.summary(outcome, True))
     histories = analysis.histories(outcome)
-
-    def fill(folder: Path, pictures: bool) -> None:
-        from postprocess.report.report import write_report
-
-        write_report(analysis.report(outcome, folder, pictures), folder)
 
     def fields() -> Any:
         from tailslap.report.fields import field_series
@@ -85,7 +79,7 @@ def run_result(analysis: Analysis, outcome: Any) -> Result:
         summary["passed"],
         run_tables(summary),
         {FE: history(histories["history.csv"]), RIGID: history(histories["rigid.csv"])},
-        fill=fill,
+        fill=filled_by(partial(analysis.report, outcome)),
         make_fields=None if outcome.run.snapshots is None else fields,
     )
 
@@ -122,7 +116,7 @@ def rigid(scene: Scene, changes: Changes | None = None) -> Result:
     653
     """
     analysis, plan = planned(scene, changes)
-    summary, columns = plain(analysis.rigid_numbers(plan)), analysis.rigid_history(plan, RIGID_ROWS)
+    summary, columns = plain(analysis.rigid_numbers(plan)), analysis.rigid_history(plan)
 
     def fill(folder: Path, pictures: bool) -> None:
         write_summary(folder / "summary.json", summary)
@@ -133,7 +127,7 @@ def rigid(scene: Scene, changes: Changes | None = None) -> Result:
         summary["scene"],
         summary,
         histories={RIGID: history(columns)},
-        text=_said(analysis.rigid_lines(plan, "si"), 19),
+        text=labelled_text(analysis.rigid_lines(plan, "si"), 19),
         fill=fill,
     )
 
@@ -166,19 +160,8 @@ def check(scene: Scene, changes: Changes | None = None, *, allow_large: bool = F
     >>> tailslap.check("paper-table-3").summary["plate"][0][:23]
     '120 elements, 147 nodes'
     """
-    from tailslap.planning.affordable import demand_affordable, is_large
-    from tailslap.report.check_text import as_numbers, estimate_part
+    from tailslap.report.check_text import LABEL, as_numbers
 
     analysis, plan = planned(scene, changes)
-    asked, duration = plan.scene, analysis.duration(plan)
-    if not allow_large:
-        demand_affordable(asked, duration)
-    lines = estimate_part(asked, duration) if is_large(asked) else analysis.check_lines(plan)
-    return Result("check", asked.name, as_numbers(asked.name, lines), text=_said(lines, 13))
-
-
-def _said(lines: list[str], indent: int) -> str:
-    """Lines of a label and a text, as the terminal has them."""
-    from postprocess.report.terminal import labelled
-
-    return "\n".join(part for line in lines for part in labelled(line, indent))
+    name, lines = plan.scene.name, analysis.checked(plan, allow_large)
+    return Result("check", name, as_numbers(name, lines), text=labelled_text(lines, LABEL))

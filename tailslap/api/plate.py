@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from postprocess.files.summary import plain
 from tailslap.api.one_run import history
-from tailslap.api.result import Result
+from tailslap.api.result import Result, filled_by
 from tailslap.api.scenes import Changes, Scene, planned_plate
 
 MODAL = "modal"
@@ -109,13 +108,10 @@ def modes(
 
     found = find_modes(_fe_plan(scene, changes, allow_large), count)
     summary = plain(summary_of(found))
-
-    def fill(folder: Path, pictures: bool) -> None:
-        from postprocess.report.report import write_report
-
-        write_report(modes_report(found), folder)
-
-    tables = {"Frequencies": modes_table(found)}
+    tables, fill = (
+        {"Frequencies": modes_table(found)},
+        filled_by(lambda folder, pictures: modes_report(found)),
+    )
     return Result("modes", summary["scene"], summary, headline(found), tables=tables, fill=fill)
 
 

@@ -15,11 +15,23 @@ from tailslap.errors import InputError, Missing
 if TYPE_CHECKING:
     from postprocess.fields.series import FieldSeries
     from postprocess.figures.overlay import Plot
+    from postprocess.report.report import Report
 
 Fill = Callable[[Path, bool], None]
 """Fills an empty folder with the result's files; the second argument: whether with pictures."""
 
 RIGID, FE = "rigid", "FE"
+
+
+def filled_by(make: Callable[[Path, bool], Report]) -> Fill:
+    """What fills a folder with the files of a report, which may draw pictures into it."""
+
+    def fill(folder: Path, pictures: bool) -> None:
+        from postprocess.report.report import write_report
+
+        write_report(make(folder, pictures), folder)
+
+    return fill
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -3,39 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from postprocess.comparison.comparison import KEYS, comparison_rows
-from postprocess.report.table import Column, Table
+from postprocess.report.table import Table
+from tailslap.report.parts import CHECKS, TAIL_SLAP, strikes_table
 
-COMPARISON = (
-    Column("quantity.title", "Quantity"),
-    Column("quantity.unit", "Unit"),
-    Column("fe", "FE", form=".7g"),
-    Column("rigid", "Rigid, exact", form=".7g"),
-    Column("difference", "FE/rigid − 1", form="+.2e"),
-)
-STRIKES = (
-    Column("corner", "Strike"),
-    Column("model", "Model"),
-    Column("start", "Start", "s", form=".4f"),
-    Column("duration", "Duration", "s", form=".4f"),
-    Column("peak_force", "Peak", "N", form=".4g"),
-    Column("impulse", "Impulse", "N s", form=".4g"),
-)
-FAILED = (
-    Column("name", "Failed check"),
-    Column("value", "Value", form=".3g"),
-    Column("limit", "Limit", form=".3g"),
-    Column("meaning", "What it means"),
-)
+COMPARISON = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
 
 
 def run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """What was found, and the checks that failed."""
-    found = _strikes(summary) if "strikes" in summary["fe"] else _comparison(summary)
+    strikes = {label: summary[model].get("strikes") for label, model in (("FE", "fe"), ("rigid", "rigid"))}
+    found = {"Strikes": strikes_table(strikes)} if strikes["FE"] is not None else _comparison(summary)
     failed = [check for check in summary["checks"] if not check["passed"]]
-    return found | ({"Failed checks": Table(FAILED, failed)} if failed else {})
+    return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})
 
 
 def run_headline(summary: Mapping[str, Any]) -> str:
@@ -56,12 +39,3 @@ def _comparison(summary: Mapping[str, Any]) -> dict[str, Table]:
     if any(fe[key] is None for key in KEYS):
         return {}
     return {"At the tail-slap": Table(COMPARISON, comparison_rows(fe, rigid, None))}
-
-
-def _strikes(summary: Mapping[str, Any]) -> dict[str, Table]:
-    rows = [
-        {"model": label, **strike}
-        for label, model in (("FE", "fe"), ("rigid", "rigid"))
-        for strike in summary[model]["strikes"]
-    ]
-    return {"Strikes": Table(STRIKES, rows)}

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.analyses import analysis_of, needs_plate
-from tailslap.analysis import Analysis
+from tailslap.analysis import Analysis, analysis_of
 from tailslap.api.laws import named
 from tailslap.errors import InputError
-from tailslap.planning.affordable import demand_affordable
+from tailslap.planning.affordable import demand_run
 from tailslap.scene.files import read_source
 from tailslap.scene.plausible import remarks
 from tailslap.scene.vary import Source, vary
@@ -37,9 +36,7 @@ def planned(scene: Scene, changes: Changes | None) -> tuple[Analysis, Any]:
 def planned_plate(scene: Scene, changes: Changes | None, allow_large: bool) -> tuple[Analysis, Any]:
     """The same for a scene with a plate that this machine can carry. Raises InputError."""
     analysis, plan = planned(scene, changes)
-    needs_plate(plan.scene)
-    if not allow_large:
-        demand_affordable(plan.scene, analysis.duration(plan))
+    demand_run(plan.scene, analysis.duration(plan), allow_large)
     return analysis, plan
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from postprocess.files.summary import plain
 from tailslap.api.columns import Columns
-from tailslap.api.result import Result
+from tailslap.api.result import Result, filled_by
 
 
 def compare(
@@ -53,12 +52,6 @@ def compare(
     from tailslap.comparing.report import compare_report, headline, metrics_table, summary
 
     found = compare_items((reference, *others), columns, only)
-
-    def fill(folder: Path, pictures: bool) -> None:
-        from postprocess.report.report import write_report
-
-        write_report(compare_report(found), folder)
-
     return Result(
         "compare",
         " · ".join(item.label for item in found.items),
@@ -67,5 +60,5 @@ def compare(
         found.within,
         {"Metrics": metrics_table(found)},
         {item.label: Columns(item.columns, item.units) for item in found.items},
-        fill=fill,
+        fill=filled_by(lambda folder, pictures: compare_report(found)),
     )

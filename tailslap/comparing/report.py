@@ -21,9 +21,8 @@ from tailslap.report.footer import footer
 
 
 def _hundredths(share: float) -> str:
-    """A share in per cent, without the sign of a zero."""
-    text = f"{100.0 * share:+.2f}"
-    return text if float(text) else text[1:]
+    """A share in per cent, its sign and no unit."""
+    return percent(share).removesuffix(" %")
 
 
 METRICS = (
@@ -140,33 +139,33 @@ def _quantities(found: Comparison) -> Iterator[Table]:
 
 
 def _curves(found: Comparison) -> list[Chart]:
-    def lines(name: str) -> list[Line]:
-        return [
-            Line(item.label, item.columns["t"], item.columns[name])
-            for item in found.items
-            if name in item.columns
-        ]
-
+    """Each column of all results."""
     return [
-        overlay_curve(name, Overlay(name, found.reference.units.get(name, ""), lines(name)), name)
+        _curve(
+            found,
+            name,
+            [Line(i.label, i.columns["t"], i.columns[name]) for i in found.items if name in i.columns],
+        )
         for name in found.names
     ]
 
 
 def _differences(found: Comparison) -> list[Chart]:
-    def lines(name: str) -> list[Line]:
-        return [
-            Line(label, each.t, each.difference)
-            for label, columns in found.beside.items()
-            for each in columns
-            if each.name == name
-        ]
-
+    """Each column less the reference's."""
+    every = [(label, each) for label, columns in found.beside.items() for each in columns]
     return [
-        overlay_curve(
-            f"difference_{name}",
-            Overlay(f"difference of {name}", found.reference.units.get(name, ""), lines(name)),
-            f"{name} less that of {found.reference.label}",
+        _curve(
+            found,
+            name,
+            [Line(label, x.t, x.difference) for label, x in every if x.name == name],
+            "difference",
         )
         for name in found.names
     ]
+
+
+def _curve(found: Comparison, name: str, lines: list[Line], what: str = "") -> Chart:
+    title = f"{what} of {name}" if what else name
+    caption = f"{name} less that of {found.reference.label}" if what else name
+    overlay = Overlay(title, found.reference.units.get(name, ""), lines)
+    return overlay_curve(f"{what}_{name}" if what else name, overlay, caption)

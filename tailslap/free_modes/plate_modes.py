@@ -69,10 +69,9 @@ def find_modes(fe_plan: FePlan, count: int) -> PlateModes:
     most = most_modes(model.loop.mass.size)
     if not 1 <= count <= most:
         raise InputError("--count", count, f"allowed with this mesh is a whole number from 1 to {most}")
-    assert plate.youngs_modulus is not None
     found = free_modes(model, count)
-    density = plate_density(fe_plan.plan, plate)
-    beam = Beam(vehicle.length, vehicle.width, plate.youngs_modulus, plate.poissons_ratio, density)
+    density = plate_density(fe_plan.plan.scene, plate)
+    beam = Beam(vehicle.length, vehicle.width, plate.modulus, plate.poissons_ratio, density)
     return PlateModes(fe_plan, found, tuple(_modes(fe_plan, found, beam)), beam)
 
 

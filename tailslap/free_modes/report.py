@@ -10,11 +10,11 @@ import tailslap
 from postprocess.figures.mode_plots import draw_mode
 from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import percent
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
 from tailslap.free_modes.plate_modes import PlateModes, drawn_shape
-from tailslap.report.footer import footer
+from tailslap.report.footer import study_page
 
 MAX_PICTURES = 24
 """Modes that are drawn: the lowest."""
@@ -32,17 +32,16 @@ COLUMNS = (
 def modes_report(found: PlateModes) -> Report:
     """Page, summary, and what the terminal says."""
     plan, table, said = found.fe_plan.plan, modes_table(found), headline(found)
-    page = Page(
-        kicker="Natural frequencies of the free plate in its plane",
-        title=plan.scene.name,
-        headline=said,
-        sections=(
+    page = study_page(
+        plan,
+        "Natural frequencies of the free plate in its plane",
+        said,
+        (
             Section("Frequencies, beside those of a free beam", tables=(table,)),
             Section("Shapes", _drawing(found), _pictures(found)),
             Section("What was computed, and what it means", sentences=_sentences(found)),
         ),
-        footer=footer("summary.json, these numbers and the shares of energy behind the kinds"),
-        scene_text=plan.source.text,
+        "summary.json, these numbers and the shares of energy behind the kinds",
     )
     return Report(page, summary(found), (f"{plan.scene.name}: {said}", table))
 

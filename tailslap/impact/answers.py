@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from postprocess.signals.flail_space import VehicleMotion
+from postprocess.signals.occupant_risk import RiskMeasure, occupant_risk
+from postprocess.signals.peaks import force_curves, force_peaks, second_strike
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
@@ -44,22 +47,16 @@ class ImpactAnswer:
     @cached_property
     def lateral(self) -> dict[str, np.ndarray]:
         """Force on the wall across it, raw and filtered [N], shape (rows - 1,)."""
-        from postprocess.signals.peaks import force_curves
-
         return force_curves(self.history["force_normal"][1:], self.interval)
 
     @cached_property
     def longitudinal(self) -> dict[str, np.ndarray]:
         """Force on the wall along it, raw and filtered [N], shape (rows - 1,)."""
-        from postprocess.signals.peaks import force_curves
-
         return force_curves(-self.history["force_tangential"][1:], self.interval)
 
     @cached_property
     def peaks(self) -> dict[str, float]:
         """Peaks of the lateral force, raw and filtered [N]."""
-        from postprocess.signals.peaks import force_peaks
-
         return force_peaks(self.lateral)
 
     @property
@@ -71,8 +68,6 @@ class ImpactAnswer:
     def second_strike(self) -> dict[str, dict[str, float]]:
         """Duration of the second strike as the paper reads it off a curve, and of the equal triangle; empty for curves
         with a single peak."""
-        from postprocess.signals.peaks import second_strike
-
         found = {}
         for name in ("mean_50ms", "cfc60", "cutoff_60hz"):
             try:
@@ -87,11 +82,8 @@ class ImpactAnswer:
             }
         return found
 
-    def occupant_risk(self, mass: float) -> tuple[Any, ...]:
+    def occupant_risk(self, mass: float) -> tuple[RiskMeasure, ...]:
         """Measures of the planar motion; mass [kg]."""
-        from postprocess.signals.flail_space import VehicleMotion
-        from postprocess.signals.occupant_risk import occupant_risk
-
         h = {name: values[1:] for name, values in self.history.items()}
         along, across = h["force_tangential"] / mass, h["force_normal"] / mass
         sine, cosine = np.sin(h["theta"]), np.cos(h["theta"])

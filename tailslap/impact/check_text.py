@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from tailslap.impact.fe_plan import ImpactFePlan
+from tailslap.impact.fe_plan import ImpactFePlan, make_impact_fe_plan
 from tailslap.impact.plan import ImpactPlan
 from tailslap.planning.cost import loop_seconds
+from tailslap.report.check_text import chosen_lines
 from tailslap.scene.schema import Contact, Scene
 
 
@@ -29,10 +30,9 @@ def contact_words(contact: Contact) -> str:
     )
 
 
-def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
+def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     """Parts that this scene does without, each with the reason."""
-    contact, parts = scene.contact, []
-    assert contact is not None
+    contact, parts = scene.needed_contact, []
     if contact.friction == 0.0:
         parts.append(("friction", "contact.friction is 0: no friction code in the time loop"))
     if contact.crushes and not contact.side_stiffness:
@@ -46,22 +46,26 @@ def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
     return parts
 
 
-def rigid_part(plan: ImpactPlan, pictures: bool = True) -> list[str]:
+def check_lines(plan: ImpactPlan) -> list[str]:
+    """All lines; of a scene without [plate] those that need no mesh."""
+    return rigid_part(plan) + (fe_part(make_impact_fe_plan(plan)) if plan.scene.plate else [])
+
+
+def rigid_part(plan: ImpactPlan) -> list[str]:
     """Lines that need no mesh."""
     motion, touch = plan.motion, plan.touch
     strikes = ", ".join(f"{s.corner} at {s.start:.4g} s for {s.duration:.3g} s" for s in motion.strikes)
-    assert plan.scene.contact is not None
     lines = [
         f"{plan.scene.name}: the scene is valid",
         f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
         f"{math.hypot(touch.v_gx, touch.v_gy):.5g} m/s",
         f"vehicle      {plan.vehicle.mass:g} kg, centre of mass {plan.vehicle.front_distance:g} m behind the front, "
         f"yaw inertia {plan.vehicle.inertia:.6g} kg m^2",
-        f"contact      {contact_words(plan.scene.contact)}",
+        f"contact      {contact_words(plan.scene.needed_contact)}",
         f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
         f"end          {motion.t_end:.4g} s",
     ]
-    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene, pictures)]
+    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene)]
 
 
 def fe_part(fe_plan: ImpactFePlan) -> list[str]:
@@ -69,7 +73,6 @@ def fe_part(fe_plan: ImpactFePlan) -> list[str]:
     model, plate, steps = fe_plan.model, fe_plan.plate, fe_plan.expected_steps
     elements, rows = model.loop.table.connectivity.shape[1], round(fe_plan.plan.motion.t_end / fe_plan.sample)
     seconds = loop_seconds(plate.element, plate.counts, steps, rows)
-    chosen = [f"chosen       {decision.shown}" for decision in fe_plan.decisions]
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
         f"{plate.lumping} masses",
@@ -80,5 +83,5 @@ def fe_part(fe_plan: ImpactFePlan) -> list[str]:
         f"{model.stable_time_step:.4g} s",
         f"steps        {steps}, about {seconds:.2g} s in the time loop, {rows} rows; as many again on richer elements, "
         "to tell the mesh's error",
-        *chosen,
+        *chosen_lines(fe_plan.decisions),
     ]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.vibration import unknown_by_vibration
-from tailslap.verification.check import Check
+from tailslap.verification.check import FINER, STEP, Check, CheckKind, Evaluation, evaluated, failed_names
 
 STORED = (
     "kinetic_energy",
@@ -27,9 +28,6 @@ much that is at most."""
 
 FORCES, DURATIONS = ("impulse", "peak_force"), ("duration",)
 """Quantities of a strike whose mesh error is judged together."""
-
-MESH_CHECKS = ("mesh", "mesh for durations", "vibration")
-"""Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 WEDGE = 1.0 / (0.5 * math.pi + 1.0) + 1.0 / (0.5 * math.pi - 1.0)
 """Displacement of a force on the corner of a plate, at 45 deg to its sides, times E t over force and logarithm of the
@@ -51,91 +49,73 @@ def _initial_energy(outcome: ImpactOutcome) -> float:
     return 0.5 * plan.vehicle.mass * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
-def _finite(outcome: ImpactOutcome) -> Check:
+def _finite(outcome: ImpactOutcome) -> Evaluation:
     arrays = (*outcome.run.history.values(), outcome.run.normal)
     bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
-    return Check.at_most("finite numbers", bad, 0, "entries of the histories that are not finite numbers")
+    return Evaluation(bad, 0, "entries of the histories that are not finite numbers")
 
 
-def _time_step(outcome: ImpactOutcome) -> Check:
+def _time_step(outcome: ImpactOutcome) -> Evaluation:
     model = outcome.fe_plan.model
     share = model.loop.time_step / model.stable_time_step
     share *= outcome.run.highest_frequency / model.highest_frequency
     meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
-    return Check.at_most("time step", share, 1.0, meaning)
+    return Evaluation(share, 1.0, meaning)
 
 
-def _energy(outcome: ImpactOutcome) -> Check:
+def _energy(outcome: ImpactOutcome) -> Evaluation:
     worst = np.abs(energy_error(outcome)).max() / _initial_energy(outcome)
     exact = _is_exact(outcome)
     meaning = "largest gap in the energy ledger over the initial energy"
-    return Check.at_most(
-        "energy balance",
-        worst,
-        LOSS if exact else 1e-3,
-        meaning + ("; exact contact takes what nodes bring" if exact else ""),
-    )
+    meaning += "; exact contact takes what nodes bring" if exact else ""
+    return Evaluation(worst, LOSS if exact else 1e-3, meaning)
 
 
-def _gain(outcome: ImpactOutcome) -> Check:
+def _gain(outcome: ImpactOutcome) -> Evaluation:
     gain = energy_error(outcome).max() / _initial_energy(outcome)
-    return Check.at_most("energy gained", gain, 1e-3, "energy that came from nowhere, over the initial")
+    return Evaluation(gain, 1e-3, "energy that came from nowhere, over the initial")
 
 
 def _is_exact(outcome: ImpactOutcome) -> bool:
-    contact = outcome.fe_plan.plan.scene.contact
-    return contact is not None and not contact.crushes and contact.enforcement == "exact"
+    contact = outcome.fe_plan.plan.scene.needed_contact
+    return not contact.crushes and contact.enforcement == "exact"
 
 
-def _momentum(outcome: ImpactOutcome) -> Check:
+def _momentum(outcome: ImpactOutcome) -> Evaluation:
     h, plan, mass = outcome.run.history, outcome.fe_plan.plan, outcome.fe_plan.model.mass
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
     across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
     along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
     meaning = "momentum in both directions against the integral of the wall's force"
-    return Check.at_most("momentum balance", max(across, along) / scale, 1e-9, meaning)
+    return Evaluation(max(across, along) / scale, 1e-9, meaning)
 
 
-def _angular(outcome: ImpactOutcome) -> Check:
+def _angular(outcome: ImpactOutcome) -> Evaluation:
     h = outcome.run.history
     turned = h["angular_momentum"] - h["moment_impulse"]
     worst = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
-    return Check.at_most(
-        "angular momentum", worst, 1e-9, "against the moment of the wall's force, about the first touch"
-    )
+    return Evaluation(worst, 1e-9, "against the moment of the wall's force, about the first touch")
 
 
-def _pull(outcome: ImpactOutcome) -> Check:
+def _pull(outcome: ImpactOutcome) -> Evaluation:
     least = -float(outcome.run.normal.min())
-    return Check.at_most(
-        "no pull", least, 1e-6 * np.abs(outcome.run.normal).max(), "largest force [N] that pulls"
-    )
+    return Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest force [N] that pulls")
 
 
-def _strikes(outcome: ImpactOutcome) -> Check:
+def _strikes(outcome: ImpactOutcome) -> Evaluation:
     wanted = min(2, len(outcome.rigid.strikes))
     names = [strike.corner for strike in outcome.fe.strikes[:2]]
     missing = wanted - len(names)
-    return Check.at_most(
-        "strikes found", missing, 0, "of the rigid vehicle's first two, those that the plate lacks"
-    )
+    return Evaluation(missing, 0, "of the rigid vehicle's first two, those that the plate lacks")
 
 
-def _mesh(outcome: ImpactOutcome) -> Check:
-    return _mesh_check(MESH_CHECKS[0], "impulse and peak", outcome, FORCES)
-
-
-def _mesh_duration(outcome: ImpactOutcome) -> Check:
-    return _mesh_check(MESH_CHECKS[1], "duration", outcome, DURATIONS)
-
-
-def _mesh_check(name: str, what: str, outcome: ImpactOutcome, quantities: tuple[str, ...]) -> Check:
+def _mesh(what: str, quantities: tuple[str, ...], outcome: ImpactOutcome) -> Evaluation:
     meaning = (
         f"what richer elements change in {what} of the first two strikes: {FLOOR:g} and {100 * SHARE:g} % of what "
         f"flexibility changes, {MOST:g} at most, are allowed; refine plate.elements"
     )
     worst = _largest(outcome.mesh_error, quantities, math.nan)
-    return Check.at_most(name, worst, _allowed(outcome, quantities), meaning)
+    return Evaluation(worst, _allowed(outcome, quantities), meaning)
 
 
 def _allowed(outcome: ImpactOutcome, quantities: tuple[str, ...]) -> float:
@@ -146,53 +126,67 @@ def _largest(found: Mapping[str, float], quantities: tuple[str, ...], without: f
     return max((abs(value) for name, value in found.items() if name.endswith(quantities)), default=without)
 
 
-def _point(outcome: ImpactOutcome) -> Check:
+def _point(outcome: ImpactOutcome) -> Evaluation:
     plan, plate = outcome.fe_plan.plan, outcome.fe_plan.plate
-    contact, modulus = plan.scene.contact, plate.youngs_modulus
-    assert contact is not None
-    assert modulus is not None
+    contact = plan.scene.needed_contact
     stiffness = 0.0 if contact.patch_length else contact.stiffness or 0.0
-    softened = stiffness * WEDGE * math.log(2.0) / (modulus * plate.thickness)
+    softened = stiffness * WEDGE * math.log(2.0) / (plate.modulus * plate.thickness)
     meaning = (
         "what elements half as large take off the stiffness of crush and plate; a corner's force acts on a point, "
         "whose compliance has no limit; give contact.patch_length"
     )
-    return Check.at_most("point contact", softened, _allowed(outcome, FORCES), meaning)
+    return Evaluation(softened, _allowed(outcome, FORCES), meaning)
 
 
-def _vibration(outcome: ImpactOutcome) -> Check:
+def _vibration(outcome: ImpactOutcome) -> Evaluation:
     meaning = (
         "change of the second strike's impulse by the vibration that the first one leaves, as far as the mesh does not "
         "tell its phase; refine plate.elements, or let it die away by damping.rate"
     )
-    return Check.at_most("vibration", unknown_by_vibration(outcome), _allowed(outcome, FORCES), meaning)
+    return Evaluation(unknown_by_vibration(outcome), _allowed(outcome, FORCES), meaning)
 
 
-def _sampling(outcome: ImpactOutcome) -> Check:
+def _sampling(outcome: ImpactOutcome) -> Evaluation:
     shortest = min((strike.duration for strike in outcome.fe.strikes[:2]), default=math.nan)
     meaning = "time between rows over the shorter of the first two strikes"
-    return Check.at_most("sampling", outcome.fe.interval / shortest, 0.02, meaning)
+    return Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
 
-CHECKS: tuple[Callable[[ImpactOutcome], Check], ...] = (
-    _finite,
-    _time_step,
-    _energy,
-    _gain,
-    _momentum,
-    _angular,
-    _pull,
-    _strikes,
-    _sampling,
-    _mesh,
-    _mesh_duration,
-    _point,
-    _vibration,
+FAULT = "please report it: a run does not fail this by its scene"
+SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
+CHECKS = (
+    CheckKind("finite numbers", _finite, STEP),
+    CheckKind("time step", _time_step, STEP),
+    CheckKind("energy balance", _energy, STEP),
+    CheckKind("energy gained", _gain, STEP),
+    CheckKind("momentum balance", _momentum, FAULT),
+    CheckKind("angular momentum", _angular, FAULT),
+    CheckKind("no pull", _pull, FAULT),
+    CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
+    CheckKind("sampling", _sampling, SHORT),
+    CheckKind("mesh", partial(_mesh, "impulse and peak", FORCES), FINER),
+    CheckKind("mesh for durations", partial(_mesh, "duration", DURATIONS), FINER),
+    CheckKind("point contact", _point, "give contact.patch_length"),
+    CheckKind("vibration", _vibration, FINER),
 )
 """In the order in which they are told."""
+
+MESH_CHECKS = ("mesh", "mesh for durations", "vibration")
+"""Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 
 @np.errstate(all="ignore")  # a run that diverged is judged, not warned about
 def impact_checks(outcome: ImpactOutcome) -> tuple[Check, ...]:
     """All checks of a run."""
-    return tuple(check(outcome) for check in CHECKS)
+    return evaluated(CHECKS, outcome)
+
+
+def failed_but_mesh(outcome: ImpactOutcome) -> tuple[str, ...]:
+    """Names of the checks that fail, those of the mesh apart: where others tell its error."""
+    checks = outcome.checks or impact_checks(outcome)
+    return tuple(name for name in failed_names(checks) if name not in MESH_CHECKS)
+
+
+def advice(name: str) -> str:
+    """What to do where a check fails."""
+    return next((kind.advice for kind in CHECKS if kind.name == name), FAULT)

@@ -9,7 +9,9 @@ from tailslap.impact.answers import END, ImpactAnswer, strike_numbers
 from tailslap.impact.outcome import COMPARED
 from tailslap.impact.plan import ImpactPlan
 from tailslap.impact.rigid_text import CURVES, rigid_impact
+from tailslap.report.footer import run_cost
 from tailslap.scene.schema import Scene
+from tailslap.verification.check import check_columns
 
 STRIKES = (1, 2)
 VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
@@ -58,17 +60,11 @@ def impact_columns(plan: ImpactPlan) -> dict[str, Any]:
     from tailslap.impact.run import run_impact
 
     outcome = run_impact(plan)
-    failed = [check.name for check in outcome.checks if not check.passed]
     return {
-        "status": "failed" if failed else "passed",
-        "reason": ", ".join(failed),
+        **check_columns(outcome.checks),
         **answer_columns("rigid", outcome.rigid),
         **answer_columns("fe", outcome.fe),
         **{f"difference.{name}": value for name, value in outcome.difference.items()},
         "numerical_error": max(map(abs, outcome.mesh_error.values()), default=float("nan")),
-        **{"check." + check.name.replace(" ", "_"): float(check.value) for check in outcome.checks},
-        "cost.steps": outcome.run.steps,
-        "cost.time_step": outcome.fe_plan.model.loop.time_step,
-        "cost.setup_s": outcome.setup_s,
-        "cost.time_loop_s": outcome.run.time_loop_s,
+        **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
     }

@@ -5,27 +5,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tailslap.errors import InputError
 from tailslap.impact.plan import ImpactPlan
 from tailslap.impact.rigid_text import sample_interval
 from tailslap.planning.decide_threads import one_thread
 from tailslap.planning.decisions import Decision
-from tailslap.planning.fe_model import MAX_STEPS, REFERENCE_MODULUS
+from tailslap.planning.fe_model import (
+    MAX_STEPS,
+    fe_mesh,
+    plate_properties,
+    refusal,
+    resolved_plate,
+    step_properties,
+)
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
-    import meshio
-
     from fem.discretisation.model import PlateModel
-    from fem.discretisation.properties import (
-        ContactProperties,
-        ModelError,
-        PlateProperties,
-        StepProperties,
-        WallProperties,
-    )
+    from fem.discretisation.properties import ContactProperties, WallProperties
     from fem.explicit.impact_run import FirstTouch
 
 ACROSS = 6
@@ -108,8 +107,7 @@ def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
 
 def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
     """The plate with elements, and what was decided of it."""
-    plate, vehicle = scene.plate, scene.vehicle
-    assert plate is not None
+    plate, vehicle = scene.needed_plate, scene.vehicle
     if plate.elements is not None:
         return plate, ()
     along = max(4, min(400, round(ACROSS * vehicle.length / vehicle.width)))
@@ -119,66 +117,21 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
 
 def impact_model(plan: ImpactPlan, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
-    from fem.discretisation.element_kinds import ELEMENT_KINDS
     from fem.discretisation.impact_model import build_impact_model
-    from fem.discretisation.properties import ModelError
-    from meshes import distorted, plate_mesh
+    from fem.discretisation.properties import Inertia, ModelError
 
-    scene, contact = plan.scene, plan.scene.contact
-    assert contact is not None
-    vehicle = scene.vehicle
-    mesh = plate_mesh(vehicle.length, vehicle.width, plate.counts, ELEMENT_KINDS[plate.element].cells)
-    mesh = distorted(mesh, plate.distortion, plate.counts) if plate.distortion else mesh
+    scene, vehicle = plan.scene, plan.vehicle
+    uniform = scene.vehicle.centre_of_mass is None and scene.vehicle.yaw_inertia is None
+    inertia = None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
+    mesh = fe_mesh(scene, plate)
+    plate = resolved_plate(scene, plate, mesh, inertia)
+    contact, step = contact_properties(scene.needed_contact), step_properties(scene, longest_step)
     try:
-        plate = _with_modulus(plan, plate, mesh)
-        given = plate_properties(plan, plate)
         wall = wall_properties(plan, scene.wall) if scene.wall else None
-        model = build_impact_model(mesh, given, contact_properties(contact), _step(scene, longest_step), wall)
+        model = build_impact_model(mesh, plate_properties(scene, plate, inertia), contact, step, wall)
     except ModelError as error:
         raise refusal(scene, plate, error) from None
     return model, plate
-
-
-def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
-    contact, vehicle = scene.contact, scene.vehicle
-    given: dict[str, tuple[str, Any]] = {
-        "elements": ("plate.elements", list(plate.counts)),
-        "patch_length": ("contact.patch_length", contact.patch_length if contact else None),
-        "inertia": ("vehicle.yaw_inertia", vehicle.yaw_inertia),
-        "wall.elements": ("wall.elements", scene.wall and list(scene.wall.elements)),
-        "wall.length": ("wall.length", scene.wall and scene.wall.length),
-    }
-    return InputError(*given[error.wrong], str(error))
-
-
-def _with_modulus(plan: ImpactPlan, plate: Plate, mesh: meshio.Mesh) -> Plate:
-    """The plate with its modulus: its own, or the one that its first frequency asks for."""
-    from fem.discretisation.model import modulus_for
-
-    if plate.youngs_modulus is not None or plate.first_frequency is None:
-        return plate
-    reference = plate_properties(plan, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}))
-    modulus = modulus_for(mesh, reference, plate.first_frequency)
-    return plate.model_copy(update={"youngs_modulus": modulus})
-
-
-def plate_properties(plan: ImpactPlan, plate: Plate) -> PlateProperties:
-    """What the plate is made of: the vehicle's mass spread over it, and its inertia where that is not the uniform's."""
-    from fem.discretisation.properties import Inertia, PlateProperties
-
-    vehicle, scene = plan.vehicle, plan.scene
-    own = scene.vehicle.centre_of_mass is not None or scene.vehicle.yaw_inertia is not None
-    assert plate.youngs_modulus is not None
-    return PlateProperties(
-        plate.thickness,
-        vehicle.mass / (vehicle.length * vehicle.width * plate.thickness),
-        plate.youngs_modulus,
-        plate.poissons_ratio,
-        lumping=plate.lumping,
-        element=plate.element,
-        material=scene.material.law if scene.material else "st-venant-kirchhoff",
-        inertia=Inertia(vehicle.front_distance, vehicle.inertia) if own else None,
-    )
 
 
 def wall_properties(plan: ImpactPlan, wall: Wall) -> WallProperties:
@@ -216,17 +169,4 @@ def contact_properties(contact: Contact) -> ContactProperties:
         contact.restitution or 0.0,
         contact.side_stiffness or 0.0,
         patch_length=contact.patch_length or 0.0,
-    )
-
-
-def _step(scene: Scene, longest: float) -> StepProperties:
-    from fem.discretisation.properties import StepProperties
-
-    damping = scene.damping
-    return StepProperties(
-        scene.time.safety_factor,
-        longest,
-        damping_ratio=(damping.ratio or 0.0) if damping else 0.0,
-        bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
-        elastic_rate=(damping.rate or 0.0) if damping else 0.0,
     )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.fe_plan import ImpactFePlan
+from tailslap.impact.paper_method import PaperMethod, paper_method
 from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
@@ -55,6 +57,11 @@ class ImpactOutcome:
     def passed(self) -> bool:
         """Whether every check passed."""
         return all(check.passed for check in self.checks)
+
+    @cached_property
+    def paper_method(self) -> PaperMethod | None:
+        """The paper's method beside the rigid vehicle's impact."""
+        return paper_method(self.fe_plan.plan.scene, self.rigid)
 
 
 def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:

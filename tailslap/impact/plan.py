@@ -118,10 +118,8 @@ def wall_contact(scene: Scene, contact: Contact) -> WallContact:
 def _penalty(scene: Scene, contact: Contact) -> float:
     from fem.contact.unilateral import penalty_stiffness
 
-    plate = scene.plate
-    assert plate is not None
-    assert plate.youngs_modulus is not None
-    return penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
+    plate = scene.needed_plate
+    return penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
 
 
 KEYS = {

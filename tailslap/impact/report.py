@@ -9,56 +9,43 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.check_text import contact_words, omitted_parts
-from tailslap.impact.checks import MESH_CHECKS
-from tailslap.impact.figures import (
-    animation,
-    contact_figures,
-    energy_figure,
-    force_figures,
-    position_strip,
-)
+from tailslap.impact.checks import advice
+from tailslap.impact.figures import animation, contact_figures, energy_figure, force_figures, position_strip
 from tailslap.impact.outcome import ImpactOutcome
-from tailslap.impact.paper_method import paper_method
 from tailslap.impact.rigid_text import CURVES
-from tailslap.impact.summary import impact_cost, impact_histories, impact_summary, wall_numbers
-from tailslap.report.footer import footer
+from tailslap.impact.summary import impact_histories, impact_summary, wall_numbers
+from tailslap.report.fields import keep_fields
+from tailslap.report.footer import footer, run_cost
 from tailslap.report.parts import (
     PEAKS,
     checks_section,
     design_table,
     failed_lines,
     failed_section,
+    milliseconds,
     passed_text,
     record_sections,
     short,
+    strikes_table,
 )
 from tailslap.scene.inputs import resolved_inputs
 from tailslap.scene.written import scene_text
-from tailslap.verification.check import FINER, STEP
+from tailslap.verification.check import failed_names
 
 KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
 
-STRIKES = (
-    Column("corner", "Strike"),
-    Column("model", "Model"),
-    Column("start", "Start", "ms", form=".1f"),
-    Column("duration", "Duration", "ms", form=".1f"),
-    Column("peak", "Peak", "kN", form=".1f", style="strong"),
-    Column("impulse", "Impulse", "kN s", form=".2f"),
-    Column("attack", "Point of attack", "m", form=".2f"),
-)
 FILTERED = (
     Column("curve", "Peak force, by filter"),
-    Column("fe", "Lateral, FE", "kN", form=".1f", style="strong"),
-    Column("rigid", "Lateral, rigid", "kN", form=".1f"),
-    Column("along", "Longitudinal, FE", "kN", form=".1f"),
+    Column("fe", "Lateral, FE", "N", form=".1f", style="strong"),
+    Column("rigid", "Lateral, rigid", "N", form=".1f"),
+    Column("along", "Longitudinal, FE", "N", form=".1f"),
 )
 DURATIONS = (
     Column("curve", "Read off"),
-    Column("duration", "Valley to valley", "ms", form=".0f"),
-    Column("triangle", "Equal triangle", "ms", form=".0f"),
-    Column("peak", "Its peak", "kN", form=".0f"),
+    Column("duration", "Valley to valley", "ms", form=milliseconds),
+    Column("triangle", "Equal triangle", "ms", form=milliseconds),
+    Column("peak_force", "Its peak", "N", form=".0f"),
 )
 RISK = (
     Column("name", "Measure"),
@@ -67,7 +54,6 @@ RISK = (
     Column("time", "At", "s", form=".3f"),
     Column("lacks", "What it lacks"),
 )
-ATTACK = "Point of attack of the mean force, behind the front."
 DURATIONS_NOTE = (
     "The paper takes the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
     "and the force of a triangular pulse from it; here it is computed. A mean over 50 ms lengthens a strike that "
@@ -75,21 +61,9 @@ DURATIONS_NOTE = (
 )
 
 
-CURES = {
-    "finite numbers": STEP,
-    "time step": STEP,
-    "energy balance": STEP,
-    "energy gained": STEP,
-    "strikes found": "a stiffer plate, or a later time.end",
-    "sampling": "a softer contact, or a coarser question: the strikes are shorter than rows can tell",
-    **dict.fromkeys(MESH_CHECKS, FINER),
-    "point contact": "give contact.patch_length",
-}
-"""What to do where a check fails."""
-
-
 def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Report:
     """The report of a run; pictures: whether an animation was asked for."""
+    keep_fields(outcome, folder)
     plan = outcome.fe_plan.plan
     page = Page(
         kicker=KICKER,
@@ -107,7 +81,7 @@ def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Repor
 
 def headline(outcome: ImpactOutcome) -> str:
     """The verdict: whether the numbers hold, and how far flexibility moves them."""
-    failed = [check.name for check in outcome.checks if not check.passed]
+    failed = failed_names(outcome.checks)
     if failed:
         return f"Not to be relied on: failed {', '.join(failed)}."
     impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
@@ -141,54 +115,29 @@ def _design(outcome: ImpactOutcome) -> Table:
     return design_table(outcome.fe_plan.plan.scene, outcome.fe.peaks["mean_50ms"])
 
 
-def strikes_table(outcome: ImpactOutcome) -> Table:
-    """Strikes of both models, in order of time."""
-    rows = []
-    for model, answer in (("FE", outcome.fe), ("rigid", outcome.rigid)):
-        for number, strike in enumerate(answer.strikes, 1):
-            rows.append(
-                {
-                    "order": (number, model),
-                    "corner": f"{number} {strike.corner}",
-                    "model": model,
-                    "start": 1e3 * strike.start,
-                    "duration": 1e3 * strike.duration,
-                    "peak": strike.peak_force / 1e3,
-                    "impulse": strike.impulse / 1e3,
-                    "attack": strike.point_of_attack,
-                }
-            )
-    return Table(STRIKES, sorted(rows, key=lambda row: str(row["order"])), notes=(ATTACK,))
+def _strikes(outcome: ImpactOutcome) -> Table:
+    answers = {"FE": outcome.fe, "rigid": outcome.rigid}
+    return strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
 
 
 def filtered_table(outcome: ImpactOutcome) -> Table:
     """Peaks of raw and filtered forces."""
     from postprocess.signals.peaks import force_peaks
 
-    along = force_peaks(outcome.fe.longitudinal)
+    peaks = {
+        "fe": outcome.fe.peaks,
+        "rigid": outcome.rigid.peaks,
+        "along": force_peaks(outcome.fe.longitudinal),
+    }
     rows = [
-        {
-            "curve": label,
-            "fe": outcome.fe.peaks[key] / 1e3,
-            "rigid": outcome.rigid.peaks[key] / 1e3,
-            "along": along[key] / 1e3,
-        }
-        for key, label in CURVES.items()
+        {"curve": label} | {name: its[key] for name, its in peaks.items()} for key, label in CURVES.items()
     ]
     return Table(FILTERED, rows)
 
 
 def durations_table(answer: ImpactAnswer) -> Table:
     """Duration of the second strike as the paper reads it."""
-    rows = [
-        {
-            "curve": CURVES[name],
-            "duration": 1e3 * found["duration"],
-            "triangle": 1e3 * found["triangle"],
-            "peak": found["peak_force"] / 1e3,
-        }
-        for name, found in answer.second_strike.items()
-    ]
+    rows = [{"curve": CURVES[name], **found} for name, found in answer.second_strike.items()]
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
@@ -202,8 +151,8 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
     moving = [animation(outcome, folder)] if pictures else []
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
-        Section("Strikes", tables=[strikes_table(outcome)]),
-        failed_section(outcome.checks, _cure, diagnosis(outcome)),
+        Section("Strikes", tables=[_strikes(outcome)]),
+        failed_section(outcome.checks, advice, diagnosis(outcome)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
@@ -221,12 +170,8 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
         ),
         Section("What was run", sentences=_statements(outcome), is_folded=True),
         checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
-        *record_sections(impact_cost(outcome), omitted_parts(plan.scene, pictures), inputs),
+        *record_sections(run_cost(outcome), omitted_parts(plan.scene, pictures), inputs),
     ]
-
-
-def _cure(name: str) -> str:
-    return CURES.get(name, "please report it: a run does not fail this by its scene")
 
 
 def diagnosis(outcome: ImpactOutcome) -> list[str]:
@@ -255,7 +200,7 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
 
 def _paper(outcome: ImpactOutcome) -> list[Table]:
     """The three stages of the paper for the same vehicle, where the scene feeds them."""
-    beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
+    beside = outcome.paper_method
     if beside is None:
         return []
     rigid = outcome.rigid
@@ -275,10 +220,8 @@ def _paper(outcome: ImpactOutcome) -> list[Table]:
 
 def _statements(outcome: ImpactOutcome) -> list[str]:
     plan = outcome.fe_plan.plan
-    contact = plan.scene.contact
-    assert contact is not None
     return [
-        f"The vehicle {contact_words(contact)}.",
+        f"The vehicle {contact_words(plan.scene.needed_contact)}.",
         "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
         f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
         *diagnosis(outcome),
@@ -291,10 +234,10 @@ def _terminal(outcome: ImpactOutcome) -> list[Table | str]:
         f"{outcome.fe_plan.plan.scene.name}: {headline(outcome)}",
         "",
         peak_table(outcome),
-        *([short(design)] if design.rows else []),
-        strikes_table(outcome),
+        short(design),
+        _strikes(outcome),
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        *failed_lines(outcome.checks, _cure, ()),
+        *failed_lines(outcome.checks, advice, ()),
         passed_text(outcome.checks),
         f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s",
     ]

@@ -10,7 +10,7 @@ import numpy as np
 from tailslap.impact.answers import ImpactAnswer, rigid_answer
 from tailslap.impact.paper_method import PaperMethod, paper_method
 from tailslap.impact.plan import ImpactPlan
-from tailslap.scene.us_units import shown
+from tailslap.scene.us_units import shown, value_line
 
 if TYPE_CHECKING:
     from solver.impact import ImpactMotion
@@ -39,6 +39,11 @@ def rigid_impact(plan: ImpactPlan) -> ImpactAnswer:
     return rigid_answer(motion, np.linspace(0.0, motion.t_end, rows + 1))
 
 
+def rigid_history(plan: ImpactPlan) -> dict[str, np.ndarray]:
+    """Columns of the rigid vehicle's impact by name, SI."""
+    return dict(rigid_impact(plan).history)
+
+
 def rigid_numbers(plan: ImpactPlan) -> dict[str, Any]:
     """Strikes, peaks and end, SI."""
     answer = rigid_impact(plan)
@@ -53,18 +58,12 @@ def rigid_lines(plan: ImpactPlan, units: str = "si") -> list[str]:
     lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
     lines += strike_lines(answer, units)
     lines += ["", "Lateral force on the wall, peak"]
-    lines += [
-        f"  {label:<18}{shown(answer.peaks[name], 'N', units, width=14)}" for name, label in CURVES.items()
-    ]
+    lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
     end = answer.end
     lines += ["", "At the end"]
-    rows: tuple[tuple[str, float, str], ...] = (
-        ("time", end["t"], "s"),
-        ("angle", end["theta"], "rad"),
-        ("angular velocity", end["omega"], "rad/s"),
-    )
-    rows += (("v_GX", end["v_gx"], "m/s"), ("v_GY", end["v_gy"], "m/s"))
-    lines += [f"  {name:<18}{shown(value, unit, units, width=14)}" for name, value, unit in rows]
+    labels = {"t": ("time", "s"), "theta": ("angle", "rad"), "omega": ("angular velocity", "rad/s")}
+    labels |= {"v_gx": ("v_GX", "m/s"), "v_gy": ("v_GY", "m/s")}
+    lines += [value_line(label, end[name], unit, units) for name, (label, unit) in labels.items()]
     return lines + _paper_lines(paper_method(plan.scene, answer), units)
 
 

@@ -10,9 +10,10 @@ from tailslap.errors import InputError
 from tailslap.execution.checkpoints import next_checkpoint
 from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
 from tailslap.impact.checks import impact_checks
-from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan, refusal
+from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan
 from tailslap.impact.outcome import ImpactOutcome, differences
 from tailslap.impact.plan import AFTER_SECOND, LONGEST, ImpactPlan
+from tailslap.planning.fe_model import refusal
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 

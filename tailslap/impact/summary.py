@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-import tailslap
 from tailslap.impact.check_text import omitted_parts
 from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import ImpactOutcome
-from tailslap.impact.paper_method import paper_method
+from tailslap.report.footer import run_summary
 
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
 """Columns in front of all others."""
@@ -19,37 +18,20 @@ FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "f
 
 def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
-    fe_plan, plan = outcome.fe_plan, outcome.fe_plan.plan
+    plan, beside = outcome.fe_plan.plan, outcome.paper_method
     return {
-        "scene": plan.scene.name,
-        "version": tailslap.__version__,
-        "passed": outcome.passed,
+        **run_summary(outcome, omitted_parts(plan.scene, pictures)),
         "rigid": outcome.rigid.numbers(),
         "fe": outcome.fe.numbers(),
-        "paper_method": _beside(outcome),
+        "paper_method": beside and asdict(beside),
         "difference": outcome.difference,
         "numerical_error": {"mesh": outcome.mesh_error, "first_frequency": outcome.frequency_error},
-        "checks": [asdict(check) for check in outcome.checks],
-        "occupant_risk": [asdict(measure) for measure in outcome.fe.occupant_risk(fe_plan.model.mass)],
-        "chosen": [asdict(decision) for decision in fe_plan.decisions],
-        "cost": impact_cost(outcome),
-        "left_out": [{"part": part, "why": why} for part, why in omitted_parts(plan.scene, pictures)],
-        "plate": {
-            "mass": fe_plan.model.mass,
-            "youngs_modulus": fe_plan.plate.youngs_modulus,
-            "first_frequency": fe_plan.first_frequency,
-            "highest_frequency": fe_plan.model.highest_frequency,
-            "stable_time_step": fe_plan.model.stable_time_step,
-        },
+        "occupant_risk": [
+            asdict(measure) for measure in outcome.fe.occupant_risk(outcome.fe_plan.model.mass)
+        ],
         "wall": wall_numbers(outcome),
         "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
     }
-
-
-def _beside(outcome: ImpactOutcome) -> dict[str, Any] | None:
-    """The paper's method beside the rigid vehicle's impact."""
-    beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
-    return None if beside is None else asdict(beside)
 
 
 def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
@@ -70,19 +52,6 @@ def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
             moving_mean(h["force_foundation"][1:], outcome.fe.interval, 0.05).max()
         ),
         "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
-    }
-
-
-def impact_cost(outcome: ImpactOutcome) -> dict[str, float | int]:
-    """Sizes and times of the run."""
-    loop = outcome.fe_plan.model.loop
-    return {
-        "elements": int(loop.table.connectivity.shape[1]),
-        "nodes": int(loop.mass.size),
-        "steps": outcome.run.steps,
-        "time_step": loop.time_step,
-        "setup_s": outcome.setup_s,
-        "time_loop_s": outcome.run.time_loop_s,
     }
 
 

@@ -50,6 +50,12 @@ def expected_memory(scene: Scene) -> float:
     return BASE_BYTES + a_node * expected_nodes(scene)
 
 
+def demand_run(scene: Scene, duration: float, allow_large: bool) -> None:
+    """Raise InputError where the scene has no plate, and unless that is allowed, as `demand_affordable`."""
+    if scene.needed_plate and not allow_large:
+        demand_affordable(scene, duration)
+
+
 def demand_affordable(scene: Scene, duration: float) -> None:
     """Raise InputError, with the estimate, where a run over this time [s] would take more than there is."""
     plate, threads = scene.plate, scene.time.threads

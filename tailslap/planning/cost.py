@@ -24,8 +24,7 @@ def loop_seconds(element: str, counts: tuple[int, int], steps: float, rows: int 
 
 def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
     """The key that makes a run long, and its value: what is farthest from usual."""
-    plate = scene.plate
-    assert plate is not None
+    plate = scene.needed_plate
     if scene.time.safety_factor < 0.1:
         return "time.safety_factor", scene.time.safety_factor
     if duration > 60.0:

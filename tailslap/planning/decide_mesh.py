@@ -83,10 +83,10 @@ def make_mesh(plan: Plan, plate: Plate) -> Mesh:
     from fem.discretisation.properties import ModelError
     from fem.start.statics import statics
 
-    travel, start, mesh = centre_travel(plan), rigid_start(plan), fe_mesh(plan, plate)
-    plate = resolved_plate(plan, plate, mesh)
+    travel, start, mesh = centre_travel(plan), rigid_start(plan), fe_mesh(plan.scene, plate)
+    plate = resolved_plate(plan.scene, plate, mesh)
     other = comparable_plate(plate)
-    meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(plan, other))
+    meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(plan.scene, other))
     inputs, models = (fe_input(plan, plate), fe_input(plan, other)), []
     for each, its_mesh, its_plate in zip(inputs, meshes, (plate, other), strict=True):
         try:

@@ -26,8 +26,7 @@ class Effort:
 
 def expected_effort(scene: Scene, duration: float) -> Effort:
     """Effort of a run over this time [s]; an open mesh counts as the program's first, of quadratic elements."""
-    body, plate = scene.vehicle, scene.plate
-    assert plate is not None
+    body, plate = scene.vehicle, scene.needed_plate
     element = plate.element if "element" in plate.model_fields_set else "quad9"
     across_all = ELEMENTS * body.width / body.length
     along, across = plate.elements or (math.sqrt(ELEMENTS * body.length / body.width), math.sqrt(across_all))
@@ -58,7 +57,6 @@ _BEAM = 22.3733 / (2.0 * math.pi * math.sqrt(12.0))
 
 def beam_frequency(scene: Scene, length: float, width: float, modulus: float) -> float:
     """First frequency [Hz] of a slender plate of the scene's mass and thickness with these sides and modulus."""
-    vehicle, plate = scene.vehicle, scene.plate
-    assert plate is not None
+    vehicle, plate = scene.vehicle, scene.needed_plate
     density = plate.density or vehicle.mass / (length * width * plate.thickness)
     return float(_BEAM * math.sqrt(modulus / density) * width / length**2)

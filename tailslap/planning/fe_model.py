@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.discretisation.model import PlateModel
-    from fem.discretisation.properties import CornerProperties, ModelError, PlateProperties, StepProperties
+    from fem.discretisation.properties import (
+        CornerProperties,
+        Inertia,
+        ModelError,
+        PlateProperties,
+        StepProperties,
+    )
 
 MIN_STEPS = 1000
 """Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
@@ -45,15 +51,19 @@ class FeInput:
 
 def fe_input(plan: Plan, plate: Plate) -> FeInput:
     """Properties of the plate, its corner and the time step; the plate has a modulus."""
-    return FeInput(plate=_plate(plan, plate), step=_step(plan), corner=_corner(plan))
+    return FeInput(
+        plate_properties(plan.scene, plate),
+        _corner(plan),
+        step_properties(plan.scene, plan.motion.strike.t / MIN_STEPS),
+    )
 
 
 def make_model(plan: Plan, plate: Plate) -> PlateModel:
     """Mesh and assemble. Raises InputError for keys that make no model."""
     from fem.discretisation.model import finished_model
 
-    mesh = fe_mesh(plan, plate)
-    plate = resolved_plate(plan, plate, mesh)
+    mesh = fe_mesh(plan.scene, plate)
+    plate = resolved_plate(plan.scene, plate, mesh)
     given = fe_input(plan, plate)
     model = finished_model(make_static_model(plan, plate, mesh), given.plate, given.corner, given.step)
     demand_steps(plan, plate, model)
@@ -65,32 +75,36 @@ def make_static_model(plan: Plan, plate: Plate, mesh: meshio.Mesh | None = None)
     from fem.discretisation.model import static_model
     from fem.discretisation.properties import ModelError
 
-    mesh = mesh or fe_mesh(plan, plate)
-    given = fe_input(plan, resolved_plate(plan, plate, mesh))
+    mesh = mesh or fe_mesh(plan.scene, plate)
+    given = fe_input(plan, resolved_plate(plan.scene, plate, mesh))
     try:
         return static_model(mesh, given.plate, given.corner)
     except ModelError as error:
         raise refusal(plan.scene, plate, error) from None
 
 
-def resolved_plate(plan: Plan, plate: Plate, mesh: meshio.Mesh | None = None) -> Plate:
+def resolved_plate(
+    scene: Scene, plate: Plate, mesh: meshio.Mesh | None = None, inertia: Inertia | None = None
+) -> Plate:
     """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
     from fem.discretisation.model import modulus_for
     from fem.discretisation.properties import ModelError
 
-    reference = _plate(plan, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}))
+    reference = plate_properties(
+        scene, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}), inertia
+    )
     try:
-        modulus = modulus_for(mesh or fe_mesh(plan, plate), reference, plate.first_frequency)
+        modulus = modulus_for(mesh or fe_mesh(scene, plate), reference, plate.first_frequency)
     except ModelError as error:
-        raise refusal(plan.scene, plate, error) from None
+        raise refusal(scene, plate, error) from None
     return plate.model_copy(update={"youngs_modulus": modulus})
 
 
-def fe_mesh(plan: Plan, plate: Plate) -> meshio.Mesh:
+def fe_mesh(scene: Scene, plate: Plate) -> meshio.Mesh:
     """The plate's mesh in its body frame."""
-    vehicle, cells = plan.scene.vehicle, ELEMENT_KINDS[plate.element].cells
+    vehicle, cells = scene.vehicle, ELEMENT_KINDS[plate.element].cells
     make = _mesh if math.prod(plate.counts) < LARGE else _mesh.__wrapped__
     mesh: meshio.Mesh = make(vehicle.length, vehicle.width, plate.counts, cells, plate.distortion)
     return mesh
@@ -112,11 +126,16 @@ def same_mesh(plate: Plate, other: Plate) -> bool:
 
 def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
     """The message that names the scene's key where no model can be made."""
-    keys = {
+    contact, wall = scene.contact, scene.wall
+    patch = contact.patch_length if contact else scene.corner.patch_length
+    given = {
         "elements": ("plate.elements", list(plate.counts)),
-        "patch_length": ("corner.patch_length", scene.corner.patch_length),
+        "patch_length": (f"{'contact' if contact else 'corner'}.patch_length", patch),
+        "inertia": ("vehicle.yaw_inertia", scene.vehicle.yaw_inertia),
+        "wall.elements": ("wall.elements", wall and list(wall.elements)),
+        "wall.length": ("wall.length", wall and wall.length),
     }
-    return InputError(*keys[error.wrong], str(error))
+    return InputError(*given[error.wrong], str(error))
 
 
 def demand_steps(plan: Plan, plate: Plate, model: PlateModel) -> None:
@@ -131,25 +150,25 @@ def demand_steps(plan: Plan, plate: Plate, model: PlateModel) -> None:
     )
 
 
-def plate_density(plan: Plan, plate: Plate) -> float:
+def plate_density(scene: Scene, plate: Plate) -> float:
     """The plate's density [kg/m^3]; left out, the vehicle's mass spread over the plate."""
-    vehicle = plan.scene.vehicle
+    vehicle = scene.vehicle
     return plate.density or vehicle.mass / (vehicle.length * vehicle.width * plate.thickness)
 
 
-def _plate(plan: Plan, plate: Plate) -> PlateProperties:
+def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None) -> PlateProperties:
+    """What the plate is made of; inertia: that its masses carry, where it is not the plate's own."""
     from fem.discretisation.properties import PlateProperties
-
-    assert plate.youngs_modulus is not None
 
     return PlateProperties(
         plate.thickness,
-        plate_density(plan, plate),
-        plate.youngs_modulus,
+        plate_density(scene, plate),
+        plate.modulus,
         plate.poissons_ratio,
         lumping=plate.lumping,
         element=plate.element,
-        material=plan.scene.material.law if plan.scene.material else "st-venant-kirchhoff",
+        material=scene.material.law if scene.material else "st-venant-kirchhoff",
+        inertia=inertia,
     )
 
 
@@ -173,13 +192,14 @@ def _friction(scene: Scene) -> Any:
     return law.constants(friction) if friction > 0.0 else None
 
 
-def _step(plan: Plan) -> StepProperties:
+def step_properties(scene: Scene, longest: float) -> StepProperties:
+    """Time step, no longer than this [s], and damping."""
     from fem.discretisation.properties import StepProperties
 
-    scene, damping = plan.scene, plan.scene.damping
+    damping = scene.damping
     return StepProperties(
         scene.time.safety_factor,
-        plan.motion.strike.t / MIN_STEPS,
+        longest,
         damping_ratio=(damping.ratio or 0.0) if damping else 0.0,
         bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
         elastic_rate=(damping.rate or 0.0) if damping else 0.0,

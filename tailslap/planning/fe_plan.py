@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from tailslap.errors import InputError, Missing
+from tailslap.errors import InputError
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
 from tailslap.planning.decide_damping import Growth, decide_damping, harms, predict_growth
 from tailslap.planning.decide_mesh import Mesh, decide_mesh
@@ -16,7 +16,7 @@ from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import demand_steps, fe_input
 from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
 from tailslap.planning.plan import Plan, with_changes
-from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
     import meshio
@@ -110,13 +110,6 @@ class FePlan:
         return math.ceil(self.plan.motion.strike.t / self.model.loop.time_step)
 
 
-def needed_plate(scene: Scene) -> Plate:
-    """The scene's plate; InputError where it has none."""
-    if scene.plate is None:
-        raise InputError("plate", Missing, "a run needs this table; `tailslap rigid` does without it")
-    return scene.plate
-
-
 def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     """Decide what the scene leaves open, mesh and assemble.
 
@@ -139,7 +132,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     """
     from fem.discretisation.model import with_elastic_damping
 
-    asked, given = plan, needed_plate(plan.scene)
+    asked, given = plan, plan.scene.needed_plate
     mesh, mesh_decisions = decide_mesh(plan, given)
     plate, start, travel = mesh.plate, rigid_start(plan), centre_travel(plan)
     plan = with_changes(plan, {"plate.elements": plate.elements, "plate.element": plate.element})

@@ -127,10 +127,8 @@ def make_plan(scene: Scene, source: Source | None = None) -> Plan:
     return Plan(scene, source or Source.of(scene), body, stage1, start, motion, force)
 
 
-def stage_one(
-    scene: Scene, body: RectangularBody[float], convention: str | None = None
-) -> ImpulseResult[float] | None:
-    """Stage 1 of the scene, with its own convention of restitution or another; None without [impact]."""
+def stage_one(scene: Scene, body: RectangularBody[float]) -> ImpulseResult[float] | None:
+    """Stage 1 of the scene; None without [impact]."""
     impact = scene.impact
     if impact is None or impact.friction is None or impact.restitution is None:
         return None
@@ -141,7 +139,7 @@ def stage_one(
             impact.angle,
             impact.friction,
             impact.restitution,
-            convention=convention or impact.convention,
+            convention=impact.convention,
         )
 
 

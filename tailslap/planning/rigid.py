@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 import functools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from postprocess.comparison.comparison import KEYS
 from tailslap.planning.plan import Plan, other_convention
-from tailslap.scene.us_units import shown
+from tailslap.scene.us_units import shown, value_line
 
-COMPARED = ("t", "v_gx", "v_gy", "omega", "slide")
-"""The quantities that are compared at the tail-slap."""
+if TYPE_CHECKING:
+    import numpy as np
+
+ROWS = 401
+"""Instants of a history of the rigid motion."""
 
 
 def stage_two_numbers(plan: Plan) -> dict[str, float]:
     """State at the tail-slap, SI, by the names of `summary.json`."""
-    return {name: float(getattr(plan.motion.strike, name)) for name in COMPARED}
+    return {name: float(getattr(plan.motion.strike, name)) for name in KEYS}
+
+
+def rigid_history(plan: Plan) -> dict[str, np.ndarray]:
+    """Columns of the rigid motion to the tail-slap, by their names in `history.csv`, SI."""
+    import numpy as np
+
+    from fem.explicit.columns import COLUMNS
+
+    state = plan.motion.at(np.linspace(0.0, plan.motion.strike.t, ROWS))
+    return {name: getattr(state, name) for name in ("t", *COLUMNS) if hasattr(state, name)}
 
 
 def rigid_answer(plan: Plan) -> dict[str, Any]:
@@ -86,4 +100,4 @@ def _other(other: dict[str, Any] | None, units: str) -> list[str]:
 
 def _rows(units: str, *rows: tuple[str, float, str]) -> list[str]:
     """Lines of values that are given in SI."""
-    return [f"  {name:<18}{shown(value, unit, units, width=14)}" for name, value, unit in rows]
+    return [value_line(*row, units) for row in rows]

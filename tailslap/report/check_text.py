@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import Any
 
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from tailslap.planning.affordable import expected_memory, expected_nodes
 from tailslap.planning.cost import loop_seconds
+from tailslap.planning.decisions import Decision
 from tailslap.planning.effort import expected_effort
-from tailslap.planning.fe_plan import needed_plate
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.scene.schema import Scene
-
-if TYPE_CHECKING:
-    from tailslap.planning.fe_plan import FePlan
-
+from tailslap.verification.verdict import flutter_sentence
 
 LABEL = 13
 """Columns of a label."""
 
 
-def rigid_part(plan: Plan, pictures: bool = True) -> list[str]:
+def check_lines(plan: Plan) -> list[str]:
+    """All lines; of a scene without [plate] those that need no mesh."""
+    if plan.scene.plate is None:
+        return rigid_part(plan)
+    fe_plan = make_fe_plan(plan)
+    return rigid_part(fe_plan.plan) + fe_part(fe_plan)
+
+
+def rigid_part(plan: Plan) -> list[str]:
     """Lines of `tailslap check` that need no mesh."""
     start, strike = plan.start, plan.motion.strike
     lines = [
@@ -34,7 +41,7 @@ def rigid_part(plan: Plan, pictures: bool = True) -> list[str]:
         f"{FRICTION_LAWS[plan.scene.corner.reaction].text}",
         f"tail-slap    expected at {strike.t:.6g} s after {strike.slide:.5g} m of sliding",
     ]
-    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene, pictures)]
+    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene)]
 
 
 def fe_part(fe_plan: FePlan) -> list[str]:
@@ -54,12 +61,14 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"steps        {steps}, about {seconds:.2g} s in the time loop",
         f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: the reaction moves the centre by that "
         "share of its way to the wall; expect differences of that size",
+        *chosen_lines(fe_plan.decisions),
+        f"flutter      {flutter_sentence(fe_plan)}",
     ]
 
 
 def estimate_part(scene: Scene, duration: float) -> list[str]:
     """Lines in place of the model's where the mesh is large."""
-    plate, effort = needed_plate(scene), expected_effort(scene, duration)
+    plate, effort = scene.needed_plate, expected_effort(scene, duration)
     along, across = plate.counts
     return [
         f"{scene.name}: the scene is valid",
@@ -70,12 +79,9 @@ def estimate_part(scene: Scene, duration: float) -> list[str]:
     ]
 
 
-def chosen_lines(fe_plan: FePlan) -> list[str]:
-    """What the program chose where the scene leaves it open, and what it predicts of flutter."""
-    from tailslap.verification.verdict import flutter_sentence
-
-    chosen = [f"chosen       {decision.shown}" for decision in fe_plan.decisions]
-    return [*chosen, f"flutter      {flutter_sentence(fe_plan)}"]
+def chosen_lines(decisions: Iterable[Decision]) -> list[str]:
+    """What the program chose where the scene leaves it open."""
+    return [f"chosen       {decision.shown}" for decision in decisions]
 
 
 def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:

@@ -44,9 +44,10 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
     )
 
 
-def keep_fields(model: PlateModel, snapshots: Snapshots, folder: Path) -> None:
-    """Write the fields into the folder."""
-    write_fields(folder / FILE, field_series(model, snapshots))
+def keep_fields(outcome: Any, folder: Path) -> None:
+    """Write the fields of a run into the folder, where some were kept."""
+    if outcome.run.snapshots is not None:
+        write_fields(folder / FILE, field_series(outcome.fe_plan.model, outcome.run.snapshots))
 
 
 def _cells(model: PlateModel) -> tuple[str, np.ndarray]:

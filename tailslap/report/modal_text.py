@@ -6,7 +6,6 @@ from dataclasses import asdict
 from typing import Any
 
 from postprocess.comparison.comparison import comparison_rows
-from postprocess.files.summary import summary_text
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
 from tailslap.modal_run import ModalRun
@@ -44,13 +43,8 @@ def modal_text(fe_plan: FePlan, run: ModalRun) -> str:
     return printed(parts)
 
 
-def modal_json(fe_plan: FePlan, run: ModalRun) -> str:
-    """The numbers for other programs as JSON, SI; what was not reached is null."""
-    return summary_text(modal_numbers(fe_plan, run))
-
-
 def modal_numbers(fe_plan: FePlan, run: ModalRun) -> dict[str, Any]:
-    """The numbers for other programs, SI."""
+    """The numbers for other programs, SI; what was not reached is None."""
     unknown = dict.fromkeys(run.rigid)
     cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")
     return {

@@ -6,7 +6,7 @@ from fem.discretisation.lumpings import LUMPINGS
 from tailslap.scene.schema import Scene
 
 
-def omitted_parts(scene: Scene, pictures: bool) -> list[tuple[str, str]]:
+def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     """Parts that this scene does without, each with the reason."""
     parts = []
     if scene.impact is None:

@@ -15,6 +15,12 @@ if TYPE_CHECKING:
     from tailslap.scene.inputs import SceneInput
     from tailslap.scene.schema import Scene
 
+
+def milliseconds(seconds: float) -> str:
+    """A time [s] in milliseconds."""
+    return f"{1e3 * seconds:.1f}"
+
+
 PEAKS = (
     Column("what", "Peak lateral force"),
     Column("fe", "FE", "N", form="#.4g", style="strong"),
@@ -46,6 +52,26 @@ INPUTS = (
     Column("unit", "Unit", is_unit=True),
     Column("origin", "From"),
 )
+TAIL_SLAP = (
+    Column("quantity.title", "Quantity"),
+    Column("quantity.symbol", ""),
+    Column("fe", "FE", form="#.5g", unit_key="quantity.unit"),
+    Column("rigid", "Rigid, exact", form="#.5g", unit_key="quantity.unit"),
+    Column("quantity.unit", "Unit", is_unit=True),
+    Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
+)
+"""Columns of the rows of `comparison_rows`."""
+
+STRIKES = (
+    Column("title", "Strike"),
+    Column("model", "Model"),
+    Column("start", "Start", "ms", form=milliseconds),
+    Column("duration", "Duration", "ms", form=milliseconds),
+    Column("peak_force", "Peak", "N", form=".1f", style="strong"),
+    Column("impulse", "Impulse", "N s", form=".2f"),
+    Column("point_of_attack", "Point of attack", "m", form=".2f"),
+)
+ATTACK = "Point of attack of the mean force, behind the front."
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "elements": ("elements", grouped),
     "nodes": ("nodes", grouped),
@@ -72,6 +98,16 @@ def design_table(scene: Scene, peak: float) -> Table:
         for each in (design_forces(level) if level else ())
     ]
     return Table(DESIGN, rows)
+
+
+def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    """Strikes of each model, as its summary has them, in order of time."""
+    rows: list[dict[str, Any]] = [
+        {"point_of_attack": None, **strike, "model": model, "title": f"{n} {strike['corner']}", "number": n}
+        for model, its in strikes.items()
+        for n, strike in enumerate(its, 1)
+    ]
+    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=(ATTACK,))
 
 
 def short(table: Table) -> Table:

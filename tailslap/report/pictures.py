@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from postprocess.contours.contours import ContourField, draw_contours
+from postprocess.contours.contours import ContourField, Setting, draw_contours
 from tailslap.progress import announced
 from tailslap.scene_run import Outcome
 
@@ -29,11 +29,9 @@ def draw_pictures(outcome: Outcome, folder: Path) -> Outcome:
         ContourField("omega", "Angular velocity", "rad/s", spin),
     ]
     with announced("Drawing the pictures ..."):
-        pictures = draw_contours(
+        setting = Setting(
             strike.positions.T[:drawn],
             discretisation.cells,
-            fields,
-            folder,
             wall_points=None if wall is None else wall.points[:, :2],
             wall_quads=None if wall is None else wall.cells_dict["quad"],
             corner=strike.positions[:, discretisation.corner].tolist(),
@@ -41,4 +39,5 @@ def draw_pictures(outcome: Outcome, folder: Path) -> Outcome:
             scene=fe_plan.plan.scene.name,
             time=strike.values["t"],
         )
+        pictures = draw_contours(setting, fields, folder)
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 from fem.explicit.columns import COLUMNS
 from postprocess.comparison.comparison import PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
 from postprocess.figures.curves import draw_histories
@@ -12,10 +15,12 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from solver.strike import strike_force
 from tailslap.planning.rigid import rigid_answer
+from tailslap.report.fields import keep_fields
 from tailslap.report.footer import footer
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.report.parts import (
     PEAKS,
+    TAIL_SLAP,
     checks_section,
     design_table,
     failed_lines,
@@ -24,11 +29,13 @@ from tailslap.report.parts import (
     record_sections,
     short,
 )
+from tailslap.report.pictures import draw_pictures
 from tailslap.report.run_text import diagnosis, is_paper_case, statements
 from tailslap.report.summary import cost, summary
 from tailslap.scene.inputs import resolved_inputs
 from tailslap.scene.written import scene_text
 from tailslap.scene_run import Outcome
+from tailslap.verification.check import failed_names
 from tailslap.verification.checks import advice
 from tailslap.verification.contact_work import CONTACT
 from tailslap.verification.crash_practice import ENERGY_RATIO, PRACTICE
@@ -75,6 +82,12 @@ METRICS_NOTE = (
 )
 
 
+def report_in_folder(outcome: Outcome, folder: Path, pictures: bool) -> Report:
+    """The report of a run, whose fields and pictures go into the folder."""
+    keep_fields(outcome, folder)
+    return run_report(draw_pictures(outcome, folder) if pictures else outcome, pictures)
+
+
 def run_report(outcome: Outcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
     plan = outcome.fe_plan.plan
@@ -88,8 +101,7 @@ def run_report(outcome: Outcome, pictures: bool) -> Report:
         passed=outcome.passed,
         contents=True,
     )
-    histories = {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
-    return Report(page, summary(outcome, pictures), tuple(_terminal(outcome)), histories=histories)
+    return Report(page, summary(outcome, pictures), tuple(_terminal(outcome)), histories=outcome.histories)
 
 
 def peak_table(outcome: Outcome) -> Table:
@@ -107,12 +119,7 @@ def comparison(outcome: Outcome, title: str = "") -> Table:
     paper = PAPER_TABLE_3 if of_paper else None
     rows = comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
     columns = (
-        *((Column("quantity.title", "Quantity"),) if not title else ()),
-        Column("quantity.symbol", "" if not title else "Tail-slap"),
-        Column("fe", "FE", form="#.5g", unit_key="quantity.unit"),
-        Column("rigid", "Rigid, exact", form="#.5g", unit_key="quantity.unit"),
-        Column("quantity.unit", "Unit", is_unit=True),
-        Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
+        *((replace(TAIL_SLAP[1], label="Tail-slap"), *TAIL_SLAP[2:]) if title else TAIL_SLAP),
         *(PAPER if of_paper else ()),
     )
     note = f"Paper: {PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
@@ -121,7 +128,7 @@ def comparison(outcome: Outcome, title: str = "") -> Table:
 
 def headline(outcome: Outcome) -> str:
     """The verdict, failed checks in front."""
-    failed = [check.name for check in outcome.checks if not check.passed]
+    failed = failed_names(outcome.checks)
     return (f"Failed: {', '.join(failed)}. " if failed else "") + verdict_sentence(outcome)
 
 
@@ -185,8 +192,8 @@ def _terminal(outcome: Outcome) -> list[Table | str]:
         f"{outcome.fe_plan.plan.scene.name}: {verdict_sentence(outcome)}",
         "",
         peaks,
-        *([short(design)] if design.rows else []),
-        *([comparison(outcome, " ")] if outcome.fe else []),
+        short(design),
+        comparison(outcome, " "),
         *([picked] if picked else []),
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
         *failed_lines(outcome.checks, _cure, diagnosis(outcome)),

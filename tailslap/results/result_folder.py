@@ -29,7 +29,7 @@ def result_folder(place: Path) -> Iterator[Path]:
     """
     place = resolved(place)
     find_earlier(place)
-    made = _make_parents(place)
+    made = make_folders(place.parent, place)
     clear_leftovers(place)
     try:
         with _unfinished(place) as folder:
@@ -37,7 +37,7 @@ def result_folder(place: Path) -> Iterator[Path]:
                 yield folder
             put_in_place(folder, place)
     except BaseException:
-        _remove(made)
+        remove_folders(made)
         raise
 
 
@@ -46,12 +46,12 @@ def demand_place(place: Path) -> None:
     written."""
     place = resolved(place)
     find_earlier(place)
-    made = _make_parents(place)
+    made = make_folders(place.parent, place)
     try:
         with _unfinished(place) as folder:
             folder.rmdir()
     finally:
-        _remove(made)
+        remove_folders(made)
 
 
 def resolved(place: Path) -> Path:
@@ -93,18 +93,21 @@ def _seal(folder: Path) -> None:
     write_manifest(folder, (item for item in entries if item))
 
 
-def _make_parents(place: Path) -> list[Path]:
-    """Make the folders above `place`; return those that were not there, innermost first."""
-    missing = [parent for parent in place.parents if not parent.exists()]
+def make_folders(folder: Path, place: Path) -> list[Path]:
+    """Make a folder and those above it; returns those that were not there, innermost first.
+
+    Raises InputError, which names the place that was asked for.
+    """
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        _remove(missing)
+        remove_folders(missing)
         raise place_error(place, "the folder cannot be made", error) from None
     return missing
 
 
-def _remove(folders: list[Path]) -> None:
+def remove_folders(folders: list[Path]) -> None:
     """Remove those that are empty."""
     for folder in folders:
         try:

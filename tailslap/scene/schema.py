@@ -16,6 +16,7 @@ from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.lumpings import LUMPINGS
 from fem.registry import Registry
 from fem.start.start_kinds import START_KINDS
+from tailslap.errors import InputError, Missing
 from tailslap.scene.units import Quantity
 
 MAX_ELEMENTS = 4_000_000
@@ -215,6 +216,13 @@ class Plate(Table):
         return self.elements
 
     @property
+    def modulus(self) -> float:
+        """Young's modulus [Pa], where the scene gives it or the first frequency has given it."""
+        if self.youngs_modulus is None:
+            raise ValueError("the modulus is not resolved yet")
+        return self.youngs_modulus
+
+    @property
     def relieved(self) -> bool:
         """Whether the plate starts with the elastic state of its acceleration."""
         return START_KINDS[self.start].relieved
@@ -292,6 +300,20 @@ class Scene(Table):
     time: Time = Time()
     output: Output | None = None
     wall: Wall | None = None
+
+    @property
+    def needed_plate(self) -> Plate:
+        """The plate. Raises InputError where the scene has none."""
+        if self.plate is None:
+            raise InputError("plate", Missing, "a run needs this table; `tailslap rigid` does without it")
+        return self.plate
+
+    @property
+    def needed_contact(self) -> Contact:
+        """The contact of a whole impact. Raises InputError where the scene has none."""
+        if self.contact is None:
+            raise InputError("contact", Missing, "a whole impact needs this table")
+        return self.contact
 
     @property
     def kept_fields(self) -> int:

@@ -35,14 +35,13 @@ def registry() -> Any:
 class Quantity:
     """Marks a number of a scene: what it is, its SI unit, its bounds. Used as `Annotated[float, Quantity(...)]`.
 
-    The bounds above and below are not reached, least and most may be. unit "" is a plain number.
+    The bound below is not reached, least and most may be. unit "" is a plain number.
     """
 
     what: str
     unit: str
     example: str
-    above: float = -math.inf
-    least: float = -math.inf
+    least: float
     below: float = math.inf
     most: float = math.inf
 
@@ -54,36 +53,17 @@ class Quantity:
     def parse(self, given: object) -> float:
         """The value in SI; ValueError, saying what is allowed, for anything else."""
         value = self._from_text(given) if isinstance(given, str) else self._from_number(given)
-        inside = self.above < value < self.below and self.least <= value <= self.most
-        if not (math.isfinite(value) and inside):
+        if not (self.least <= value <= self.most and value < self.below):
             raise ValueError(self.allowed)
         return value
 
     @property
     def allowed(self) -> str:
         """What is allowed, in words."""
-        limits = (
-            [f"from {self._limit(self.least)} to {self._limit(self.most)}"]
-            if self._closed
-            else [
-                f"{word} {self._limit(bound)}"
-                for word, bound in (
-                    ("above", self.above),
-                    ("at least", self.least),
-                    ("below", self.below),
-                    ("at most", self.most),
-                )
-                if math.isfinite(bound)
-            ]
-        )
+        least, most = self._limit(self.least), self._limit(min(self.most, self.below))
+        limits = f"from {least} to {most}" if self.most < self.below else f"at least {least} and below {most}"
         number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
-        return f"allowed is {self.what} {' and '.join(limits)}, {number}, like {self.example}".replace(
-            " ,", ","
-        )
-
-    @property
-    def _closed(self) -> bool:
-        return math.isfinite(self.least) and math.isfinite(self.most)
+        return f"allowed is {self.what} {limits}, {number}, like {self.example}"
 
     def _limit(self, bound: float) -> str:
         if self.unit == "rad":

@@ -28,10 +28,14 @@ def scene_text(source: Source) -> str:
     return "\n".join([*([title] if title.startswith("#") else []), changed, *_lines(source.given)]) + "\n"
 
 
+def scene_file(tables: Mapping[str, Any], title: str) -> str:
+    """Tables as the text of a scene file, its first line a comment; values are SI numbers, without a unit."""
+    return "\n".join([f"# {title}", *_lines(tables)]) + "\n"
+
+
 def _lines(tables: Mapping[str, Any]) -> list[str]:
-    lines = [
-        f"{key} = {toml_value(value)}" for key, value in tables.items() if not isinstance(value, Mapping)
-    ]
+    plain = {key: value for key, value in tables.items() if not isinstance(value, Mapping | None)}
+    lines = [f"{key} = {toml_value(value)}" for key, value in plain.items()]
     for name, table in tables.items():
         if isinstance(table, Mapping):
             lines += ["", f"[{name}]", *_lines(table)]

@@ -37,11 +37,10 @@ def study_names() -> list[str]:
 def with_elements(plan: Plan) -> Plan:
     """The plan with the elements that the program chooses where the scene leaves them out."""
     from tailslap.planning.decide_mesh import decide_mesh
-    from tailslap.planning.fe_plan import needed_plate
     from tailslap.planning.plan import make_plan
     from tailslap.scene.vary import vary
 
-    plate = needed_plate(plan.scene)
+    plate = plan.scene.needed_plate
     if plate.elements is not None:
         return plan
     chosen = decide_mesh(plan, plate)[0].plate

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from tailslap.analysis import CORNER, Analysis
+from tailslap.analysis import CORNER, Analysis, analysis_of
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.options import FORCE, JSON, PROGRESS, QUIET, UNITS, Folder, complete_scene
+from tailslap.options import ALLOW_LARGE, FORCE, JSON, PROGRESS, QUIET, SCENE, SET, UNITS, Folder
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -36,11 +35,10 @@ class Study:
     ----------
     name, summary : str
         Its name on the command line, and what `--help` says.
-    compute : callable or str
-        Takes the `Call` and the study's own options by name, and returns what was found. A text names it as
-        "module:function", which is imported when the study runs.
-    report : callable or str
-        Takes what was found and returns its `Report`; named likewise.
+    compute : callable
+        Takes the `Call` and the study's own options by name, and returns what was found.
+    report : callable
+        Takes what was found and returns its `Report`; both may be named, by `later`.
     options : tuple of click.Option
         Options of its own.
     needs_plate : bool
@@ -53,8 +51,8 @@ class Study:
 
     name: str
     summary: str
-    compute: Callable[..., Any] | str
-    report: Callable[[Any], Report] | str
+    compute: Callable[..., Any]
+    report: Callable[[Any], Report]
     options: tuple[click.Option, ...] = ()
     needs_plate: bool = True
     folder: Callable[[Mapping[str, Any]], str] | None = None
@@ -72,22 +70,13 @@ class Shown(NamedTuple):
 def study_command(study: Study) -> click.Command:
     """The study on the command line: SCENE, --set, --out, and its own options."""
     shared: list[click.Parameter] = [
-        click.Argument(["name"], metavar="SCENE", shell_complete=complete_scene),
-        click.Option(
-            ["--set", "changes"],
-            multiple=True,
-            metavar="KEY=VALUE",
-            help="Change a key, like vehicle.mass='5000 lb'.",
-        ),
+        *(SCENE, SET),
         click.Option(
             ["--out"],
             type=Folder(),
             help=f"Result folder  [default: results/NAME-{study.name}]",
         ),
-        click.Option(
-            ["--allow-large"], is_flag=True, help="Also where it takes more memory or time than there is."
-        ),
-        *(FORCE, UNITS, JSON, QUIET, PROGRESS),
+        *(ALLOW_LARGE, FORCE, UNITS, JSON, QUIET, PROGRESS),
     ]
 
     def run(name: str, changes: tuple[str, ...], out: Path | None, allow_large: bool, **options: Any) -> int:
@@ -110,13 +99,7 @@ def _run(
     from tailslap.report.deliver import deliver
 
     place, found = compute_study(study, name, changes, out, allow_large, options, shown.force)
-    return deliver(place, lambda folder: study_report(study, found), as_json=shown.as_json, units=shown.units)
-
-
-def study_report(study: Study, found: Any) -> Report:
-    """The report of what the study has found."""
-    report: Report = _named(study.report)(found)
-    return report
+    return deliver(place, lambda folder: study.report(found), as_json=shown.as_json, units=shown.units)
 
 
 def compute_study(
@@ -129,9 +112,7 @@ def compute_study(
     force: bool = True,
 ) -> tuple[Path, Any]:
     """The place of the result folder, and what was found; the journal is kept beside that place. Raises InputError."""
-    from tailslap.analyses import analysis_of
-    from tailslap.planning.affordable import demand_affordable
-    from tailslap.planning.fe_plan import needed_plate
+    from tailslap.planning.affordable import demand_run
     from tailslap.results.earlier_result import demand_own
     from tailslap.results.result_folder import demand_place
     from tailslap.scene.files import read_scene
@@ -141,14 +122,12 @@ def compute_study(
     _demand_analysis(study, analysis)
     plan = analysis.make_plan(scene, source)
     if study.needs_plate:
-        needed_plate(plan.scene)
-        if not allow_large:
-            demand_affordable(plan.scene, analysis.duration(plan))
+        demand_run(plan.scene, analysis.duration(plan), allow_large)
     ending = study.folder(options) if study.folder else study.name
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
     demand_own(place, plan.scene.name, force)
-    return place, _named(study.compute)(Call(name, changes, plan, place), **options)
+    return place, study.compute(Call(name, changes, plan, place), **options)
 
 
 def _demand_analysis(study: Study, analysis: Analysis) -> None:
@@ -160,11 +139,3 @@ def _demand_analysis(study: Study, analysis: Analysis) -> None:
         f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {analysis.name}"
     )
     raise InputError("contact", given, f"{wanted}; allowed is a scene {allowed} this table")
-
-
-def _named(function: Callable[..., Any] | str) -> Callable[..., Any]:
-    if not isinstance(function, str):
-        return function
-    module, _, name = function.partition(":")
-    found: Callable[..., Any] = getattr(importlib.import_module(module), name)
-    return found

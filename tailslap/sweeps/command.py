@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from tailslap.options import JSON, PROGRESS, QUIET, UNITS, Folder, Text, Whole, complete_scene, with_options
+from tailslap.options import JSON, PROGRESS, QUIET, SCENE, SET, UNITS, Folder, Text, Whole, with_options
 from tailslap.sweeps.values import MAX_RUNS
 
 SEED = 307
 
 
 @click.command("sweep")
-@click.argument("name", metavar="SCENE", shell_complete=complete_scene)
+@with_options(SCENE, SET)
 @click.option(
     "--vary",
     "varied",
@@ -21,13 +21,6 @@ SEED = 307
     required=True,
     metavar="KEY=VALUES",
     help="a:b:n, n values from a to b; log:a:b:n, the same in equal ratios; or a list v1,v2,v3. Units as in a scene.",
-)
-@click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Change a key for all runs, like plate.thickness=20mm.",
 )
 @click.option(
     "--sample",

@@ -14,7 +14,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.comparison import TAIL_SLAP, Compared
-from tailslap.analyses import analysis_of
+from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
 from tailslap.scene.files import scene_text, source_of_text
 from tailslap.scene.inputs import scene_inputs

@@ -15,13 +15,13 @@ import contextlib
 import fcntl
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from tailslap.errors import InputError, place_error
 from tailslap.results.manifest import demand_ours, whole_file
-from tailslap.results.result_folder import resolved
+from tailslap.results.result_folder import make_folders, remove_folders, resolved
 from tailslap.sweeps.definition import Definition
 from tailslap.sweeps.journal import NAME as JOURNAL
 
@@ -38,7 +38,7 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
     """
     place = resolved(place)
     _refuse_foreign(place, definition)
-    made = _make(place)
+    made = make_folders(place, place)
     try:
         with _locked(place):
             new = _claim(place, definition)
@@ -46,16 +46,16 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
                 yield place
             finally:
                 if new and not _has_rows(place):
-                    _remove([place / name for name in (DEFINITION, JOURNAL)], Path.unlink)
-                    _remove([place / LOCK] if _is_lock(place / LOCK) else [], Path.unlink)
+                    _forget(place)
     finally:
-        _remove(made, Path.rmdir)  # those that are empty
+        remove_folders(made)
 
 
-def _remove(paths: list[Path], how: Callable[[Path], None]) -> None:
-    for path in paths:
+def _forget(place: Path) -> None:
+    """Remove what makes the folder a sweep's; a lock that has content is the user's."""
+    for name in (DEFINITION, JOURNAL, *([LOCK] if _is_lock(place / LOCK) else [])):
         with contextlib.suppress(OSError):
-            how(path)
+            (place / name).unlink()
 
 
 def _refuse_foreign(place: Path, definition: Definition) -> None:
@@ -79,17 +79,6 @@ def _refuse_foreign(place: Path, definition: Definition) -> None:
 def _is_lock(path: Path) -> bool:
     """A lock has no content: one that has is the user's."""
     return path.is_file() and not path.is_symlink() and path.stat().st_size == 0
-
-
-def _make(place: Path) -> list[Path]:
-    """Make the folder and those above it; returns those that were not there, innermost first."""
-    missing = [path for path in (place, *place.parents) if not path.exists()]
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        _remove(missing, Path.rmdir)
-        raise place_error(place, "the folder cannot be made", error) from None
-    return missing
 
 
 @contextlib.contextmanager

@@ -10,7 +10,7 @@ from typing import Any
 
 import tailslap
 from fem import kept
-from tailslap.analyses import analysis_of
+from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
 from tailslap.planning.affordable import demand_affordable
 from tailslap.scene.vary import Changes, Source, vary

@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from postprocess.comparison.comparison import largest_relative
 from tailslap.errors import InputError, Verbatim
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import Growth
 from tailslap.planning.fe_model import make_model, resolved_plate
-from tailslap.planning.fe_plan import FePlan, needed_plate
+from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
 from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Scene
@@ -38,7 +39,7 @@ class Candidate:
     def distance(self, other: Candidate, sensitivity: float) -> float:
         """How far apart the two results are expected to be, relatively: by modes, else by deflection ratios."""
         if self.quantities and other.quantities:
-            return max(abs(value / other.quantities[name] - 1.0) for name, value in self.quantities.items())
+            return largest_relative(self.quantities, other.quantities)
         return BESIDE_THE_DEFLECTION * sensitivity * abs(self.deflection_ratio - other.deflection_ratio)
 
 
@@ -55,7 +56,7 @@ def candidate(plan: Plan, level: RefinementLevel) -> Candidate | None:
     """The level's candidate, or None where the mesh cannot carry the inertia or the patch."""
     try:
         plan = with_changes(plan, level.changes)
-        model = make_model(plan, needed_plate(plan.scene))
+        model = make_model(plan, plan.scene.needed_plate)
     except InputError:
         return None
     steps = math.ceil(plan.motion.strike.t / model.loop.time_step)
@@ -79,7 +80,7 @@ def with_modal_quantities(made: Candidate) -> Candidate:
     """The candidate with its modal quantities; without them where the modal model lacks what the scene asks for."""
     from tailslap.modal_run import modal_run
 
-    plan, plate = made.plan, resolved_plate(made.plan, needed_plate(made.plan.scene))
+    plan, plate = made.plan, resolved_plate(made.plan.scene, made.plan.scene.needed_plate)
     none = Growth(0.0, 0.0, 0.0)  # modes do not flutter
     fe_plan = FePlan(
         plan,

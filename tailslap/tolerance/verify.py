@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
-from postprocess.comparison.comparison import largest
+from postprocess.comparison.comparison import largest, largest_relative
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.scene.vary import vary
@@ -29,8 +28,7 @@ def verified(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
         value, how = largest(outcome.difference), "difference from the exact rigid motion"
     else:
         value, how = _from_limit(outcome, choice, plan)
-    met = bool(math.isfinite(value) and value <= choice.tolerance)
-    check = Check("tolerance", value, choice.tolerance, met, f"largest of five: {how}")
+    check = Check.at_most("tolerance", value, choice.tolerance, f"largest of five: {how}")
     return replace(outcome, checks=(*outcome.checks, check), choice=choice)
 
 
@@ -42,7 +40,7 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
         other = _run(plan, level) if level else None
         if other is None or not other.fe:
             continue
-        moved = max(abs(other.fe[key] / value - 1.0) for key, value in outcome.fe.items())
+        moved = largest_relative(other.fe, outcome.fe)
         along, across = other.fe_plan.plate.counts
         how = f"distance from the limit of fine meshes, estimated from a second run with {along} x {across} elements"
         return max(share, _left_over_moved(outcome, other, choice, plan)) * moved, how
@@ -51,22 +49,14 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
 
 def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Plan) -> float:
     """Distance from the limit over that between the two meshes: of modal results, else of deflection ratios."""
-    mine, its = (
-        made and with_modal_quantities(made)
-        for made in (candidate(plan, level) for level in (choice.level, _level(other, choice)))
-    )
+    levels = (choice.level, replace(choice.level, elements=other.fe_plan.plate.counts))
+    made = [candidate(plan, level) for level in levels]
+    mine, its = (each and with_modal_quantities(each) for each in made)
     if mine and its and choice.limit and mine.quantities and its.quantities:
-        return _apart(mine.quantities, choice.limit) / max(_apart(mine.quantities, its.quantities), TINY)
+        left, moved = (largest_relative(mine.quantities, x) for x in (choice.limit, its.quantities))
+        return left / max(moved, TINY)
     ratios = outcome.fe_plan.deflection_ratio, other.fe_plan.deflection_ratio
     return abs(ratios[0] - choice.limit_deflection_ratio) / max(abs(ratios[0] - ratios[1]), TINY)
-
-
-def _level(other: Outcome, choice: Choice) -> RefinementLevel:
-    return replace(choice.level, elements=other.fe_plan.plate.counts)
-
-
-def _apart(values: Mapping[str, float], others: Mapping[str, float]) -> float:
-    return max(abs(values[name] / others[name] - 1.0) for name in values)
 
 
 def _run(plan: Plan, level: RefinementLevel) -> Outcome | None:

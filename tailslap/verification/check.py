@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,18 @@ class Check:
     def at_most(cls, name: str, value: float, limit: float, meaning: str) -> Check:
         """A check that passes where the value is a finite number and not above the limit."""
         return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning)
+
+
+def failed_names(checks: Iterable[Check]) -> tuple[str, ...]:
+    """Names of the checks that failed."""
+    return tuple(check.name for check in checks if not check.passed)
+
+
+def check_columns(checks: Iterable[Check]) -> dict[str, Any]:
+    """What the table of a sweep has of a run's checks: whether all passed, those that failed, and the values of all."""
+    failed = failed_names(checks)
+    values = {re.sub("[ -]", "_", f"check.{check.name}"): float(check.value) for check in checks}
+    return {"status": "failed" if failed else "passed", "reason": ", ".join(failed), **values}
 
 
 @dataclass(frozen=True)
@@ -105,21 +118,26 @@ class Evaluation(NamedTuple):
 class CheckKind:
     """A check.
 
-    judge: its judgement of the evidence, None where it does not apply. advice: what could be changed in a scene whose
-    run fails it. shows_ringing: whether a run that rings fails it. of_reaction: whether a reaction that rings can fail
-    it while the five quantities are right.
+    evaluate: value and limit by the evidence, of a whole impact its outcome; None where it does not apply. advice: what
+    could be changed in a scene whose run fails it. shows_ringing: whether a run that rings fails it. of_reaction:
+    whether a reaction that rings can fail it while the five quantities are right.
     """
 
     name: str
-    evaluate: Callable[[Evidence], Evaluation | None]
+    evaluate: Callable[[Any], Evaluation | None]
     advice: str
     shows_ringing: bool = False
     of_reaction: bool = False
 
-    def outcome(self, evidence: Evidence) -> Check | None:
+    def outcome(self, evidence: Any) -> Check | None:
         """The check of this run, or None where it does not apply."""
-        judged = self.evaluate(evidence)
-        return judged and Check.at_most(self.name, *judged)
+        found = self.evaluate(evidence)
+        return found and Check.at_most(self.name, *found)
+
+
+def evaluated(kinds: Iterable[CheckKind], evidence: Any) -> tuple[Check, ...]:
+    """The checks that apply."""
+    return tuple(check for kind in kinds if (check := kind.outcome(evidence)))
 
 
 def history_metrics(history: Columns, rigid: Columns) -> dict[str, Metrics]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.registry import Registry
 from tailslap.planning.fe_plan import FePlan
-from tailslap.verification.check import Check, CheckKind, Evidence
+from tailslap.verification.check import Check, CheckKind, Evidence, evaluated
 from tailslap.verification.contact_work import CONTACT
 from tailslap.verification.crash_practice import ENERGY_RATIO, PRACTICE
 from tailslap.verification.mechanics import MECHANICS
@@ -37,9 +37,7 @@ def run_checks(
     second: SecondRun | None = None,
 ) -> tuple[Check, ...]:
     """All checks of a run; `rigid` is the rigid history at the run's instants, `differences` may be empty."""
-    evidence = Evidence(fe_plan, run, rigid, differences, second)
-    found = (kind.outcome(evidence) for kind in CHECKS.values())
-    return tuple(check for check in found if check)
+    return evaluated(CHECKS.values(), Evidence(fe_plan, run, rigid, differences, second))
 
 
 def error_of(

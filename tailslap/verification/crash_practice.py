@@ -68,7 +68,7 @@ def _hourglass_of_total(given: Evidence) -> Evaluation:
 
 def _added_mass(given: Evidence) -> Evaluation:
     vehicle, plate = given.fe_plan.plan.scene.vehicle, given.fe_plan.plate
-    body = plate_density(given.fe_plan.plan, plate) * plate.thickness * vehicle.length * vehicle.width
+    body = plate_density(given.fe_plan.plan.scene, plate) * plate.thickness * vehicle.length * vehicle.width
     meaning = (
         "mass of the model over density x volume, less 1; no mass is scaled here, and the exact inertia moves mass "
         f"between nodes but adds none, so the limit is rounding; {NCHRP}, would be 0.05"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from postprocess.comparison.comparison import largest
 from tailslap.planning.decide_damping import damping_is_open, suppressing_rate
+from tailslap.verification.check import failed_names
 from tailslap.verification.checks import reaction_checks
 from tailslap.verification.numerical_error import FLOOR
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 def verdict_sentence(outcome: Outcome) -> str:
     """The verdict on a run."""
     of_the_reaction = reaction_checks()
-    failed = {check.name for check in outcome.checks if not check.passed}
+    failed = set(failed_names(outcome.checks))
     if not outcome.fe:
         return "The run did not reach the tail-slap."
     if failed - of_the_reaction - {"agreement with rigid"}:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from postprocess.comparison.comparison import largest_relative
 from postprocess.report.report import write_report
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
@@ -16,7 +17,7 @@ from tailslap.scene.files import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.cost.campaign import ROUNDING, summed_up
 from tailslap.studies.cost.limits import Limit, limit_of
-from tailslap.studies.cost.measure import error_from, measure
+from tailslap.studies.cost.measure import measure
 from tailslap.studies.cost.report import cost_report
 from tailslap.studies.cost.settings import MODAL, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
@@ -107,5 +108,5 @@ def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> 
     wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
     values = [measure(soft, by_key[key])["values"] for key in wanted]
     coarse, medium, fine, loose, stiff = values
-    assert error_from(medium, fine) < 0.5 * error_from(coarse, medium)
-    assert error_from(loose, medium) == pytest.approx(10.0 * error_from(stiff, medium), rel=0.05)
+    assert largest_relative(medium, fine) < 0.5 * largest_relative(coarse, medium)
+    assert largest_relative(loose, medium) == pytest.approx(10.0 * largest_relative(stiff, medium), rel=0.05)

@@ -103,7 +103,7 @@ def around(bound: float) -> list[float]:
 
 def ends(mark: Quantity) -> st.SearchStrategy[str]:
     """Values at the ends of what is allowed, beside them, and anywhere between."""
-    low, high = max(mark.least, mark.above), min(mark.most, mark.below)
+    low, high = mark.least, min(mark.most, mark.below)
     between = st.floats(math.log(low), math.log(high)).map(math.exp) if low > 0.0 else st.floats(low, high)
     numbers = st.one_of(between, st.sampled_from([*around(low), *around(high), 0.0, -1.0]))
     return numbers.map(lambda value: f"{value!r}" if math.isfinite(value) else "1e999")

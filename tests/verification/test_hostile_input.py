@@ -157,7 +157,7 @@ def quantities(model: type) -> list[Quantity]:
 def test_every_number_of_a_scene_has_bounds_on_both_sides() -> None:
     marks = quantities(Scene)
     assert len(marks) > 25
-    lower = [max(mark.least, mark.above) for mark in marks]
+    lower = [mark.least for mark in marks]
     upper = [min(mark.most, mark.below) for mark in marks]
     assert min(lower) >= -1.0
     assert max(upper) <= 1e18

@@ -11,8 +11,9 @@ import pytest
 
 from tailslap.command_line import main
 from tailslap.scene.schema import Plate
-from tailslap.studies.cost.impacts import NAMES, QUAD9, _point, _values, impact_settings
+from tailslap.studies.cost.impacts import NAMES, QUAD9, _values, impact_settings
 from tailslap.studies.cost.limits import Limit, limit_of
+from tailslap.studies.cost.points import point_of
 from tailslap.studies.cost.settings import FE, Setting
 
 pytestmark = pytest.mark.verification
@@ -33,19 +34,19 @@ def test_errors_are_from_the_limit_of_the_quadratic_elements() -> None:
     limit = limit_of([record(1.005), record(1.001), record(1.0)], NAMES)
     assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in NAMES}
     assert limit.known == pytest.approx(1.25e-3 / 3.0, rel=1e-9)
-    point = _point(Setting(FE, "quad4", "mesh"), record(1.02), limit)
+    point = point_of(Setting(FE, "quad4", "mesh"), record(1.02), limit)
     assert point.error == pytest.approx(1.02 / (1.0 - 1e-3 / 3.0) - 1.0)
     assert (point.setup_s, point.loop_s, point.median_s, point.steps) == (0.1, 0.3, 0.4, 9)
 
 
 def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_strikes() -> None:
     limit = Limit(dict.fromkeys(NAMES, 1.0), 1e-3)
-    assert _point(Setting(FE, "quad4", "mesh"), record(1.0 + 1e-5), limit).error == 1e-3
-    nothing = _point(Setting(FE, "quad4", "mesh"), record(math.nan), limit)
+    assert point_of(Setting(FE, "quad4", "mesh"), record(1.0 + 1e-5), limit).error == 1e-3
+    nothing = point_of(Setting(FE, "quad4", "mesh"), record(math.nan), limit)
     assert math.isnan(nothing.error)
     assert not nothing.valid
     assert all(map(math.isnan, _values([]).values()))
-    assert not _point(Setting(FE, "quad4", "mesh"), {"refused": "no"}, limit).valid
+    assert not point_of(Setting(FE, "quad4", "mesh"), {"refused": "no"}, limit).valid
 
 
 def test_the_limit_s_meshes_are_halves_of_each_other() -> None:

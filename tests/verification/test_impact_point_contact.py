@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from tailslap.impact.checks import FLOOR, SHARE, WEDGE, _point
+from tailslap.impact.checks import CHECKS, FLOOR, SHARE, WEDGE
+from tailslap.verification.check import Check, evaluated
 
 pytestmark = pytest.mark.verification
 
@@ -17,11 +18,16 @@ def outcome(
     modulus: float, patch: float | None = None, stiffness: float | None = 2e6, off: float = 0.0
 ) -> Any:
     contact = SimpleNamespace(stiffness=stiffness, patch_length=patch)
-    plan = SimpleNamespace(scene=SimpleNamespace(contact=contact))
-    plate = SimpleNamespace(youngs_modulus=modulus, thickness=0.05)
+    plan = SimpleNamespace(scene=SimpleNamespace(needed_contact=contact))
+    plate = SimpleNamespace(modulus=modulus, thickness=0.05)
     return SimpleNamespace(
         fe_plan=SimpleNamespace(plan=plan, plate=plate), difference={"strike_1.impulse": off}
     )
+
+
+def point_contact(made: Any) -> Check:
+    (check,) = evaluated([kind for kind in CHECKS if kind.name == "point contact"], made)
+    return check
 
 
 def test_the_wedge_s_constant() -> None:
@@ -32,13 +38,13 @@ def test_the_wedge_s_constant() -> None:
 
 def test_a_point_on_a_soft_plate_fails() -> None:
     """E t = 1e7 N/m against k = 2e6 N/m: 0.2 WEDGE log 2 = 0.297."""
-    check = _point(outcome(2e8))
+    check = point_contact(outcome(2e8))
     assert check.value == pytest.approx(0.2 * WEDGE * math.log(2.0), rel=1e-12)
     assert (check.limit, check.passed) == (FLOOR, False)
-    assert _point(outcome(2e8, off=0.2)).limit == pytest.approx(FLOOR + 0.2 * SHARE)
+    assert point_contact(outcome(2e8, off=0.2)).limit == pytest.approx(FLOOR + 0.2 * SHARE)
 
 
 def test_what_has_a_limit_passes() -> None:
-    assert _point(outcome(2e11)).passed
-    assert _point(outcome(2e8, patch=1.0)).value == 0.0
-    assert _point(outcome(2e8, stiffness=None)).value == 0.0
+    assert point_contact(outcome(2e11)).passed
+    assert point_contact(outcome(2e8, patch=1.0)).value == 0.0
+    assert point_contact(outcome(2e8, stiffness=None)).value == 0.0

@@ -15,7 +15,7 @@ import pytest
 from tailslap.command_line import main
 from tailslap.errors import InputError
 from tailslap.impact.answers import strike_numbers
-from tailslap.impact.checks import _mesh, _mesh_duration, energy_error
+from tailslap.impact.checks import CHECKS, MESH_CHECKS, energy_error
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
@@ -23,6 +23,7 @@ from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
 from tailslap.impact.summary import wall_numbers
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
+from tailslap.verification.check import evaluated
 
 pytestmark = pytest.mark.verification
 
@@ -246,7 +247,8 @@ def judged(impulse: float, duration: float, error: dict[str, float]) -> dict[str
     """What the checks of the mesh say of so large differences from the rigid vehicle, and errors."""
     difference = {"strike_1.impulse": impulse, "strike_2.duration": duration}
     outcome = SimpleNamespace(difference=difference, mesh_error=error)
-    return {check.name: check.passed for check in (_mesh(outcome), _mesh_duration(outcome))}  # type: ignore[arg-type]
+    kinds = [kind for kind in CHECKS if kind.name in MESH_CHECKS[:2]]
+    return {check.name: check.passed for check in evaluated(kinds, outcome)}
 
 
 @pytest.mark.parametrize(

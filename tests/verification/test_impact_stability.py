@@ -12,9 +12,8 @@ from tailslap.errors import InputError
 from tailslap.scene.files import read_scene
 from tailslap.scene.vary import Changes
 from tailslap.studies.stability import impact_against_rigid as judge
-from tailslap.studies.stability.axes import base_source, map_cells
+from tailslap.studies.stability.axes import base_source, impact_axes, map_cells
 from tailslap.studies.stability.campaign import run_campaign
-from tailslap.studies.stability.impact_axes import impact_axes
 from tailslap.studies.stability.verdict import verdict_on
 from tailslap.studies.study import Call
 

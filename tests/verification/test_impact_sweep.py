@@ -12,7 +12,7 @@ import pytest
 
 from postprocess.comparison.comparison import STRIKES
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
-from tailslap.analyses import analysis_of
+from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
 from tailslap.scene.files import source_of_text
 from tailslap.scene.vary import vary

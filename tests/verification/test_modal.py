@@ -20,12 +20,12 @@ from fem.modal.modal_motion import reaction as corner_reaction
 from fem.modal.modal_run import ModalMotion, integrate, modal_start
 from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart, to_global
+from postprocess.comparison.comparison import KEYS
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.modal_run import ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import COMPARED
 from tailslap.scene.files import read_scene
 
 pytestmark = pytest.mark.verification
@@ -54,7 +54,7 @@ def motion(plate: Any, modal: ModalPlate, steps: int) -> ModalMotion:
 
 
 def largest(values: dict[str, float], others: dict[str, float]) -> float:
-    return max(abs(values[name] / others[name] - 1.0) for name in COMPARED)
+    return max(abs(values[name] / others[name] - 1.0) for name in KEYS)
 
 
 def states(modes: int) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -313,6 +313,6 @@ def test_json(capsys: pytest.CaptureFixture[str]) -> None:
 
     assert _status(["modal", "paper-abaqus", "--json", "--modes", "2"]) == DONE
     answer = json.loads(capsys.readouterr().out)
-    assert set(answer["modal"]) == set(COMPARED)
+    assert set(answer["modal"]) == set(KEYS)
     assert answer["cost"]["modes"] == 2
     assert answer["estimate"]["total"] < 1e-8

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tailslap.analyses import analysis_of
+from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene, shipped_scenes

@@ -19,6 +19,7 @@ from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene, source_of_text
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import Changes, vary
+from tailslap.scene.written import scene_file
 from tailslap.scene_run import run_scene
 from tailslap.studies.stability import against_reference
 from tailslap.studies.stability.against_reference import KINDS, grade
@@ -34,7 +35,6 @@ from tailslap.studies.stability.reference import (
     trustworthy,
 )
 from tailslap.studies.stability.report import stability_report
-from tailslap.studies.stability.toml_text import toml_text
 from tailslap.studies.stability.verdict import Verdict, verdict_on
 from tailslap.studies.study import Call
 from tailslap.verification.check import Check
@@ -97,7 +97,7 @@ def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPat
 
 def test_a_draw_read_from_its_file_is_the_same_scene() -> None:
     for tables in DRAWN:
-        assert vary(source_of_text(toml_text(tables, "x")), {})[0] == validate(tables)
+        assert vary(source_of_text(scene_file(tables, "x")), {})[0] == validate(tables)
 
 
 def five(value: float) -> dict[str, float]:

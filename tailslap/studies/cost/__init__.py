@@ -1,12 +1,12 @@
 """The study `cost`: error against run time of every method and setting, and the cheapest for each error."""
 
-from tailslap.analysis import CORNER, WHOLE_IMPACT
+from tailslap.analysis import CORNER, WHOLE_IMPACT, later
 from tailslap.studies.study import Study
 
 STUDY = Study(
     name="cost",
     summary="Error against run time, the cheapest setting for each error; goes on where it was stopped.",
-    compute="tailslap.studies.cost.campaign:study_cost",
-    report="tailslap.studies.cost.report:cost_report",
+    compute=later("tailslap.studies.cost.campaign:study_cost"),
+    report=later("tailslap.studies.cost.report:cost_report"),
     analyses=(CORNER, WHOLE_IMPACT),
 )

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-import statistics
 import time
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from postprocess.comparison.comparison import KEYS, largest_relative
 from postprocess.comparison.grid_convergence import GridConvergence, grid_convergence
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.planning.rigid import COMPARED
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.vary import shown, vary
 from tailslap.studies import with_elements
 from tailslap.studies.cost.limits import Limit, limit_of
-from tailslap.studies.cost.measure import Record, error_from, measure, rigid_truth
-from tailslap.studies.cost.points import CostResults, Point
+from tailslap.studies.cost.measure import Record, measure
+from tailslap.studies.cost.points import CostResults, point_of
 from tailslap.studies.cost.settings import MESH, STEP, Setting, settings
 from tailslap.studies.cost.soft import soft_changes, soft_settings
 from tailslap.studies.study import Call
@@ -58,7 +58,7 @@ def campaign(plan: Plan, place: Path) -> CostResults:
         # One after the other: they are timed.
         run_parts(measure, parts, journal, f"{plan.scene.name}: {len(todo)} settings", workers=1)
         records = {setting.key: journal.records[setting.key] for setting in todo}
-    soft_truth = rigid_truth(make_plan(soft_scene))
+    soft_truth = stage_two_numbers(make_plan(soft_scene))
     return summed_up(plan, todo, records, shown(changes), soft_truth, time.perf_counter() - began)
 
 
@@ -74,15 +74,15 @@ def summed_up(
     limit = limit_of([records[s.key] for s in todo if in_group(s, LIMIT)])
     steps = [records[s.key] for s in todo if in_group(s, SOFT_STEP)]
     mesh_limit = limit_of(steps if _halved(steps) else [])
-    truths = (Limit(rigid_truth(plan), ROUNDING), limit, mesh_limit)
+    rigid = Limit(stage_two_numbers(plan), ROUNDING)
     return CostResults(
         plan=plan,
-        points=tuple(_point(setting, records[setting.key], truths) for setting in todo),
+        points=tuple(point_of(s, records[s.key], limit if s.soft else rigid, mesh_limit) for s in todo),
         convergence=_convergence(todo, records),
         soft=soft,
         limit=limit,
         mesh_limit=mesh_limit,
-        flexibility=error_from(limit.values, soft_truth),
+        flexibility=largest_relative(limit.values, soft_truth),
         seconds=seconds,
     )
 
@@ -97,7 +97,7 @@ def _convergence(todo: list[Setting], records: dict[str, Record]) -> dict[str, d
             continue
         coarse, medium, fine = (record["values"] for record in chosen)
         found[group] = {
-            name: grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0)) for name in COMPARED
+            name: grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0)) for name in KEYS
         }
     return found
 
@@ -118,25 +118,3 @@ def _halved(records: list[Record]) -> bool:
     may stand against it."""
     steps = [record.get("steps", 0) for record in records[-3:]]
     return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
-
-
-def _point(setting: Setting, record: Record, truths: tuple[Limit, Limit, Limit]) -> Point:
-    if "refused" in record:
-        return Point(setting, math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0, (), record["refused"])
-    rigid, limit, mesh_limit = truths
-    return Point(
-        setting,
-        _error(record, limit if setting.soft else rigid),
-        _error(record, mesh_limit) if setting.choice else math.nan,
-        min(record["setup"]),
-        min(record["loop"]),
-        statistics.median(record["loop"]),
-        record.get("compile", 0.0),
-        record["steps"],
-        tuple(record["failed"]),
-    )
-
-
-def _error(record: Record, truth: Limit) -> float:
-    error = error_from(record["values"], truth.values)
-    return max(error, truth.known) if math.isfinite(error) else math.nan

@@ -27,6 +27,11 @@ SOFT_LINES = {**{name: name for name in (*REFINED, SPRING)}, **CHOICES}
 """Groups of the soft plate: meshes of an element, then choices made on one mesh."""
 
 
+IMPACT_LINES = {settings.RIGID: settings.RIGID, "quad4": "meshes of quad4", "quad9": "meshes of quad9"}
+IMPACT_LINES |= {settings.STEP: "time steps", settings.DAMPING: "damping"}
+"""Groups of whole impacts that are lines; other elements are marks of one name."""
+
+
 @dataclass(frozen=True)
 class Line:
     """The points of a group that have an error, as refined, and the order observed, NaN where there is none."""
@@ -84,6 +89,23 @@ def flexible_diagram(points: Iterable[Point], known: float, mesh_known: float) -
         floor=known,
         floor_label=f"the limit is known to {known:.0e}",
         error_label="error from the soft plate's limit",
+    )
+
+
+def impact_diagram(points: Iterable[Point], known: float) -> Diagram:
+    """Of whole impacts; known: what the plate's limit is known to."""
+    points = list(points)
+    lines = [_series(label, _of(points, group)) for group, label in IMPACT_LINES.items()]
+    others = [p for p in points if p.setting.group not in IMPACT_LINES]
+    return Diagram(
+        name="precision",
+        title="How far from the plate's own limit",
+        series=[*lines, _series(settings.ELEMENTS, others, joined=False)],
+        front=[(p.seconds, p.error) for p in front(points)],
+        front_label="Pareto front",
+        floor=known,
+        floor_label=f"the limit is known to {known:.0e}",
+        error_label="error of both strikes from the plate's limit",
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -11,21 +10,21 @@ from typing import Any
 from tailslap.errors import InputError
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
-from tailslap.impact.checks import MESH_CHECKS, impact_checks
-from tailslap.impact.fe_plan import ImpactFePlan, make_impact_fe_plan
+from tailslap.impact.checks import failed_but_mesh
+from tailslap.impact.fe_plan import make_impact_fe_plan
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import compared, simulated
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.cost.limits import Limit, limit_of
-from tailslap.studies.cost.measure import MAX_REPEATS, MIN_REPEATS, PATIENCE, Record
-from tailslap.studies.cost.points import Point
-from tailslap.studies.cost.settings import ELEMENTS, FE, ODE, SAFETY_FACTORS, STEP, Setting
+from tailslap.studies.cost.measure import MAX_REPEATS, Record, repeated
+from tailslap.studies.cost.points import Point, point_of
+from tailslap.studies.cost.settings import DAMPING, ELEMENTS, FE, ODE, RIGID, SAFETY_FACTORS, STEP, Setting
 from tailslap.studies.flexibility.impacts import NAMES, patch_length
 from tailslap.studies.study import Call
 
-RIGID, QUAD4, QUAD9, DAMPED = "rigid vehicle", "quad4", "quad9", "damping"
-"""Groups of settings beside those of the constrained corner; the limit is that of quad9."""
+QUAD4, QUAD9 = "quad4", "quad9"
+"""Groups of the meshes; the limit is that of quad9."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ def impact_cost(call: Call) -> ImpactCost:
         run_parts(measure, parts, journal, f"{plan.scene.name}: {len(todo)} settings", workers=1)
         records = [journal.records[setting.key] for setting in todo]
     limit = limit_of([r for r, s in zip(records, todo, strict=True) if s.group == QUAD9], NAMES)
-    points = tuple(_point(setting, record, limit) for setting, record in zip(todo, records, strict=True))
+    points = tuple(point_of(*each, limit) for each in zip(todo, records, strict=True))
     return ImpactCost(plan, points, limit, patch, time.perf_counter() - began)
 
 
@@ -69,7 +68,7 @@ def impact_settings(plate: Plate) -> list[Setting]:
         *(_mesh(plate, QUAD9, factor) for factor in (0.5, 1.0, 2.0)),
         *(_on(plate, ELEMENTS, name, {"plate.element": name}) for name in ("tri3", "tri6", "quad4-reduced")),
         *(_on(plate, STEP, f"safety factor {f:g}", {"time.safety_factor": f}) for f in SAFETY_FACTORS),
-        *(_on(plate, DAMPED, f"ratio {ratio:g}", {"damping.ratio": ratio}) for ratio in (0.01, 0.1)),
+        *(_on(plate, DAMPING, f"ratio {ratio:g}", {"damping.ratio": ratio}) for ratio in (0.01, 0.1)),
     ]
 
 
@@ -115,23 +114,10 @@ def _finite_elements(plan: ImpactPlan) -> Record:
     began = time.perf_counter()
     compile_impact_loop(make_impact_fe_plan(plan).model)
     compiled = time.perf_counter() - began
-    setups: list[float] = []
-    loops: list[float] = []
-    while len(loops) < MAX_REPEATS and (len(loops) < MIN_REPEATS or sum(loops) + sum(setups) < PATIENCE):
-        began = time.perf_counter()
-        fe_plan = make_impact_fe_plan(plan)
-        setups.append(time.perf_counter() - began)
-        run = simulated(fe_plan)
-        loops.append(run.time_loop_s)
-    return _record(fe_plan, run) | {"setup": setups, "loop": loops, "compile": compiled}
-
-
-def _record(fe_plan: ImpactFePlan, run: Any) -> Record:
+    fe_plan, run, times = repeated(lambda: make_impact_fe_plan(plan), simulated)
     outcome = compared(fe_plan, run)
-    failed = [
-        check.name for check in impact_checks(outcome) if not (check.passed or check.name in MESH_CHECKS)
-    ]
-    return {"values": _values(outcome.fe.strikes), "steps": run.steps, "failed": failed}
+    values, failed = _values(outcome.fe.strikes), list(failed_but_mesh(outcome))
+    return {"values": values, **times, "compile": compiled, "steps": run.steps, "failed": failed}
 
 
 def _values(strikes: Any) -> dict[str, float]:
@@ -139,20 +125,3 @@ def _values(strikes: Any) -> dict[str, float]:
     found = {f"strike_{k}": strike for k, strike in enumerate(strikes[:2], 1)}
     pairs = ((name, name.split(".")) for name in NAMES)
     return {name: getattr(found.get(strike), what, math.nan) for name, (strike, what) in pairs}
-
-
-def _point(setting: Setting, record: Record, limit: Limit) -> Point:
-    if "refused" in record:
-        return Point(setting, math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0, (), record["refused"])
-    error = max(abs(value / limit.values[name] - 1.0) for name, value in record["values"].items())
-    return Point(
-        setting,
-        max(error, limit.known),
-        math.nan,
-        min(record["setup"]),
-        min(record["loop"]),
-        statistics.median(record["loop"]),
-        record.get("compile", 0.0),
-        record["steps"],
-        tuple(record["failed"]),
-    )

@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from postprocess.comparison.comparison import KEYS, largest, relative_difference
 from postprocess.comparison.grid_convergence import CAUTIOUS_FACTOR, SAFETY_FACTOR, grid_convergence
-from tailslap.planning.rigid import COMPARED
 
 MAX_ORDER = 2.0
 """Order of linear elements, of loads that jump and of central differences; a higher observed order is luck."""
@@ -24,8 +26,13 @@ class Limit:
     values: dict[str, float]
     known: float
 
+    def error_of(self, values: Mapping[str, float]) -> float:
+        """Largest relative distance from the limit, no less than that is known to; NaN where one value is none."""
+        error = largest(relative_difference(values, self.values, tuple(self.values)))
+        return max(error, self.known) if math.isfinite(error) else math.nan
 
-def limit_of(records: Sequence[Mapping[str, Any]], names: Sequence[str] = COMPARED) -> Limit:
+
+def limit_of(records: Sequence[Mapping[str, Any]], names: Sequence[str] = KEYS) -> Limit:
     """The limit of the last three records, each twice as fine as the one before; NaN where there are none."""
     good = [r["values"] for r in records if "values" in r and all(map(math.isfinite, r["values"].values()))]
     if len(good) < 3:
@@ -55,7 +62,5 @@ def observed_order(refinements: list[float], errors: list[float], known: float) 
     ]
     if len(pairs) < 2:
         return math.nan
-    x, y = zip(*pairs, strict=True)
-    middle = sum(x) / len(x)
-    spread = sum((a - middle) ** 2 for a in x)
-    return -sum((a - middle) * b for a, b in zip(x, y, strict=True)) / spread if spread else math.nan
+    x, y = np.transpose(pairs)
+    return -float(np.polyfit(x, y, 1)[0]) if np.ptp(x) else math.nan

@@ -7,14 +7,14 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.comparison import KEYS
 from solver import integrate_odes, plane_motion
 from tailslap.errors import InputError
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.planning.rigid import COMPARED, stage_two_numbers
 from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost.settings import EXACT, MODAL, ODE, Setting
+from tailslap.verification.check import failed_names
 
 MAX_REPEATS, MIN_REPEATS, PATIENCE = 7, 2, 1.0
 """Repeats of a setting, and the seconds after which only the least number is done."""
@@ -32,7 +32,7 @@ def measure(source: Source, setting: Setting) -> Record:
     """What the setting gives: the five quantities, times [s] of every repeat, and what its own checks say."""
     plan = make_plan(*vary(source, {}))
     if setting.kind == EXACT:
-        return _rigid(plan, lambda: _exact(plan))
+        return _rigid(plan, lambda: plane_motion(*_stage_two(plan)).strike)
     if setting.kind == ODE:
         return _rigid(plan, lambda: _integrated(plan, setting))
     try:
@@ -42,32 +42,16 @@ def measure(source: Source, setting: Setting) -> Record:
         return {"refused": str(error)}
 
 
-def _exact(plan: Plan) -> Any:
-    start, scene = plan.start, plan.scene
-    motion = plane_motion(
-        plan.body,
-        start.angle,
-        start.omega,
-        start.corner_speed,
-        scene.corner_friction,
-        scene.corner.rigid_reaction,
-    )
-    return motion.strike
-
-
 def _integrated(plan: Plan, setting: Setting) -> Any:
+    method, rtol = setting.group, setting.rtol
+    return integrate_odes(*_stage_two(plan), method=method, rtol=rtol, atol=0.01 * rtol).strike
+
+
+def _stage_two(plan: Plan) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """What the theory takes for Stage 2."""
     start, scene = plan.start, plan.scene
-    return integrate_odes(
-        plan.body,
-        start.angle,
-        start.omega,
-        start.corner_speed,
-        scene.corner_friction,
-        scene.corner.rigid_reaction,
-        method=setting.group,
-        rtol=setting.rtol,
-        atol=0.01 * setting.rtol,
-    ).strike
+    rest = (scene.corner_friction, scene.corner.rigid_reaction)
+    return plan.body, start.angle, start.omega, start.corner_speed, *rest
 
 
 def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
@@ -78,7 +62,7 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
         began = time.perf_counter()
         strike = solve()
         loops.append(time.perf_counter() - began)
-    values = {name: float(getattr(strike, name)) for name in COMPARED}
+    values = {name: float(getattr(strike, name)) for name in KEYS}
     return {"values": values, "setup": [0.0], "loop": loops, "steps": 0, "failed": []}
 
 
@@ -96,8 +80,8 @@ def _modal(plan: Plan, setting: Setting) -> Record:
         found = modal_run(fe_plan, setting.modes, tolerance=1.0)
         setups.append(planned + found.setup_s)
         loops.append(found.integration_s)
-    failed = [check.name for check in found.checks if not check.passed]
-    values = found.values or dict.fromkeys(COMPARED, math.nan)
+    failed = list(failed_names(found.checks))
+    values = found.values or dict.fromkeys(KEYS, math.nan)
     return {"values": values, "setup": setups, "loop": loops, "steps": found.steps, "failed": failed}
 
 
@@ -112,19 +96,26 @@ def _finite_elements(plan: Plan, setting: Setting) -> Record:
     began = time.perf_counter()
     _simulated(fe_plan, setting, rows=10, share=1e-3)
     compiled = time.perf_counter() - began
+    fe_plan, run, times = repeated(
+        lambda: make_fe_plan(plan), lambda fe_plan: _simulated(fe_plan, setting, plan.scene.time.rows)
+    )
+    outcome = compare(fe_plan, run, 0.0)
+    values, failed = outcome.fe or dict.fromkeys(KEYS, math.nan), list(failed_names(outcome.checks))
+    record = {"values": values, **times, "steps": run.steps, "failed": failed}
+    return record | {"compile": compiled, "deflection_ratio": fe_plan.deflection_ratio}
+
+
+def repeated(make: Callable[[], Any], run: Callable[[Any], Any]) -> tuple[Any, Any, dict[str, list[float]]]:
+    """The last plan and its run, and the times [s] that set-up and loop took of all."""
     setups: list[float] = []
     loops: list[float] = []
     while len(loops) < MAX_REPEATS and (len(loops) < MIN_REPEATS or sum(loops) + sum(setups) < PATIENCE):
         began = time.perf_counter()
-        fe_plan = make_fe_plan(plan)
+        plan = make()
         setups.append(time.perf_counter() - began)
-        run = _simulated(fe_plan, setting, plan.scene.time.rows)
-        loops.append(run.time_loop_s)
-    outcome = compare(fe_plan, run, 0.0)
-    failed = [check.name for check in outcome.checks if not check.passed]
-    values = outcome.fe or dict.fromkeys(COMPARED, math.nan)
-    record = {"values": values, "setup": setups, "loop": loops, "steps": outcome.run.steps, "failed": failed}
-    return record | {"compile": compiled, "deflection_ratio": fe_plan.deflection_ratio}
+        done = run(plan)
+        loops.append(done.time_loop_s)
+    return plan, done, {"setup": setups, "loop": loops}
 
 
 def _simulated(fe_plan: Any, setting: Setting, rows: int, share: float = 1.0) -> Any:
@@ -138,14 +129,3 @@ def _simulated(fe_plan: Any, setting: Setting, rows: int, share: float = 1.0) ->
     plan, kind = fe_plan.plan, fe_plan.plate.start
     duration, threads = share * plan.motion.strike.t, plan.scene.time.threads
     return simulate(fe_plan.model, fe_plan.start, duration, kind, rows, threads, make_stepper=stepper)
-
-
-def error_from(values: dict[str, float], truth: dict[str, float]) -> float:
-    """Largest relative distance of the five quantities from the truth; NaN where one is none."""
-    sizes = [abs(value) for value in relative_difference(values, truth).values()]
-    return max(sizes) if all(map(math.isfinite, sizes)) else math.nan
-
-
-def rigid_truth(plan: Plan) -> dict[str, float]:
-    """The exact solution's five quantities."""
-    return stage_two_numbers(plan)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+import statistics
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,6 +66,25 @@ class Point:
         own = {name: getattr(self, name) for name in POINT_COLUMNS}
         failed = {"failed": ", ".join(self.failed), "refused": self.refused}
         return {"setting": self.setting.key, **setting, **own, **failed}
+
+
+def point_of(
+    setting: Setting, record: Mapping[str, Any], limit: Limit, mesh_limit: Limit | None = None
+) -> Point:
+    """The point of a setting's record; limit: what errors are measured from; mesh_limit: of its mesh, for a choice."""
+    if "refused" in record:
+        return Point(setting, math.nan, math.nan, 0.0, 0.0, 0.0, 0.0, 0, (), record["refused"])
+    return Point(
+        setting,
+        limit.error_of(record["values"]),
+        mesh_limit.error_of(record["values"]) if mesh_limit and setting.choice else math.nan,
+        min(record["setup"]),
+        min(record["loop"]),
+        statistics.median(record["loop"]),
+        record.get("compile", 0.0),
+        record["steps"],
+        tuple(record["failed"]),
+    )
 
 
 @dataclass(frozen=True)

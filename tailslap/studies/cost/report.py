@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.figures.precision_plots import draw_precision
 from postprocess.report.numbers import duration, known
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
 from tailslap.studies.cost.campaign import ROUNDING
-from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram, soft_lines
+from tailslap.studies.cost.diagrams import flexible_diagram, impact_diagram, rigid_diagram, soft_lines
+from tailslap.studies.cost.impacts import ImpactCost
 from tailslap.studies.cost.points import CostResults, Point, by_level, front, quickest
-from tailslap.studies.cost.settings import FE, MODAL, ODE
+from tailslap.studies.cost.settings import FE, MODAL, ODE, RIGID
 from tailslap.studies.cost.soft import frequency, patch
-
-if TYPE_CHECKING:
-    from tailslap.studies.cost.impacts import ImpactCost
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
@@ -44,6 +42,7 @@ GRIDS = (
     Column("order", "order", form=known(".2f")),
     Column("gci_fine", "GCI fine", form=ERROR),
 )
+FILES = "points.csv, every setting with its numbers in SI; summary.json"
 NOTE = (
     "Error: from the exact rigid motion, or from the soft plate's limit. Added: what a choice adds to its mesh's. "
     "Times: the fastest of several, all compiled and loaded. Set off: on the Pareto front of its question."
@@ -57,30 +56,77 @@ READING = (
 
 def cost_report(found: CostResults | ImpactCost) -> Report:
     """Page, summary, points, and what the terminal says."""
-    if not isinstance(found, CostResults):
-        from tailslap.studies.cost.impact_report import impact_cost_report
-
-        return impact_cost_report(found)
+    if isinstance(found, ImpactCost):
+        return _impact_report(found)
     known_to = (found.limit.known, found.mesh_limit.known)
     rigid, soft = rigid_diagram(found.points, ROUNDING), flexible_diagram(found.points, *known_to)
     lines = Table(LINES, soft_lines(found.points, *known_to), "Order of the errors well above what is known")
     best = _best(found.rigid, ODE, "SciPy"), _best(found.flexible, MODAL, "soft plate, modes")
-    page = Page(
-        kicker="Error against run time: every method and setting that the program has",
-        title=found.plan.scene.name,
-        headline=headline(found),
-        sections=(
+    page = study_page(
+        found.plan,
+        "Error against run time: every method and setting that the program has",
+        headline(found),
+        (
             Section("The rigid question", "", draw_precision(rigid), best[:1]),
             Section("The flexible question", "", draw_precision(soft), (lines, best[1]), _limits(found)),
             Section("Grid convergence", tables=_convergence(found), sentences=READING),
-            Section("Every setting", tables=(_every(found),)),
+            Section("Every setting", tables=(_every(found.points),)),
         ),
-        footer=footer("points.csv, every setting with its numbers in SI; summary.json"),
-        scene_text=found.plan.source.text,
+        FILES,
     )
-    cost = f"Cost:   {len(found.points)} settings in {found.seconds:.0f} s"
-    points = {"points.csv": listed([point.row for point in found.points])}
-    return Report(page, summary(found), (*best, page.headline, cost), points)
+    return Report(page, summary(found), (*best, page.headline, _cost(found)), _points(found))
+
+
+def _impact_report(found: ImpactCost) -> Report:
+    best = _best(found.points, ODE, RIGID)
+    reading = (
+        f"Error: largest of impulse, peak and duration of the first two strikes, from Richardson's extrapolation of "
+        f"quad9, known to {found.limit.known:.0e}; smaller ones are shown as that. A corner's crush is spread over "
+        f"{found.patch:g} m of its side. Times: the fastest of several, all compiled and loaded."
+    )
+    diagram = impact_diagram(found.points, found.limit.known)
+    page = study_page(
+        found.plan,
+        "Error against run time: settings of a whole impact",
+        _impact_headline(found),
+        (
+            Section("Error against run time", "", draw_precision(diagram), (best,), (reading,)),
+            Section("Every setting", tables=(_every(found.points),)),
+        ),
+        FILES,
+    )
+    said = (best, page.headline, reading, _cost(found))
+    return Report(page, _impact_summary(found), said, _points(found))
+
+
+def _cost(found: CostResults | ImpactCost) -> str:
+    return f"Cost:   {len(found.points)} settings in {found.seconds:.0f} s"
+
+
+def _points(found: CostResults | ImpactCost) -> dict[str, Table]:
+    return {"points.csv": listed([point.row for point in found.points])}
+
+
+def _impact_headline(found: ImpactCost) -> str:
+    """What an error costs, and what the rigid vehicle's is."""
+    rigid = found.points[0]
+    return (
+        f"Both strikes of the plate, by finite elements: within {_spent(quickest(found.points))}. "
+        f"The rigid vehicle is {rigid.error:.1e} off in {duration(rigid.seconds)}."
+    )
+
+
+def _impact_summary(found: ImpactCost) -> dict[str, Any]:
+    return {
+        **study_summary("cost", found.plan),
+        "points": [point.row for point in found.points],
+        "front": [point.setting.key for point in front(found.points)],
+        "cheapest": {row["level"]: row["key"] for row in by_level(found.points) if row["key"]},
+        "known": found.limit.known,
+        "limit": found.limit.values,
+        "patch_length": found.patch,
+        "cost": {"seconds": found.seconds},
+    }
 
 
 def summary(found: CostResults) -> dict[str, Any]:
@@ -149,8 +195,11 @@ def _convergence(found: CostResults) -> list[Table]:
     return tables
 
 
-def _every(found: CostResults) -> Table:
+def _every(points: tuple[Point, ...]) -> Table:
     """Every setting; those on the Pareto front of their question are set off."""
-    best = [*front(found.rigid), *front(found.flexible)]
-    marks = {i: "marked" for i, point in enumerate(found.points) if point in best}
-    return Table(SETTINGS, found.points, notes=(NOTE,), marks=marks)
+    best = [point for soft in (False, True) for point in front(p for p in points if p.setting.soft == soft)]
+    columns = [
+        column for column in SETTINGS if column.key != "added" or any(p.setting.choice for p in points)
+    ]
+    marks = {i: "marked" for i, point in enumerate(points) if point in best}
+    return Table(tuple(columns), points, notes=(NOTE,), marks=marks)

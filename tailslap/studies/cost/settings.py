@@ -24,7 +24,7 @@ MESH, STEP, CONSTRAINT, ROWSUM, UNSTRESSED = (
     "unstressed start",
 )
 PENALTY, DAMPING, MODES, ELEMENTS = "penalty", "damping", "modal model", "other elements"
-SINGLE = "single precision"
+SINGLE, RIGID = "single precision", "rigid vehicle"
 """Groups of settings."""
 
 
@@ -103,7 +103,7 @@ def _values(group: str, label: str, key: str, values: tuple[float, ...]) -> list
 
 def _mesh(scene: Scene, group: str, factor: float, more: Changes | None = None) -> Setting:
     """The scene's mesh with so many times the elements each way."""
-    assert scene.plate is not None
-    along, across = (max(2, round(factor * count)) for count in scene.plate.counts)
-    changes = {"plate.element": scene.plate.element, "plate.elements": (along, across), **(more or {})}
+    plate = scene.needed_plate
+    along, across = (max(2, round(factor * count)) for count in plate.counts)
+    changes = {"plate.element": plate.element, "plate.elements": (along, across), **(more or {})}
     return Setting(FE, group, f"{along} x {across}", changes, refinement=factor)

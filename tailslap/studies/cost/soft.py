@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 from tailslap.planning.fe_model import resolved_plate
-from tailslap.planning.fe_plan import needed_plate
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes
@@ -51,7 +50,7 @@ def soft_changes(plan: Plan) -> dict[str, Any]:
         "corner.constraint": "exact",
         "corner.patch_length": patch(scene),
     }
-    removed = ["plate.first_frequency"] if needed_plate(scene).first_frequency is not None else []
+    removed = ["plate.first_frequency"] if scene.needed_plate.first_frequency is not None else []
     friction = {"corner.friction": 0} if corner.reaction != "none" else {}
     spring = sorted(corner.model_fields_set & {"penalty_scale", "damping_ratio"}, reverse=True)
     removed += [f"corner.{key}" for key in spring] + (["damping"] if scene.damping else [])
@@ -60,21 +59,19 @@ def soft_changes(plan: Plan) -> dict[str, Any]:
 
 def modulus(plan: Plan) -> float:
     """Young's modulus [Pa] that gives a fine mesh the first frequency."""
-    plate = needed_plate(plan.scene)
+    plate = plan.scene.needed_plate
     changes = {
         "first_frequency": frequency(plan.scene),
         "youngs_modulus": None,
         "element": "quad9",
         "elements": mesh(plan.scene, 4),
     }
-    found = resolved_plate(plan, plate.model_copy(update=changes)).youngs_modulus
-    assert found is not None
-    return found
+    return resolved_plate(plan.scene, plate.model_copy(update=changes)).modulus
 
 
 def frequency(scene: Scene) -> float:
     """First frequency of the soft plate [Hz]: the scene's own where it gives one."""
-    own = needed_plate(scene).first_frequency
+    own = scene.needed_plate.first_frequency
     return FREQUENCY if own is None else own
 
 

@@ -2,6 +2,7 @@
 
 import click
 
+from tailslap.analysis import later
 from tailslap.options import Whole
 from tailslap.studies.study import Study
 
@@ -16,7 +17,7 @@ TURNS = click.Option(
 STUDY = Study(
     name="features",
     summary="Time that each part of the scene costs; a part left out must cost nothing.",
-    compute="tailslap.studies.features.costs:study_costs",
-    report="tailslap.studies.features.report:costs_report",
+    compute=later("tailslap.studies.features.costs:study_costs"),
+    report=later("tailslap.studies.features.report:costs_report"),
     options=(TURNS,),
 )

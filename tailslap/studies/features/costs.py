@@ -16,15 +16,7 @@ from tailslap.studies import with_elements
 from tailslap.studies.features.loops import Loop, bare_loop, difference, program_loop, rows_of_history
 from tailslap.studies.features.parts import AGAIN, BARE, PLAIN, Part, fe_plan_of, parts_of, refusal, with_wall
 from tailslap.studies.features.proof import Proof, prove
-from tailslap.studies.features.timing import (
-    Floats,
-    Ratio,
-    Spread,
-    ratio,
-    seconds,
-    spread,
-    take_turns,
-)
+from tailslap.studies.features.timing import Floats, Ratio, Spread, ratio, seconds, spread, take_turns
 from tailslap.studies.study import Call
 
 SETUP_TURNS = 5

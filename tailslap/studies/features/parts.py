@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tailslap.errors import InputError
-from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.scene.schema import Scene, Wall
 from tailslap.scene.vary import Changes, varied
@@ -38,7 +38,7 @@ def plain_scene(scene: Scene) -> Scene:
         "corner": {"reaction": "none", "penalty_scale": scene.corner.penalty_scale},
         "time.threads": 1,
         **dict.fromkeys(("material", "damping", "wall")),
-        **({"plate.element": "quad4"} if needed_plate(scene).element == "quad4-reduced" else {}),
+        **({"plate.element": "quad4"} if scene.needed_plate.element == "quad4-reduced" else {}),
     }
     return varied(scene, changes)
 
@@ -100,5 +100,5 @@ def refusal(part: Part) -> str:
 
 def _loop_tables(scene: Scene) -> tuple[Any, ...]:
     """What the time loop of a scene depends on."""
-    plate = needed_plate(scene)
+    plate = scene.needed_plate
     return scene.corner, plate.element, scene.material, scene.damping, scene.time.threads

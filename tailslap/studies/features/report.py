@@ -7,10 +7,10 @@ from typing import Any
 
 from postprocess.figures.features_plots import draw_ratios
 from postprocess.report.numbers import duration
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
 from tailslap.studies.features.costs import FEWEST_ROWS, ROWS, SETUP_TURNS, Costs
 from tailslap.studies.features.proof import COSTS, FREE, SAME, UNSETTLED, Proof
 from tailslap.studies.features.timing import CONFIDENCE, SEED, Ratio
@@ -48,11 +48,11 @@ def costs_report(found: Costs) -> Report:
     """Page, summary, table of parts, times of each turn."""
     said, name = headline(found), found.plan.scene.name
     note = "Medians, with the 95 % interval of the ratio. Time loop: of the whole run, its steps included."
-    page = Page(
-        kicker=KICKER,
-        title=name,
-        headline=said,
-        sections=(
+    page = study_page(
+        found.plan,
+        KICKER,
+        said,
+        (
             Section(
                 "What each part adds to a step", figures=(draw_ratios(found.ratios | found.proof.ratios),)
             ),
@@ -61,9 +61,8 @@ def costs_report(found: Costs) -> Report:
             Section("Beside the loop", tables=(pairs(_beside(found)),), layout="half"),
             Section("What was measured, and how", sentences=sentences(found)),
         ),
-        footer=footer(FILES),
-        scene_text=found.plan.source.text,
-        passed=found.proof.passed,
+        FILES,
+        found.proof.passed,
     )
     parts = Table(COLUMNS[:-1], found.costs, f"{name}: what each part of the time loop costs")
     terminal = (parts, conclusion(found.proof), f"Cost:   {found.turns} turns, {found.seconds:.0f} s")

@@ -2,8 +2,8 @@
 
 import click
 
-from tailslap.analysis import CORNER, WHOLE_IMPACT
-from tailslap.options import Whole
+from tailslap.analysis import CORNER, WHOLE_IMPACT, later
+from tailslap.options import WORKERS, Whole
 from tailslap.studies.study import Study
 
 POINTS = click.Option(
@@ -19,13 +19,12 @@ LOWEST = click.Option(
 HIGHEST = click.Option(
     ["--highest"], default="1 kHz", show_default=True, metavar="FREQUENCY", help="The stiffest plate."
 )
-WORKERS = click.Option(["--workers"], type=Whole(1, 256), help="Processes  [default: one a core]")
 
 STUDY = Study(
     name="flexibility",
     summary="Rigid to soft plates: how far the five quantities, reaction and stored energy are from the rigid values.",
-    compute="tailslap.studies.flexibility.campaign:study_flexibility",
-    report="tailslap.studies.flexibility.report:flexibility_report",
+    compute=later("tailslap.studies.flexibility.campaign:study_flexibility"),
+    report=later("tailslap.studies.flexibility.report:flexibility_report"),
     analyses=(CORNER, WHOLE_IMPACT),
     options=(POINTS, LOWEST, HIGHEST, WORKERS),
 )

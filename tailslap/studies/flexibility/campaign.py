@@ -7,20 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from postprocess.comparison.comparison import KEYS
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import Plan
-from tailslap.planning.rigid import COMPARED, stage_two_numbers
+from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.vary import Changes
-from tailslap.studies.flexibility.levels import (
-    Level,
-    PowerLaw,
-    Sample,
-    jointly,
-    lowest_frequency,
-    power_law,
-)
+from tailslap.studies.flexibility.levels import Level, PowerLaw, Sample, jointly, lowest_frequency, power_law
 from tailslap.studies.flexibility.measure import measure
 from tailslap.studies.flexibility.points import MEASURED, Point, make_point
 from tailslap.studies.flexibility.sweep import (
@@ -44,7 +38,7 @@ LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
 LEVELS = (1e-3, 1e-2, 5e-2, 1e-1)
 """Differences for which the lowest first frequency is sought."""
 
-OTHERS = (*(name for name in COMPARED if name != "v_gy"), "reaction")
+OTHERS = (*(name for name in KEYS if name != "v_gy"), "reaction")
 """Quantities beside v_GY whose levels are sought, of the first start."""
 
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from postprocess.comparison.comparison import QUANTITIES
+from postprocess.comparison.comparison import KEYS, QUANTITIES
 from postprocess.figures.flexibility_plots import DOTS, RINGS, SweepAxis, SweepLine, draw_sweep
 from postprocess.figures.svg.chart import Chart
-from tailslap.planning.rigid import COMPARED
 from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.sweep import STARTS
 
@@ -28,7 +27,7 @@ MARKED = {"starts": LEVELS, "difference": LEVELS, "modal": LEVELS[:2]}
 
 def figures(found: FlexibilityResults) -> tuple[Chart, ...]:
     """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
-    shown = {"difference": COMPARED, "reaction": ("reaction",), "stored": ("stored",)}
+    shown = {"difference": KEYS, "reaction": ("reaction",), "stored": ("stored",)}
     sizes = (_draw(found, name, [_size(found, each) for each in shown[name]]) for name in shown)
     return (_starts(found), *sizes, _draw(found, "modal", _modal(found)))
 

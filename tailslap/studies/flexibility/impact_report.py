@@ -8,11 +8,11 @@ from typing import Any
 from postprocess.figures.flexibility_plots import SweepAxis, SweepLine, draw_sweep
 from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import known
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.impact.rigid_text import rigid_numbers
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
 from tailslap.studies.flexibility.impacts import IMPACT_LEVELS, NAMES, ImpactFlexibility
 from tailslap.studies.flexibility.levels import hertz
 
@@ -26,18 +26,12 @@ WORDS = {
     for k, which in ((1, "first"), (2, "second"))
     for name, word in (("impulse", "impulse"), ("peak_force", "peak"), ("duration", "duration"))
 }
-PLAIN = {name: name.replace(".", "_") for name in NAMES}
 GOOD = (
     Column("what", "off by at most"),
     *columns({f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(IMPACT_LEVELS)}, form=str),
 )
 POINTS = [
-    Column(
-        f"difference.{PLAIN[name]}",
-        WORDS[name],
-        form=SIZE,
-        below=Column(f"error.{PLAIN[name]}", "", form=SIZE),
-    )
+    Column(f"difference.{name}", WORDS[name], form=SIZE, below=Column(f"error.{name}", "", form=SIZE))
     for name in NAMES
 ]
 READING = (
@@ -52,37 +46,22 @@ def impact_flexibility_report(found: ImpactFlexibility) -> Report:
     rows = [{"what": WORDS[name], "levels": found.levels[name]} for name in NAMES]
     good = Table(GOOD, rows, "The rigid vehicle is good down to a first frequency of")
     marks = {i: "failed" for i, point in enumerate(found.points) if not point.passed}
-    all_points = Table(
-        (F1, *POINTS, Column("why", "checks failed")), _rows(found), "Every plate", marks=marks
-    )
-    page = Page(
-        kicker="Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",
-        title=found.plan.scene.name,
-        headline=headline(found),
-        sections=(
+    numbers = [point.row for point in found.points]
+    all_points = Table((F1, *POINTS, Column("failed", "checks failed")), numbers, "Every plate", marks=marks)
+    page = study_page(
+        found.plan,
+        "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",
+        headline(found),
+        (
             Section("Both strikes", "", (_figure(found),), (good,), (said(found), READING)),
             Section("Every plate", tables=(all_points,)),
         ),
-        footer=footer("points.csv, every plate with its numbers in SI; summary.json"),
-        scene_text=found.plan.source.text,
-        passed=found.passed,
+        "points.csv, every plate with its numbers in SI; summary.json",
+        found.passed,
     )
     cost = f"Cost:   {len(found.points)} plates in {found.seconds:.0f} s"
-    tables = {"points.csv": listed([point.row for point in found.points])}
+    tables = {"points.csv": listed(numbers)}
     return Report(page, summary(found), (page.headline, good, said(found), cost), tables)
-
-
-def _rows(found: ImpactFlexibility) -> list[dict[str, Any]]:
-    """The points, their numbers by names without a dot, which a column would take for a record's."""
-    return [
-        {
-            "frequency": point.frequency,
-            "why": point.why,
-            "difference": {PLAIN[name]: point.difference[name] for name in NAMES},
-            "error": {PLAIN[name]: point.error[name] for name in NAMES},
-        }
-        for point in found.points
-    ]
 
 
 def headline(found: ImpactFlexibility) -> str:
@@ -111,10 +90,7 @@ def summary(found: ImpactFlexibility) -> dict[str, Any]:
         "own_frequency": found.own_frequency,
         "patch_length": found.patch,
         "levels": found.levels,
-        "points": [
-            {name: value if value == value else None for name, value in point.row.items()}
-            for point in found.points
-        ],
+        "points": [point.row for point in found.points],
         "cost": {"seconds": found.seconds},
     }
 

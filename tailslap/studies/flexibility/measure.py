@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.comparison.comparison import relative_difference
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import Outcome, run_scene
 from tailslap.studies.flexibility.sweep import STARTS, Section
+from tailslap.verification.check import failed_names
 
 Record = dict[str, Any]
 
@@ -131,13 +131,5 @@ def modal_opinion(base: Source, changes: Changes) -> Record:
         return {"refused": str(error)}
     except Exception as error:  # as above
         return {"refused": f"broke: {type(error).__name__}: {error}"}
-    failed = [check.name for check in found.checks if not check.passed]
+    failed = list(failed_names(found.checks))
     return {"values": found.values, "estimate": found.estimate.total, "failed": failed}
-
-
-def farthest(values: dict[str, float], others: dict[str, float]) -> float:
-    """Largest relative difference of the five quantities; NaN where one is missing."""
-    if not (values and others):
-        return math.nan
-    sizes = [abs(value) for value in relative_difference(values, others).values()]
-    return max(sizes) if all(map(math.isfinite, sizes)) else math.nan

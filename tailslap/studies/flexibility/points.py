@@ -6,16 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from postprocess.comparison.comparison import relative_difference
+from postprocess.comparison.comparison import KEYS, largest_relative, relative_difference
 from postprocess.comparison.grid_convergence import SAFETY_FACTOR, grid_convergence
-from tailslap.planning.rigid import COMPARED
-from tailslap.studies.flexibility.measure import KEPT, Record, farthest
+from tailslap.studies.flexibility.measure import KEPT, Record
 from tailslap.studies.flexibility.sweep import STARTS
 
 MAX_ORDER = 2.0
 """Order of convergence of linear elements and central differences."""
 
-MEASURED = (*COMPARED, "reaction", "stored")
+MEASURED = (*KEYS, "reaction", "stored")
 
 
 @dataclass(frozen=True)
@@ -126,11 +125,11 @@ class Point:
             "youngs_modulus": self.youngs_modulus,
             "passed": self.passed,
             "why": self.why,
-            **{f"difference_{name}": self.difference[name] for name in COMPARED},
+            **{f"difference_{name}": self.difference[name] for name in KEYS},
             "reaction_deviation": self.reaction,
             "stored_share": self.stored,
             **{f"error_{name}": self.errors[name] for name in MEASURED},
-            **{f"modal_{name}": self.modal[name] for name in COMPARED},
+            **{f"modal_{name}": self.modal[name] for name in KEYS},
             "modal_estimate": self.modal_estimate,
             "modal_apart": self.modal_apart,
             "modal_why": self.modal_why,
@@ -154,14 +153,14 @@ def make_point(frequency: float, record: Record, rigid: dict[str, float]) -> Poi
         difference=_differences(fine, rigid),
         reaction=fine.get("reaction", math.nan),
         stored=fine.get("stored", math.nan),
-        errors=_errors(meshes),
+        errors={name: mesh_error(meshes, name) for name in MEASURED},
         passed=_passed(fine),
         why=_why(fine),
         damping=fine.get("damping", 0.0),
         deflection_ratio=fine.get("deflection_ratio", math.nan),
         modal=_differences(modal, rigid),
         modal_estimate=modal.get("estimate", math.nan),
-        modal_apart=farthest(modal_values, fine.get("values", {})),
+        modal_apart=largest_relative(modal_values, fine.get("values", {})),
         modal_why=_why(modal),
         thickness=_thickness(record),
         half_patch=_half_patch(record, rigid),
@@ -185,7 +184,7 @@ def _start(runs: list[Record], rigid: dict[str, float]) -> Start:
 
 def _differences(run: Record, rigid: dict[str, float]) -> dict[str, float]:
     values = run.get("values", {})
-    return relative_difference(values, rigid) if values else dict.fromkeys(COMPARED, math.nan)
+    return relative_difference(values, rigid) if values else dict.fromkeys(KEYS, math.nan)
 
 
 def _passed(run: Record) -> bool:
@@ -194,10 +193,6 @@ def _passed(run: Record) -> bool:
 
 def _why(run: Record) -> str:
     return str(run.get("refused", ", ".join(run.get("failed", []))))
-
-
-def _errors(meshes: list[Record]) -> dict[str, float]:
-    return {name: mesh_error(meshes, name) for name in MEASURED}
 
 
 def mesh_error(meshes: list[Record], name: str) -> float:
@@ -210,7 +205,7 @@ def mesh_error(meshes: list[Record], name: str) -> float:
         return math.nan
     coarse, medium, fine = values
     index = convergence_index(fine, medium, coarse)
-    return float(index * (1.0 if name in COMPARED else abs(fine)) + meshes[-1]["unseen"])
+    return float(index * (1.0 if name in KEYS else abs(fine)) + meshes[-1]["unseen"])
 
 
 def convergence_index(fine: float, medium: float, coarse: float) -> float:
@@ -222,7 +217,7 @@ def convergence_index(fine: float, medium: float, coarse: float) -> float:
 
 
 def _value(mesh: Record, name: str) -> float:
-    values = mesh.get("values", {}) if name in COMPARED else mesh
+    values = mesh.get("values", {}) if name in KEYS else mesh
     return float(values.get(name, math.nan))
 
 
@@ -230,7 +225,9 @@ def _thickness(record: Record) -> Thickness | None:
     found = record.get("thickness", {})
     if "thickness" not in found:
         return None
-    return Thickness(found["thickness"], farthest(found["values"], record["starts"][STARTS[0]][1]["values"]))
+    return Thickness(
+        found["thickness"], largest_relative(found["values"], record["starts"][STARTS[0]][1]["values"])
+    )
 
 
 def _half_patch(record: Record, rigid: dict[str, float]) -> float:

@@ -6,11 +6,11 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from postprocess.report.numbers import known
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.planning.rigid import stage_two_numbers
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
 from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.diagrams import START_NAMES, SYMBOLS, figures
 from tailslap.studies.flexibility.levels import hertz
@@ -82,20 +82,19 @@ def flexibility_report(found: FlexibilityResults | ImpactFlexibility) -> Report:
         Table((F1, *columns(PLATES, form=SIZE)), found.points, "The plates"),
     ]
     modal = Table((F1, Column("modal_why", "checks failed"), *columns(MODAL, form=SIZE)), found.points)
-    page = Page(
-        kicker="Flexibility: how soft the vehicle may be for the rigid-body method to hold",
-        title=found.sweep.plan.scene.name,
-        headline=headline(found),
-        sections=(
+    page = study_page(
+        found.sweep.plan,
+        "Flexibility: how soft the vehicle may be for the rigid-body method to hold",
+        headline(found),
+        (
             Section("Three starts", "", (three,), (v_gy,), (said, *READING)),
             Section("With inertia relief", "", (five,), (Table((*GOOD, *LAWS), laws),)),
             Section("Reaction and stored energy", "", (reaction, stored)),
             Section("Modal model against finite elements", "", (modes,), (modal,)),
             Section("Every plate", tables=tables),
         ),
-        footer=footer("points.csv, every plate with its numbers in SI; summary.json"),
-        scene_text=found.sweep.plan.source.text,
-        passed=found.passed,
+        "points.csv, every plate with its numbers in SI; summary.json",
+        found.passed,
     )
     cost = f"Cost:   {len(found.points)} plates in {found.seconds:.0f} s"
     points = {"points.csv": listed([point.row for point in found.points])}

@@ -13,7 +13,7 @@ from fem.start.start_kinds import START_KINDS
 from tailslap.errors import InputError
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.fe_model import MIN_STEPS, plate_density
-from tailslap.planning.fe_plan import FePlan, make_fe_plan, needed_plate
+from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
@@ -95,8 +95,7 @@ def define(plan: Plan, sweep: tuple[float, ...]) -> tuple[Sweep, FePlan]:
     """The sweep, and the scene's own finite-element plan. Raises InputError for keys that make no model."""
     fe_plan = make_fe_plan(plan)
     plate, meshes = fe_plan.plate, three_meshes(fe_plan.plan.scene)
-    assert plate.youngs_modulus is not None
-    own = Section(plate.thickness, plate_density(plan, plate), plate.youngs_modulus)
+    own = Section(plate.thickness, plate_density(plan.scene, plate), plate.modulus)
     corner = corner_support(plan.scene, meshes[0])
     return Sweep(plan, sweep, meshes, plate.element, corner, fe_plan.first_frequency, own), fe_plan
 
@@ -106,9 +105,7 @@ def three_meshes(scene: Scene) -> tuple[tuple[int, int], ...]:
 
     scene: one whose elements are decided.
     """
-    counts = needed_plate(scene).elements
-    assert counts is not None
-    along, across = counts
+    along, across = scene.needed_plate.counts
     patch, length = scene.corner.patch_length, scene.vehicle.length
     halves = along % 2 == 0 and across % 2 == 0 and along // 2 >= MIN_HALVED[0]
     halves = halves and across // 2 >= MIN_HALVED[1] and (patch is None or patch * (along // 2) >= length)
@@ -151,9 +148,7 @@ def _rows(sweep: Sweep, frequency: float) -> int:
 
 def expected_seconds(sweep: Sweep, fe_plan: FePlan, frequency: float, elements: tuple[int, int]) -> float:
     """Time that the loop is expected to take, from the scene's own steps."""
-    own = fe_plan.plate.elements
-    assert own is not None
-    finer = elements[0] / own[0]
+    finer = elements[0] / fe_plan.plate.counts[0]
     steps = max(MIN_STEPS, fe_plan.expected_steps * finer * frequency / sweep.own_frequency)
     return loop_seconds(fe_plan.plate.element, elements, steps)
 

@@ -5,8 +5,8 @@ With --random it draws scenes with all axes and choices at once, and compares ea
 
 import click
 
-from tailslap.analysis import CORNER, WHOLE_IMPACT
-from tailslap.options import Real, Whole
+from tailslap.analysis import CORNER, WHOLE_IMPACT, later
+from tailslap.options import WORKERS, Real, Whole
 from tailslap.studies.study import Study
 
 POINTS = click.Option(
@@ -25,13 +25,12 @@ RANDOM = click.Option(
 SEED = click.Option(
     ["--seed"], type=Whole(0), default=1, show_default=True, help="With --random: which draws."
 )
-WORKERS = click.Option(["--workers"], type=Whole(1, 256), help="Processes  [default: one a core]")
 
 STUDY = Study(
     name="stability",
     summary="Map of stiff and extreme cases: right, flexible, refused, caught, or wrong; exit 1 if a cell is wrong.",
-    compute="tailslap.studies.stability.campaign:run_campaign",
-    report="tailslap.studies.stability.report:stability_report",
+    compute=later("tailslap.studies.stability.campaign:run_campaign"),
+    report=later("tailslap.studies.stability.report:stability_report"),
     options=(POINTS, TOLERANCE, RANDOM, SEED, WORKERS),
     analyses=(CORNER, WHOLE_IMPACT),
     folder=lambda options: "random" if options["count"] else "stability",

@@ -8,15 +8,8 @@ from collections.abc import Mapping
 from postprocess.comparison.comparison import largest
 from tailslap.scene_run import Outcome
 from tailslap.studies.stability.reference import Reference, find_reference
-from tailslap.studies.stability.verdict import (
-    CAUGHT,
-    REFUSED,
-    RIGHT,
-    WRONG,
-    Verdict,
-    distance,
-    failed_checks,
-)
+from tailslap.studies.stability.verdict import CAUGHT, REFUSED, RIGHT, WRONG, Verdict, distance
+from tailslap.verification.check import failed_names
 from tailslap.verification.checks import reaction_checks
 
 REACTION_ONLY, GOOD, UNJUDGED = "reaction only", "good but failed", "unjudged"
@@ -42,7 +35,7 @@ GOOD_TO = (5e-4, 0.1)
 def against_reference(outcome: Outcome) -> Verdict:
     """The verdict; without a strike there is nothing to compare."""
     reference = find_reference(outcome.fe_plan.asked.source, outcome.fe_plan.plate) if outcome.fe else None
-    return grade(outcome.difference, failed_checks(outcome), reference)
+    return grade(outcome.difference, failed_names(outcome.checks), reference)
 
 
 def grade(difference: Mapping[str, float], failed: tuple[str, ...], reference: Reference | None) -> Verdict:

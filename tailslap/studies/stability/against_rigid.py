@@ -17,15 +17,16 @@ from tailslap.scene_run import Outcome, run_scene
 from tailslap.studies.stability.reference import FLUTTER_DAMPING, quadratic_and_exact
 from tailslap.studies.stability.verdict import (
     CAUGHT,
+    FLEXIBLE,
     REFUSED,
     RIGHT,
     WRONG,
     Verdict,
+    by_refinement,
     distance,
-    failed_checks,
 )
+from tailslap.verification.check import failed_names
 
-FLEXIBLE = "flexible"
 KINDS = {
     RIGHT: "as the rigid motion",
     FLEXIBLE: "not rigid, confirmed by refinement",
@@ -46,7 +47,7 @@ def against_rigid(outcome: Outcome, tolerance: float) -> Verdict:
     """The verdict; tolerance: difference from the rigid motion up to which the cell is right."""
     found = largest(outcome.difference)
     if not outcome.passed:
-        return Verdict(CAUGHT, ", ".join(failed_checks(outcome)), difference=found)
+        return Verdict(CAUGHT, ", ".join(failed_names(outcome.checks)), difference=found)
     if found <= tolerance:
         return Verdict(RIGHT, difference=found)
     return _confirmed(outcome, found, tolerance)
@@ -65,11 +66,8 @@ def _confirmed(outcome: Outcome, found: float, tolerance: float) -> Verdict:
         if refined is None:
             continue
         its, moved = largest(refined), distance(outcome.difference, refined)
-        allowed, seconds = tolerance + SURVIVES * its, time.perf_counter() - began
-        right = moved <= allowed
-        kind, reason = (FLEXIBLE, name) if right else (WRONG, f"{name} changes it by {moved:.1e}")
-        verdict = Verdict(kind, "", reason, moved, allowed, found, its, reference_seconds=seconds)
-        if right:
+        verdict = by_refinement(name, moved, tolerance + SURVIVES * its, found, its, began)
+        if verdict.kind == FLEXIBLE:
             break
     return verdict
 
@@ -80,7 +78,9 @@ def _refined_difference(plan: Plan, changes: Changes) -> Mapping[str, float] | N
         refined = run_scene(make_plan(*vary(plan.source, changes)))
     except InputError:
         return None
-    usable = math.isfinite(largest(refined.difference)) and set(failed_checks(refined)) <= BESIDE_THE_POINT
+    usable = (
+        math.isfinite(largest(refined.difference)) and set(failed_names(refined.checks)) <= BESIDE_THE_POINT
+    )
     return refined.difference if usable else None
 
 

@@ -40,28 +40,55 @@ class Cell:
         return changed_tables(self.base.given, self.changes)[0]
 
 
-def stability_axes(scene: Scene, points: int) -> tuple[Axis, ...]:
-    """The axes that mean something for this scene, each with this many values."""
+def of_key(name: str, key: str, values: tuple[float, ...], meaning: str = "") -> Axis:
+    """The axis of a key of the scene."""
+    return Axis(name, meaning or key, values, lambda scene, value: {key: value})
 
-    def ratios(low: float, high: float, count: int = points) -> tuple[float, ...]:
-        return tuple(np.geomspace(low, high, count).tolist())
 
-    def even(low: float, high: float) -> tuple[float, ...]:
-        return tuple(np.linspace(low, high, points).tolist())
+def ratios(low: float, high: float, count: int) -> tuple[float, ...]:
+    """Values in equal ratios."""
+    return tuple(np.geomspace(low, high, count).tolist())
 
+
+def even(low: float, high: float, count: int) -> tuple[float, ...]:
+    """Values at equal distances."""
+    return tuple(np.linspace(low, high, count).tolist())
+
+
+def stability_axes(scene: Scene, n: int) -> tuple[Axis, ...]:
+    """The axes that mean something for this scene, each with n values."""
     axes = [
-        Axis("stiffness", "E over the scene's", ratios(1e-4, 1e4), change_stiffness),
-        Axis("penalty", "corner.penalty_scale", ratios(1e-3, 1e4), _penalty),
-        Axis("friction", "corner.friction", even(0.0, 2.0), _friction),
-        Axis("speed", "speeds over the scene's", ratios(1e-2, 1e1), change_speed),
-        Axis("angle", "angle [deg]", ratios(1.0, 80.0), change_angle),
-        Axis("slenderness", "width over length", ratios(0.01, 1.0), change_slenderness),
-        Axis("time step", "time.safety_factor", even(0.5, 1.2), change_time_step),
-        Axis("damping", "damping.ratio", (0.0, *ratios(3e-3, 1.0, points - 1)), _damping),
+        Axis("stiffness", "E over the scene's", ratios(1e-4, 1e4, n), _stiffness),
+        of_key("penalty", "corner.penalty_scale", ratios(1e-3, 1e4, n)),
+        of_key("friction", "corner.friction", even(0.0, 2.0, n)),
+        Axis("speed", "speeds over the scene's", ratios(1e-2, 1e1, n), _speed),
+        Axis("angle", "angle [deg]", ratios(1.0, 80.0, n), _angle),
+        Axis("slenderness", "width over length", ratios(0.01, 1.0, n), _slenderness),
+        of_key("time step", "time.safety_factor", even(0.5, 1.2, n)),
+        Axis("damping", "damping.ratio", (0.0, *ratios(3e-3, 1.0, n - 1)), _damping),
     ]
     absent = {"friction"} if scene.corner.frictionless else set()
     absent |= {"penalty"} if scene.corner.constraint == "exact" else set()
     return tuple(axis for axis in axes if axis.name not in absent)
+
+
+def impact_axes(scene: Scene, n: int) -> tuple[Axis, ...]:
+    """The same for a scene with [contact]."""
+    contact = scene.needed_contact
+    crush = (
+        of_key("contact stiffness", "contact.stiffness", ratios(1e4, 1e9, n), "contact.stiffness [N/m]"),
+        of_key("restitution", "contact.restitution", even(0.0, 1.0, n)),
+    )
+    penalty = of_key("penalty", "contact.penalty_scale", ratios(1e-2, 1e3, n))
+    return (
+        *(crush if contact.crushes else () if contact.enforcement == "exact" else (penalty,)),
+        of_key("friction", "contact.friction", even(0.0, 2.0, n)),
+        Axis("angle", "angle [deg]", ratios(1.0, 85.0, n), _angle),
+        Axis("speed", "speed over the scene's", ratios(0.1, 3.0, n), _speed),
+        Axis("modulus", "E over the scene's", ratios(1e-4, 1e2, n), _stiffness),
+        of_key("time step", "time.safety_factor", even(0.5, 1.2, n)),
+        Axis("slenderness", "width over length", ratios(0.05, 1.0, n), _slenderness),
+    )
 
 
 def map_cells(scene: Scene, axes: tuple[Axis, ...]) -> list[Cell]:
@@ -91,25 +118,15 @@ def base_source(scene: Scene) -> Source:
     return vary(Source.of(scene), {"wall": None})[1]
 
 
-def change_stiffness(scene: Scene, factor: float) -> Changes:
+def _stiffness(scene: Scene, factor: float) -> Changes:
     """Young's modulus, or what the first frequency makes it, over the scene's."""
-    plate = scene.plate
-    assert plate is not None
+    plate = scene.needed_plate
     if plate.first_frequency is not None:
         return {"plate.first_frequency": plate.first_frequency * math.sqrt(factor)}
-    assert plate.youngs_modulus is not None
-    return {"plate.youngs_modulus": plate.youngs_modulus * factor}
+    return {"plate.youngs_modulus": plate.modulus * factor}
 
 
-def _penalty(scene: Scene, value: float) -> Changes:
-    return {"corner.penalty_scale": value}
-
-
-def _friction(scene: Scene, value: float) -> Changes:
-    return {"corner.friction": value}
-
-
-def change_speed(scene: Scene, factor: float) -> Changes:
+def _speed(scene: Scene, factor: float) -> Changes:
     """All speeds of the start over the scene's."""
     start, changes = scene.start, {}
     if scene.impact:
@@ -121,21 +138,16 @@ def change_speed(scene: Scene, factor: float) -> Changes:
     return changes
 
 
-def change_angle(scene: Scene, degrees: float) -> Changes:
+def _angle(scene: Scene, degrees: float) -> Changes:
     """The angle at the start [deg]."""
     angles = {"impact.angle": scene.impact, "start.angle": scene.start}
     given = [key for key, table in angles.items() if table and table.angle is not None]
     return dict.fromkeys(given, math.radians(degrees))
 
 
-def change_slenderness(scene: Scene, ratio: float) -> Changes:
+def _slenderness(scene: Scene, ratio: float) -> Changes:
     """Width over length."""
     return {"vehicle.width": ratio * scene.vehicle.length}
-
-
-def change_time_step(scene: Scene, factor: float) -> Changes:
-    """Share of the stable time step."""
-    return {"time.safety_factor": factor}
 
 
 def _damping(scene: Scene, ratio: float) -> Changes:

@@ -13,9 +13,16 @@ from tailslap.errors import InputError
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.studies.stability import against_reference, against_rigid
-from tailslap.studies.stability.axes import Axis, Cell, base_source, cell_key, map_cells, stability_axes
+from tailslap.studies.stability.axes import (
+    Axis,
+    Cell,
+    base_source,
+    cell_key,
+    impact_axes,
+    map_cells,
+    stability_axes,
+)
 from tailslap.studies.stability.draw import random_cells
-from tailslap.studies.stability.impact_axes import impact_axes
 from tailslap.studies.stability.verdict import CAUGHT, CORNERS, REFUSED, WRONG, Verdict, verdict_on
 from tailslap.studies.study import Call
 

@@ -140,12 +140,10 @@ def _plate(scene: Scene, dice: _Dice, number: int, length: float, width: float) 
 
 def _stiffness(scene: Scene, dice: _Dice, length: float, width: float) -> Changes:
     """A modulus from 1e-4 to 1e4 times the scene's, for a third of the cells by the frequency that it gives a beam."""
-    plate, factor = scene.plate, dice.ratio(1e-4, 1e4)
-    assert plate is not None
+    plate, factor = scene.needed_plate, dice.ratio(1e-4, 1e4)
     if plate.first_frequency is not None:
         return {"plate.first_frequency": plate.first_frequency * math.sqrt(factor)}
-    assert plate.youngs_modulus is not None
-    modulus = plate.youngs_modulus * factor
+    modulus = plate.modulus * factor
     if not dice.happens(1.0 / 3.0):
         return {"plate.youngs_modulus": modulus}
     return {

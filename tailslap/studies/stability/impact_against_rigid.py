@@ -5,25 +5,26 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from tailslap.errors import InputError
-from tailslap.impact.checks import MESH_CHECKS, impact_checks
+from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.outcome import ImpactOutcome, differences
 from tailslap.impact.plan import make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary
-from tailslap.studies.stability.against_rigid import FLEXIBLE
 from tailslap.studies.stability.verdict import (
     CAUGHT,
     RIGHT,
     WRONG,
     Calculation,
     Verdict,
-    failed_checks,
+    by_refinement,
     model_name,
 )
+from tailslap.verification.check import failed_names
 
 JUDGED = ("impulse", "peak_force")
 """What is judged of each of the first two strikes."""
@@ -36,7 +37,7 @@ def impact_against_rigid(outcome: ImpactOutcome, tolerance: float) -> Verdict:
     """The verdict; tolerance: difference in impulse and peak up to which the cell is right."""
     found = _largest(outcome.difference)
     if not outcome.passed:
-        return Verdict(CAUGHT, ", ".join(failed_checks(outcome)), difference=found)
+        return Verdict(CAUGHT, ", ".join(failed_names(outcome.checks)), difference=found)
     if found <= tolerance and _all_compared(outcome):
         return Verdict(RIGHT, difference=found)
     return _confirmed(outcome, found, tolerance)
@@ -49,10 +50,8 @@ def _confirmed(outcome: ImpactOutcome, found: float, tolerance: float) -> Verdic
     if refined is None:
         return Verdict(WRONG, reason="no refined model came to a result", difference=found)
     its, moved = _largest(refined.difference), _distance(outcome, refined)
-    right, name = moved <= allowed, model_name(refined)
-    kind, reason = (FLEXIBLE, name) if right else (WRONG, f"{name} changes it by {moved:.1e}")
-    seconds = time.perf_counter() - began
-    return Verdict(kind, "", reason, moved, allowed, found, its, 0.0, "", name, reference_seconds=seconds)
+    verdict = by_refinement(model_name(refined), moved, allowed, found, its, began)
+    return replace(verdict, reference_model=model_name(refined))
 
 
 def _refined(outcome: ImpactOutcome) -> ImpactOutcome | None:
@@ -64,8 +63,7 @@ def _refined(outcome: ImpactOutcome) -> ImpactOutcome | None:
             refined = plain_run(make_fe_plan_timed(changed))
         except InputError:
             continue
-        failed = {check.name for check in impact_checks(refined) if not check.passed}
-        if failed <= set(MESH_CHECKS):
+        if not failed_but_mesh(refined):
             return refined
     return None
 

@@ -16,7 +16,8 @@ from tailslap.planning.plan import Plan, make_plan
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import MORE_DAMPING, Outcome, attempt, rings
-from tailslap.studies.stability.verdict import failed_checks, model_name
+from tailslap.studies.stability.verdict import model_name
+from tailslap.verification.check import failed_names
 
 FINER, MAX_ELEMENTS = 1.5, 600
 """Times as fine as the cell's mesh, both ways, and elements of which a reference has no more."""
@@ -101,7 +102,7 @@ def trustworthy(outcome: Outcome) -> bool:
     """Whether the result can be taken for the truth about the plate."""
     found, error = largest(outcome.difference), outcome.error
     swayed = error.damping + error.ringing > SWAYED[0] + SWAYED[1] * found
-    return math.isfinite(found) and DEMANDED.isdisjoint(failed_checks(outcome)) and not swayed
+    return math.isfinite(found) and DEMANDED.isdisjoint(failed_names(outcome.checks)) and not swayed
 
 
 def _without_ringing(plan: Plan) -> Outcome:

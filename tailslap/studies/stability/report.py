@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import asdict
 from itertools import combinations
@@ -10,14 +9,15 @@ from typing import Any
 
 from postprocess.figures.map_plots import MapAxis, draw_map, draw_meanings
 from postprocess.figures.svg.chart import Chart
-from postprocess.report.page import Page, Section
+from postprocess.report.numbers import known
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, text_table
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
+from tailslap.scene.written import scene_file
 from tailslap.studies.stability.against_reference import GOOD, WRONG_FROM
 from tailslap.studies.stability.axes import Axis
 from tailslap.studies.stability.campaign import Campaign
-from tailslap.studies.stability.toml_text import toml_text
 from tailslap.studies.stability.verdict import CAUGHT, RIGHT, WRONG
 from tailslap.verification.checks import advice
 
@@ -33,39 +33,35 @@ AXES = (
 )
 
 
-def _small(value: float) -> str:
-    return "–" if math.isnan(value) else f"{value:.1e}"
-
-
+SMALL = known(".1e")
 LISTED = (
     Column("cell", "Cell"),
     Column("kind", "Verdict"),
     Column("why", "Failed checks, or why"),
-    Column("distance", "Distance", form=_small),
-    Column("allowed", "Allowed", form=_small),
-    Column("error", "Own estimate", form=_small),
-    Column("reference", "Flexibility", form=_small),
+    Column("distance", "Distance", form=SMALL),
+    Column("allowed", "Allowed", form=SMALL),
+    Column("error", "Own estimate", form=SMALL),
+    Column("reference", "Flexibility", form=SMALL),
 )
 
 
 def stability_report(found: Campaign) -> Report:
     """Page, summary, table of cells, and random cells that matter as scene files."""
     said, name = headline(found), found.plan.scene.name
-    page = Page(
-        kicker=MAP if found.axes else RANDOM,
-        title=name,
-        headline=said,
-        sections=(
-            Section("Verdicts", tables=_filled(_verdicts(found), Table(AXES, found.axes, "Axes"))),
+    page = study_page(
+        found.plan,
+        MAP if found.axes else RANDOM,
+        said,
+        (
+            Section("Verdicts", tables=(_verdicts(found), Table(AXES, found.axes, "Axes"))),
             Section("A picture per pair of axes", figures=_maps(found), layout="narrow"),
-            Section("Why", tables=_filled(*_causes(found), _listed(found, LISTED, *found.listed))),
+            Section("Why", tables=(*_causes(found), _listed(found, LISTED, *found.listed))),
         ),
-        footer=footer(FILES),
-        scene_text=found.plan.source.text,
-        passed=not found.counts[WRONG],
+        FILES,
+        not found.counts[WRONG],
     )
     title = f"{name}: {len(found.cells)} cells in {found.seconds:.0f} s"
-    shown = _filled(_verdicts(found, title), _listed(found, LISTED[:5], WRONG, GOOD))
+    shown = (_verdicts(found, title), _listed(found, LISTED[:5], WRONG, GOOD))
     tables, texts = {"cells.csv": cells_table(found)}, scene_files(found)
     return Report(page, summary(found), (*shown, said), tables, texts=texts)
 
@@ -120,7 +116,7 @@ def _scene_file(found: Campaign, key: str) -> str:
     )
     off = f"{its.distance:.1e} off, {its.allowed:.1e} allowed, own estimate {its.error:.1e}"
     title = f"Cell {key} from {found.plan.scene.name}, {settings}: {its.kind}; {off}; {its.why or 'no check failed'}"
-    return toml_text(found.cells[key].tables, title)
+    return scene_file(found.cells[key].tables, title)
 
 
 def _records(found: Campaign, *kinds: str) -> list[dict[str, Any]]:
@@ -129,10 +125,6 @@ def _records(found: Campaign, *kinds: str) -> list[dict[str, Any]]:
 
 def _listed(found: Campaign, columns: tuple[Column, ...], *kinds: str) -> Table:
     return Table(columns, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
-
-
-def _filled(*tables: Table) -> tuple[Table, ...]:
-    return tuple(table for table in tables if table.rows)
 
 
 def _verdicts(found: Campaign, title: str = "") -> Table:

@@ -13,7 +13,7 @@ from tailslap.planning.plan import make_plan
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import Outcome, run_scene
 
-RIGHT, REFUSED, CAUGHT, WRONG = "right", "refused", "caught", "wrong"
+RIGHT, FLEXIBLE, REFUSED, CAUGHT, WRONG = "right", "flexible", "refused", "caught", "wrong"
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,11 @@ def model_name(outcome: Any) -> str:
     return f"{plate.element} {plate.counts[0]} x {plate.counts[1]}"
 
 
-def failed_checks(outcome: Any) -> tuple[str, ...]:
-    """Names of the checks that failed."""
-    return tuple(check.name for check in outcome.checks if not check.passed)
+def by_refinement(name: str, moved: float, allowed: float, found: float, its: float, began: float) -> Verdict:
+    """The verdict by a refined model of this name, which moved the result by so much; began: when its run did [s]."""
+    seconds = time.perf_counter() - began
+    kind, reason = (FLEXIBLE, name) if moved <= allowed else (WRONG, f"{name} changes it by {moved:.1e}")
+    return Verdict(kind, "", reason, moved, allowed, found, its, reference_seconds=seconds)
 
 
 def distance(ours: Mapping[str, float], its: Mapping[str, float]) -> float:

@@ -2,7 +2,7 @@
 
 import click
 
-from tailslap.analysis import WHOLE_IMPACT
+from tailslap.analysis import WHOLE_IMPACT, later
 from tailslap.options import Whole
 from tailslap.studies.study import Study
 from tailslap.studies.uncertainty import FIXED, RANGES
@@ -18,8 +18,8 @@ SAMPLES = click.Option(
 STUDY = Study(
     name="strike",
     summary="Peaks, impulses and durations of both strikes: against each input, as bands, beside Tables 4 and 5.",
-    compute="tailslap.studies.strike.campaign:study_strike",
-    report="tailslap.studies.strike.report:strike_report",
+    compute=later("tailslap.studies.strike.campaign:study_strike"),
+    report=later("tailslap.studies.strike.report:strike_report"),
     options=(SAMPLES, RANGES, FIXED),
     needs_plate=False,
     analyses=(WHOLE_IMPACT,),

@@ -59,6 +59,10 @@ class Bands:
         """Of a column."""
         return band_of(self.columns[name])
 
+    def sources_of(self, name: str) -> list[VariedInput]:
+        """Where the variance of a column comes from, the most first; nothing where it has none."""
+        return sorted(self.sources.get(name, ()), key=lambda item: -item.total)
+
     @property
     def single(self) -> int:
         """How many of the distribution's impacts have no second strike."""

@@ -48,8 +48,6 @@ def demand_corners(plan: ImpactPlan) -> None:
 def scene_values(plan: ImpactPlan) -> dict[str, float]:
     """The scene's own number of each key of `ARGUMENTS`."""
     scene, vehicle = plan.scene, plan.vehicle
-    assert scene.contact is not None
-    assert scene.impact is not None
     own = {key: getattr(getattr(scene, key.split(".")[0]), key.split(".")[1]) for key in ARGUMENTS}
     own["contact.restitution"] = own["contact.restitution"] or 0.0
     return own | {"vehicle.centre_of_mass": vehicle.front_distance}

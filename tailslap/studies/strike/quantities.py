@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.signals.peaks import force_curves
+
 Array = NDArray[np.float64]
 
 STRIKES = (1, 2)
@@ -45,13 +47,7 @@ COLUMNS = tuple(column(strike, quantity.name) for strike in STRIKES for quantity
 
 def filtered(force: Array, interval: float) -> dict[str, Array]:
     """The force by the filters, shape (rows,) each."""
-    from postprocess.signals.filters import cfc_filter, moving_mean
-
-    touched = np.concatenate(([0.0], force))
-    return {
-        "mean_50ms": moving_mean(touched, interval, WINDOW)[1:],
-        "cfc60": cfc_filter(touched, interval, 60)[1:],
-    }
+    return force_curves(force, interval, ("mean_50ms", "cfc60"))
 
 
 def peaks_within(curves: dict[str, Array], interval: float, start: float, end: float) -> dict[str, float]:

@@ -8,9 +8,9 @@ from typing import Any
 
 from postprocess.figures.uncertainty_plots import draw_sensitivity
 from postprocess.report.numbers import grouped, percent
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
 from tailslap.studies.strike.campaign import StrikeResults
 from tailslap.studies.strike.diagrams import band_figure, curve_figures, plate_figures
 from tailslap.studies.strike.plates import PlatePoint
@@ -28,7 +28,7 @@ from tailslap.studies.strike.tables import (
 from tailslap.studies.uncertainty.sampling import SEED
 from tailslap.studies.uncertainty.spread import PERCENTILES
 
-MAIN = "strike_2.mean_50ms"
+MAIN, TABLES_4_AND_5 = "strike_2.mean_50ms", "Beside Tables 4 and 5 of the paper"
 FILES = "summary.json, these numbers in SI; samples.csv, the impacts of the bands; curves.csv, those of the curves"
 PLATES = (
     "FE runs, soft to rigid, the corner's crush spread over a tenth of the length so that meshes converge; contacts of "
@@ -39,13 +39,12 @@ PLATES = (
 
 def strike_report(found: StrikeResults) -> Report:
     """Page, summary, impacts, and what the terminal says."""
-    page = Page(
-        kicker="Both strikes of the whole impact: against each input, as bands, and against the plate's flexibility",
-        title=found.plan.scene.name,
-        headline=headline(found),
-        sections=_sections(found),
-        footer=footer(FILES),
-        scene_text=found.plan.source.text,
+    page = study_page(
+        found.plan,
+        "Both strikes of the whole impact: against each input, as bands, and against the plate's flexibility",
+        headline(found),
+        _sections(found),
+        FILES,
     )
     samples = {**found.bands.inputs, **found.bands.columns}
     table = {"curves.csv": curves_table(found)}
@@ -53,35 +52,23 @@ def strike_report(found: StrikeResults) -> Report:
 
 
 def _sections(found: StrikeResults) -> list[Section]:
-    sensitivity = []
-    if MAIN in found.bands.sources:
-        inputs = sorted(found.bands.sources[MAIN], key=lambda item: -item.total)
-        sensitivity = [draw_sensitivity(inputs, "the second strike's 50 ms mean")]
+    inputs, bands = found.bands.sources_of(MAIN), bands_table(found.bands, found.own)
+    sensitivity = [draw_sensitivity(inputs, "the second strike's 50 ms mean")] if inputs else []
     return [
-        Section("Bands", figures=[band_figure(found)], tables=[bands_table(found.bands, found.own)]),
+        Section("Bands", figures=[band_figure(found)], tables=[bands]),
         Section("Inputs, and their shares of the variance", tables=[inputs_table(found.bands)]),
         Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
         Section("What was computed, and what it means", sentences=_sentences(found), layout="half"),
-        Section(
-            "Beside Tables 4 and 5 of the paper",
-            "" if found.rows else NOT_TL_4,
-            tables=[rows_table(found.rows)] if found.rows else [],
-        ),
+        Section(TABLES_4_AND_5, "" if found.rows else NOT_TL_4, tables=[rows_table(found.rows)]),
         Section("Each input alone", figures=curve_figures(found)),
         Section(
             "From 2 Hz to rigid",
             PLATES if found.plates else "",
             figures=plate_figures(found),
-            tables=[plates_table(found)] if found.plates else [],
-            sentences=[
-                f"{point.frequency:g} Hz: {', '.join(point.failed)}." for point in _failed(found.plates)
-            ],
+            tables=[plates_table(found)],
+            sentences=[f"{p.frequency:g} Hz: {', '.join(p.failed)}." for p in found.plates if p.failed],
         ),
     ]
-
-
-def _failed(points: tuple[PlatePoint, ...]) -> list[PlatePoint]:
-    return [point for point in points if point.failed]
 
 
 def headline(found: StrikeResults) -> str:
@@ -92,7 +79,7 @@ def headline(found: StrikeResults) -> str:
         f"The second strike's 50 ms mean is {found.own[MAIN] / 1e3:.0f} kN with the scene's own values; nine in ten "
         f"combinations lie between {low:.0f} and {high:.0f} kN."
     )
-    sources = sorted(found.bands.sources.get(MAIN, ()), key=lambda item: -item.total)
+    sources = found.bands.sources_of(MAIN)
     if sources:
         said += f" Most of the variance comes from {sources[0].key}, with an index of {sources[0].total:.2f}."
     return " ".join([said, *_of_rows(found.rows), *_of_plates(found.plates)])
@@ -148,25 +135,16 @@ def _sentences(found: StrikeResults) -> list[str]:
 
 def _terminal(found: StrikeResults) -> tuple[Any, ...]:
     name, seconds = found.plan.scene.name, found.seconds
-    parts: list[Any] = [
+    soft_to_rigid = "The plate from soft to rigid"
+    times = f"with curves {seconds['rigid']:.1f} s; plates {seconds['plates']:.1f} s"
+    return (
         bands_table(found.bands, found.own, f"{name}: both strikes"),
         short_inputs_table(found.bands),
-    ]
-    if found.rows:
-        parts.append(
-            rows_table(found.rows, "Beside Tables 4 and 5 (* projected); u_D is unknown", short=True)
-        )
-    if found.plates:
-        parts.append(
-            plates_table(
-                found,
-                "The plate from soft to rigid",
-                short=True,
-            )
-        )
-    times = f"with curves {seconds['rigid']:.1f} s; plates {seconds['plates']:.1f} s"
-    cost = f"Cost:   {found.bands.computed} impacts, {times}"
-    return (*parts, headline(found), cost)
+        rows_table(found.rows, "Beside Tables 4 and 5 (* projected); u_D is unknown", short=True),
+        plates_table(found, soft_to_rigid, short=True),
+        headline(found),
+        f"Cost:   {found.bands.computed} impacts, {times}",
+    )
 
 
 def summary(found: StrikeResults) -> dict[str, Any]:
@@ -200,20 +178,11 @@ def _band_numbers(found: StrikeResults, name: str) -> dict[str, Any]:
 
 
 def _row_numbers(row: RowBeside) -> dict[str, Any]:
-    names = (
-        "row",
-        "source",
-        "kind",
-        "measured",
-        "projected",
-        "known",
-        "simulated",
-        "error",
-        "u_num",
-        "u_input",
-    )
-    more = ("within", "u_d_needed", "verdict", "share_below")
-    return {name: getattr(row, name) for name in (*names, *more)} | {"u_d": None, "band": row.ends}
+    own = {name: value for name, value in vars(row).items() if name != "band"}
+    derived = {
+        name: getattr(row, name) for name in ("error", "within", "u_d_needed", "verdict", "share_below")
+    }
+    return {**own, **derived, "u_d": None, "band": row.ends}
 
 
 def _plate_numbers(point: PlatePoint) -> dict[str, Any]:

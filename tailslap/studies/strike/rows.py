@@ -67,6 +67,11 @@ class RowBeside:
     u_input: float
 
     @property
+    def label(self) -> str:
+        """Its letter, with a star where D is projected."""
+        return f"{self.row}*" if self.projected else self.row
+
+    @property
     def error(self) -> float:
         """E = S - D."""
         return self.simulated - self.measured
@@ -135,16 +140,5 @@ def _simulated(plan: ImpactPlan, bands: Bands, name: str) -> tuple[float, Band, 
 
 
 def _row(printed: ForceRow, kind: str, beside: tuple[float, Band, float]) -> RowBeside:
-    simulated, band, u_num = beside
-    return RowBeside(
-        printed.row,
-        printed.source,
-        kind,
-        printed.measured,
-        printed.projected,
-        KNOWN_WORDS.get(printed.row, ""),
-        simulated,
-        band,
-        u_num,
-        band.standard_deviation,
-    )
+    force = (printed.row, printed.source, kind, printed.measured, printed.projected)
+    return RowBeside(*force, KNOWN_WORDS.get(printed.row, ""), *beside, beside[1].standard_deviation)

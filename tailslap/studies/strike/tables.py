@@ -13,11 +13,6 @@ from tailslap.studies.strike.quantities import COLUMNS, QUANTITIES, STRIKES, col
 from tailslap.studies.strike.rows import LEVEL, RowBeside
 from tailslap.studies.uncertainty.spread import PERCENTILES
 
-
-def _kilo(value: float) -> str:
-    return f"{value / 1e3:.0f}"
-
-
 SHARE = known(".2f")
 BANDS = (
     Column("strike", "Strike"),
@@ -37,30 +32,25 @@ INPUTS = (
     Column("origin", "From"),
     Column("value", "Scene", form=str),
 )
-SOURCES = {
-    "strike_1.mean_50ms": ("Strike 1", "50 ms"),
-    "strike_1.impulse": ("Strike 1", "impulse"),
-    "strike_1.duration": ("Strike 1", "duration"),
-    "strike_2.mean_50ms": ("Strike 2", "50 ms"),
-    "strike_2.impulse": ("Strike 2", "impulse"),
-    "strike_2.duration": ("Strike 2", "duration"),
-}
+SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
+SOURCES = {column(k, name): (f"Strike {k}", label) for k in STRIKES for name, label in SHOWN.items()}
 """Quantities whose indices are shown."""
 
 ROW = (
-    Column("row", "Row"),
+    Column("label", "Row"),
     Column("kind", "By"),
-    Column("measured", "D", "kN", form=_kilo, style="strong"),
-    Column("simulated", "S", "kN", form=_kilo, style="strong"),
-    Column("ends.0", "5 %", "kN", form=_kilo, group="Band of S"),
-    Column("ends.2", "95 %", "kN", form=_kilo, group="Band of S"),
-    Column("error", "E", "kN", form=lambda value: f"{value / 1e3:+.0f}"),
+    Column("measured", "D", "N", form=".0f", style="strong"),
+    Column("simulated", "S", "N", form=".0f", style="strong"),
+    Column("ends.0", "5 %", "N", form=".0f", group="Band of S"),
+    Column("ends.2", "95 %", "N", form=".0f", group="Band of S"),
+    Column("error", "E", "N", form="+.0f"),
 )
 UNCERTAINTY = (
-    Column("u_num", "u_num", "kN", form=lambda value: f"{value / 1e3:.2g}"),
-    Column("u_input", "u_input", "kN", form=_kilo),
-    Column("verdict", "|E| against u_val"),
+    Column("share_below", "Below D", form=".2f"),
+    Column("u_num", "u_num", "N", form=".2g"),
+    Column("u_input", "u_input", "N", form=".0f"),
 )
+VERDICT = Column("verdict", "|E| against u_val")
 ROW_NOTES = (
     "D: measured, by crash test or finite elements, as Tables 4 and 5 of the paper have it; * projected by its "
     "authors, 1.33 times the 50 ms mean. S: the second strike of the rigid vehicle. E = S - D; as in ASME V&V 20, "
@@ -93,7 +83,7 @@ def bands_table(bands: Bands, own: Any, title: str = "") -> Table:
 def _band_row(bands: Bands, own: Any, strike: int, number: int) -> dict[str, Any]:
     quantity = QUANTITIES[number]
     name = column(strike, quantity.name)
-    sources = sorted(bands.sources.get(name, ()), key=lambda item: -item.total)
+    sources = bands.sources_of(name)
     return {
         "strike": strike,
         "quantity": quantity.label,
@@ -136,22 +126,8 @@ def _indexed(bands: Bands, shown: Any) -> list[dict[str, Any]]:
 
 def rows_table(rows: tuple[RowBeside, ...], title: str = "", short: bool = False) -> Table:
     """Rows a to f beside the bands."""
-    records = [_shown(row) for row in rows]
-    columns = (
-        (*ROW, UNCERTAINTY[-1]) if short else (*ROW, Column("share", "Below D", form=".2f"), *UNCERTAINTY)
-    )
-    return Table(columns, records, title, () if short else ROW_NOTES)
-
-
-def _shown(row: RowBeside) -> dict[str, Any]:
-    names = ("kind", "measured", "simulated", "ends", "error", "u_num", "u_input", "verdict")
-    known_words = f" ({row.known})" if row.known else ""
-    return {
-        "row": row.row + ("*" if row.projected else ""),
-        "source": row.source + known_words,
-        "share": row.share_below,
-        **{name: getattr(row, name) for name in names},
-    }
+    columns = (*ROW, *(() if short else UNCERTAINTY), VERDICT)
+    return Table(columns, rows, title, () if short else ROW_NOTES)
 
 
 def plates_table(found: StrikeResults, title: str = "", short: bool = False) -> Table:

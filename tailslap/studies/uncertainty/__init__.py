@@ -2,6 +2,7 @@
 
 import click
 
+from tailslap.analysis import later
 from tailslap.options import Whole
 from tailslap.studies.study import Study
 
@@ -25,8 +26,8 @@ FIXED = click.Option(
 STUDY = Study(
     name="uncertainty",
     summary="Spread of the peak force over ranges of the inputs, and its Sobol indices.",
-    compute="tailslap.studies.uncertainty.spread:study_spread",
-    report="tailslap.studies.uncertainty.report:spread_report",
+    compute=later("tailslap.studies.uncertainty.spread:study_spread"),
+    report=later("tailslap.studies.uncertainty.report:spread_report"),
     options=(SAMPLES, RANGES, FIXED),
     needs_plate=False,
 )

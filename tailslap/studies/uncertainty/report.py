@@ -6,10 +6,10 @@ from typing import Any
 
 from postprocess.figures.uncertainty_plots import draw_histogram, draw_sensitivity
 from postprocess.report.numbers import grouped
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from tailslap.report.footer import footer, study_summary
+from tailslap.report.footer import study_page, study_summary
 from tailslap.studies.uncertainty.indices import RESAMPLES
 from tailslap.studies.uncertainty.sampling import SEED
 from tailslap.studies.uncertainty.spread import PERCENTILES, Spread, VariedInput
@@ -20,19 +20,18 @@ def spread_report(found: Spread) -> Report:
     inputs = sorted(found.inputs, key=lambda item: -item.total)
     table = Table((*COLUMNS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
     said, name = headline(found, inputs), found.plan.scene.name
-    page = Page(
-        kicker="Uncertainty of the peak force of the tail-slap, by the rigid-body method",
-        title=name,
-        headline=said,
-        sections=(
+    page = study_page(
+        found.plan,
+        "Uncertainty of the peak force of the tail-slap, by the rigid-body method",
+        said,
+        (
             Section("Distribution", figures=(draw_histogram(*found.histogram),), layout="half"),
             Section("Sensitivity", figures=(draw_sensitivity(inputs),), layout="half"),
             Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
             Section("Peak force", tables=(pairs(_forces(found)),), layout="half"),
             Section("What was computed, and what it means", sentences=_sentences(found), layout="half"),
         ),
-        footer=footer("summary.json, these numbers in SI; samples.csv, the combinations of the distribution"),
-        scene_text=found.plan.source.text,
+        "summary.json, these numbers in SI; samples.csv, the combinations of the distribution",
     )
     short = Table((*COLUMNS[:2], *INDICES), inputs, title=f"{name}: Sobol indices of the peak force")
     cost = f"Cost:   {found.samples.combinations} combinations in {found.seconds:.2f} s"
