@@ -113,6 +113,7 @@ def look(folder: Path, out: Path, earlier: str | None, added: str) -> list[str]:
 
 def main() -> None:
     """Kill so many, and say what was wrong."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would have it ignored
     count, seed = (int(text) for text in (*sys.argv[1:], *("200", "1")[len(sys.argv) - 1 :]))
     dice, wrong, ends = random.Random(seed), [], Counter[str]()
     with tempfile.TemporaryDirectory() as name:
