@@ -5,6 +5,8 @@ Needs are counted from the source, for n nodes and p points an element. Addition
     _add_point      F 8 m - 4 | strain 13 | stress 7 | w S 3 | P = F S 12 | nodal forces 8 m    per point
     mapped elements J 8 m - 4 | det J 3 | its inverse 5 | F 12 | w det J 1 | P J^-T 12          per point, besides
                     reference positions less the first 2 m                                    per element
+    bilinear ones   F 20 | J 8 | strain to P 35 | det J, inverse, w det J, P J^-T 21 | forces 12 per point
+                    to and from their modes 12                                                per element
     subtract_first  2 m                                                                       per element
     balance         2 m                                                                       per element
     scatter         2 n                                                                       per element
@@ -79,7 +81,9 @@ def flops_per_update(stepper: Stepper) -> float:
     """Additions and multiplications an element and step; see above."""
     table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
     element = len(table.weights) * (16 * (nodes - 1) + 31) + 4 * (nodes - 1) + 2 * nodes
-    if table.mapping is not None:
+    if table.mapping is not None and len(table.mapping.gradients[0]) == 2:
+        element += len(table.weights) * (96 - 16 * (nodes - 1) - 31) + 2 * (nodes - 1) + 12
+    elif table.mapping is not None:
         element += len(table.weights) * (8 * (nodes - 1) + 29) + 2 * (nodes - 1)
     return element + 10 * _nodes_per_element(stepper)
 

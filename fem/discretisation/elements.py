@@ -29,8 +29,8 @@ class Mapping(NamedTuple):
     """How elements are mapped from the reference element: by their nodes.
 
     gradients: of the shape functions on the reference element, of all nodes but the first, (a, direction) in a row, a
-    tuple a point; weights: quadrature weight times thickness [m], one a point, in a tuple each. reference: reference
-    positions of the nodes [m], shape (2, nodes).
+    tuple a point; of bilinear elements the coordinates of the point, which give them. weights: quadrature weight times
+    thickness [m], a tuple with one a point. reference: reference positions of the nodes [m], shape (2, nodes).
     """
 
     gradients: tuple[tuple[float, ...], ...]
@@ -159,7 +159,11 @@ def _table(scalar: Any, thickness: float) -> ElementTable:
 
 
 def _mapping(scalar: Any, thickness: float) -> Mapping:
+    from skfem import ElementQuad1
+
     natural = np.array([scalar.elem.lbasis(scalar.X, a)[1] for a in range(1, scalar.Nbfun)])
+    if isinstance(scalar.elem, ElementQuad1):
+        natural = scalar.X[None]
     gradients = natural.transpose(2, 0, 1).reshape(len(scalar.W), -1)
     reference = np.ascontiguousarray(scalar.doflocs)
     return Mapping(tuple(map(tuple, gradients.tolist())), tuple((scalar.W * thickness).tolist()), reference)

@@ -14,7 +14,7 @@ from fem.compiled import compiled, inlined
 from fem.constitutive.stress import stress
 from fem.contact.constraints import Penalty
 from fem.discretisation.elements import ElementTable
-from fem.explicit.internal_force import at_slot, point_of
+from fem.explicit.point_force import at_slot, point_of
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
     balance,
