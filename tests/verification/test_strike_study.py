@@ -230,7 +230,9 @@ def test_page_files_and_terminal(found: StrikeResults, tmp_path: Path) -> None:
     report = strike_report(found)
     write_report(report, tmp_path)
     page = (tmp_path / "report.html").read_text()
-    assert page.count("<svg") == 5
+    drawn = {path.stem for path in tmp_path.glob("*.svg")}
+    assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
+    assert page.count("<svg") == len(drawn) == 3 + len(found.curves)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["own"] == pytest.approx(dict(found.own))
     assert {each["u_d"] for each in summary["rows"]} == {None}
