@@ -49,8 +49,8 @@ DURATIONS = (
 )
 RISK = (
     Column("name", "Measure"),
-    Column("value", "Value", form=".3g", style="strong"),
-    Column("unit", "Unit"),
+    Column("value", "Value", form=".3g", style="strong", unit_key="unit"),
+    Column("unit", "Unit", is_unit=True),
     Column("time", "At", "s", form=".3f"),
     Column("lacks", "What it lacks"),
 )

@@ -9,7 +9,6 @@ from fem.explicit.columns import COLUMNS
 from postprocess.comparison.comparison import PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
 from postprocess.figures.curves import draw_histories
 from postprocess.figures.panels import Panel
-from postprocess.report.numbers import number
 from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
@@ -64,8 +63,8 @@ GROUPS = {
 """Under which heading a check stands."""
 
 PAPER = (
-    Column("paper_analytical", "Paper, analytical", form=number, style="soft"),
-    Column("paper_abaqus", "Paper, ABAQUS", form=number, style="soft"),
+    Column("paper_analytical", "Paper, analytical", form=".5g", style="soft", unit_key="quantity.unit"),
+    Column("paper_abaqus", "Paper, ABAQUS", form=".5g", style="soft", unit_key="quantity.unit"),
 )
 METRICS = (
     Column("name", "History"),

@@ -170,6 +170,7 @@ def test_us_units_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert 600e3 < force < 700e3, "SI"
     assert f"{force / 4448.2216152605:.1f}" in out
     assert {"[kip]", "ft/s", "ft"} <= set(out.split())
+    assert f"{-3.289 / 0.3048:.5g}" in out.split(), "the paper's too"
     assert not {"[kN]", "m/s"} & set(out.split())
     assert "[ft/s]" in (place / "v_gx.svg").read_text()
     assert "[kip]" in (place / "reaction_normal.svg").read_text()

@@ -17,10 +17,12 @@ from postprocess.report.table import Column, Table
 from postprocess.report.units import SI, US
 from tailslap.command_line import _status
 from tailslap.errors import InputError
+from tailslap.impact.report import RISK
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import rigid_answer, rigid_lines
 from tailslap.scene.files import read_scene
 from tailslap.scene.us_units import shown
+from tailslap.studies.flexibility.report import STIFF
 
 pytestmark = pytest.mark.verification
 
@@ -161,6 +163,16 @@ def test_a_report_is_in_american_units_everywhere() -> None:
         assert text in figure.svg
     assert "kN" not in figure.svg
     assert in_units(Report(page, {}, ()), SI).page.headline == "2 m"
+
+
+def test_records_that_name_their_unit_are_in_american_units() -> None:
+    """Occupant risk, and the moduli of the study of flexibility."""
+    risk = Table(RISK, [{"name": "THIV", "value": 9.144, "unit": "m/s", "time": 0.1, "lacks": ""}]).in_units(
+        US
+    )
+    assert [column.text(risk.rows[0]) for column in risk.columns[1:3]] == ["30", "ft/s"]
+    stiff = Table(STIFF, [{"youngs_modulus": 200e9, "damping": 1.0}]).in_units(US)
+    assert (stiff.columns[0].heading, stiff.columns[0].text(stiff.rows[0])) == ("E [ksi]", "2.90e+04")
 
 
 def test_si_stays_the_default() -> None:

@@ -45,8 +45,9 @@ KEPT_BY = [
     for start in STARTS[:2]
     for name in KEPT
 ]
-PLATES = {"youngs_modulus": "E, Pa", "damping": "damping, 1/s", "deflection_ratio": "static deflection ratio"}
-PLATES |= {"half_change": "half the patch changes v_GY by", "thickness.apart": "thickness for E, apart"}
+PLATES = {"deflection_ratio": "static deflection ratio", "half_change": "half the patch changes v_GY by"}
+PLATES |= {"thickness.apart": "thickness for E, apart"}
+STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping", "damping", "1/s", form=SIZE))
 MODAL = {"modal.v_gy": "v_GY", "modal_apart": "largest of five from FE", "modal_estimate": "own estimate"}
 READING = (
     "Inertia relief begins in the elastic state of the rigid acceleration, with the rigid body's spin and corner speed "
@@ -79,7 +80,7 @@ def flexibility_report(found: FlexibilityResults | ImpactFlexibility) -> Report:
         ),
         Table((F1, *STARTED), found.points, "v_GY from each start"),
         Table((F1, *KEPT_BY), found.points, "What each start departs from at t = 0"),
-        Table((F1, *columns(PLATES, form=SIZE)), found.points, "The plates"),
+        Table((F1, *STIFF, *columns(PLATES, form=SIZE)), found.points, "The plates"),
     ]
     modal = Table((F1, Column("modal_why", "checks failed"), *columns(MODAL, form=SIZE)), found.points)
     page = study_page(
