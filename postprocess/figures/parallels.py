@@ -58,36 +58,32 @@ def draw_lines(
     """
     heights = np.array([scale.heights for scale in scales])
     shown = chosen[np.isfinite(heights[:, chosen]).all(axis=0)]
-    first, last = len(scales) - 1 - len(behind), np.arange(len(scales))
-    colours = np.array(Shades(0.0, 1.0).colours(heights[-1, shown]), dtype=object)
-    colours[failed[shown]] = "red"
-    marks: list[Mark] = []
+    lines = _lines(heights[:, shown], failed[shown])
     if behind:
+        before = np.arange(len(scales))[-1 - len(behind) : -1]
         below = np.array([scale.heights for scale in behind])[:, shown]
-        marks.append(_across("", last[first:-1], below, "rigid", 2.2))
-    marks += [
-        _across("", last, heights[:, shown[colours == one]], one, 0.9) for one in dict.fromkeys(colours)
-    ]
-    marks += [mark for place, scale in enumerate(scales) for mark in _scale_marks(place, scale)]
-    marks.append(_points(scales, shown))
+        lines.insert(0, _across(before, below, "rigid", 2.2))
+    axes = [mark for place, scale in enumerate(scales) for mark in _scale_marks(place, scale)]
     labels = [scale.label.replace(".", ".\n").replace(" [", "\n[") for scale in scales]
     x = Axis(low=-0.15, high=len(scales) - 0.4, named=tuple(enumerate(labels)))
-    plot = Plot(
-        tuple(marks),
-        Axis(low=-0.04, high=1.04, named=()),
-        330.0,
-        nearest="xy",
-        has_grid=False,
-        has_legend=False,
-    )
+    y = Axis(low=-0.04, high=1.04, named=())
+    marks = (*lines, *axes, _points(scales, shown))
+    plot = Plot(marks, y, 330.0, nearest="xy", has_grid=False, has_legend=False)
     return draw_chart("parallels", caption, (plot,), x, "All keys side by side", WIDTH)
 
 
-def _across(label: str, places: Values, heights: Values, colour: str, width: float) -> Line:
+def _lines(heights: Values, failed: Values) -> list[Mark]:
+    """The rows' lines, shape of heights (scales, rows)."""
+    colours = np.where(failed, "red", Shades(0.0, 1.0).colours(heights[-1]))
+    places = np.arange(len(heights))
+    return [_across(places, heights[:, colours == one], one, 0.9) for one in dict.fromkeys(colours.tolist())]
+
+
+def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
     """Lines through heights, shape (places, rows), one after the other."""
     gap = np.full((1, heights.shape[1]), np.nan)
     x = np.tile(np.append(places, np.nan), heights.shape[1])
-    return Line(label, x, np.concatenate([heights, gap]).T.ravel(), colour, width)
+    return Line("", x, np.concatenate([heights, gap]).T.ravel(), colour, width)
 
 
 def _scale_marks(place: int, scale: Scaled) -> list[Mark]:

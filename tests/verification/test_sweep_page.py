@@ -110,6 +110,22 @@ def test_maps_show_each_run() -> None:
     assert red.count("M") == 1
 
 
+def test_parallels_say_each_row_where_it_meets_a_scale() -> None:
+    """Three inputs, five results, the difference; the rigid solution behind, and a row that failed in red."""
+    some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
+    some.status[2] = "failed"
+    chart = draw_sweep(some)[-1]
+    values, at = (re.findall(f'data-{name}="([^"]*)"', chart.svg)[0].split(" ") for name in ("values", "at"))
+    assert values[:8] == ["1", "1", "2", "2", "p", "q", "p", "q"]
+    assert len(values) == len(at) == 4 * (3 + 5 + 1)
+    assert at[6] == "run\N{NO-BREAK SPACE}2,\N{NO-BREAK SPACE}c.z"
+    red, behind = (
+        re.findall(f'<g class="{c}"[^>]*><path d="([^"]*)"', chart.svg)[0] for c in ("red", "rigid")
+    )
+    assert (red.count("M"), red.count("L")) == (1, 8)
+    assert (behind.count("M"), behind.count("L")) == (4, 4 * 4)
+
+
 def test_heights_of_parallels() -> None:
     assert scaled("x", np.array([2.0, 3.0, 4.0]), False).heights.tolist() == [0.0, 0.5, 1.0]
     assert scaled("x", np.array([1.0, 10.0, 100.0]), True).heights == pytest.approx([0.0, 0.5, 1.0])

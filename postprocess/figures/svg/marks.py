@@ -135,17 +135,23 @@ class Boxes(Mark):
         is_small = bool((np.minimum(right - left, bottom - top) < SMALL).any())
         gap = 0.0 if is_small else 0.4
         edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
-        drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
-        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
         look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
-        shown = [
-            coloured(f'<path d="{"".join(compress(drawn, [c == one for c in colours]))}"{look}/>', one)
-            for one in dict.fromkeys(colours)
-        ]
+        shown = self._shown(
+            ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges], look
+        )
+        if not self.values:
+            return shown
         centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
-        unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres) if self.values else ""
-        name = named(self.label, self.values, self.at)
-        return "".join(shown) + (f'<path {name}d="{unseen}"/>' if unseen else "")
+        unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
+        return f'{shown}<path {named(self.label, self.values, self.at)}d="{unseen}"/>'
+
+    def _shown(self, drawn: list[str], look: str) -> str:
+        """The boxes of each colour as one path."""
+        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
+        paths = {
+            one: "".join(compress(drawn, [each == one for each in colours])) for one in dict.fromkeys(colours)
+        }
+        return "".join(coloured(f'<path d="{edge}"{look}/>', one) for one, edge in paths.items())
 
     def key(self) -> str:
         """A patch, if it has one colour."""
