@@ -17,7 +17,7 @@ from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
 from tailslap.comparing.compared import Comparison
-from tailslap.report.footer import footer
+from tailslap.report.common import footer
 
 
 def _hundredths(share: float) -> str:

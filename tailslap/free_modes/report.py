@@ -14,7 +14,7 @@ from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
 from tailslap.free_modes.plate_modes import PlateModes, drawn_shape
-from tailslap.report.footer import study_page
+from tailslap.report.common import study_page
 
 MAX_PICTURES = 24
 """Modes that are drawn: the lowest."""

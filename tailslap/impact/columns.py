@@ -9,7 +9,7 @@ from tailslap.impact.answers import END, ImpactAnswer, strike_numbers
 from tailslap.impact.outcome import COMPARED
 from tailslap.impact.plan import ImpactPlan
 from tailslap.impact.rigid_text import CURVES, rigid_impact
-from tailslap.report.footer import run_cost
+from tailslap.report.common import run_cost
 from tailslap.scene.schema import Scene
 from tailslap.verification.check import check_columns
 

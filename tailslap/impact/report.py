@@ -14,8 +14,8 @@ from tailslap.impact.figures import animation, contact_figures, energy_figure, f
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.rigid_text import CURVES
 from tailslap.impact.summary import impact_histories, impact_summary, wall_numbers
+from tailslap.report.common import footer, run_cost
 from tailslap.report.fields import keep_fields
-from tailslap.report.footer import footer, run_cost
 from tailslap.report.parts import (
     PEAKS,
     checks_section,

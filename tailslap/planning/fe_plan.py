@@ -47,8 +47,8 @@ class FePlan:
         Rigid state at the start of Stage 2.
     travel : float
         Way of the centre of mass towards the wall [m].
-    give : float
-        Deflection ratio [-]: static deflection under the reaction at the start over `travel`.
+    deflection_ratio : float
+        Static deflection under the reaction at the start over `travel` [-].
     other_deflection_ratio : float
         The same with richer elements or another mesh [-]; what it differs by is the discretisation error.
     """

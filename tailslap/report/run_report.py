@@ -14,8 +14,8 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from solver.strike import strike_force
 from tailslap.planning.rigid import rigid_answer
+from tailslap.report.common import footer
 from tailslap.report.fields import keep_fields
-from tailslap.report.footer import footer
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.report.parts import (
     PEAKS,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import KEYS
 from tailslap.planning.rigid import rigid_answer
-from tailslap.report.footer import run_cost, run_summary
+from tailslap.report.common import run_cost, run_summary
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.scene_run import Outcome
 from tailslap.verification.verdict import verdict_sentence

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import KEYS
-from tailslap.report.footer import run_cost
+from tailslap.report.common import run_cost
 from tailslap.verification.check import check_columns
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
 from postprocess.report.units import SYSTEMS, Units
 from tailslap.progress import clock
-from tailslap.report.footer import footer
+from tailslap.report.common import footer
 from tailslap.results.manifest import listed_file
 from tailslap.sweeps.complete import Sweep
 from tailslap.sweeps.definition import Definition

@@ -22,7 +22,7 @@ from tailslap.paper.report.kinematic_tables import (
     table_3_analytical,
 )
 from tailslap.paper.review import Review
-from tailslap.report.footer import footer
+from tailslap.report.common import footer
 
 CAPTIONS = {
     "theta": "Dynamic rotation angle θ",

@@ -10,7 +10,7 @@ from postprocess.report.numbers import duration, known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
-from tailslap.report.footer import study_page, study_summary
+from tailslap.report.common import study_page, study_summary
 from tailslap.studies.cost.campaign import ROUNDING
 from tailslap.studies.cost.diagrams import flexible_diagram, impact_diagram, rigid_diagram, soft_lines
 from tailslap.studies.cost.impacts import ImpactCost

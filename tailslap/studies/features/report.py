@@ -10,7 +10,7 @@ from postprocess.report.numbers import duration
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from tailslap.report.footer import study_page, study_summary
+from tailslap.report.common import study_page, study_summary
 from tailslap.studies.features.costs import FEWEST_ROWS, ROWS, SETUP_TURNS, Costs
 from tailslap.studies.features.proof import COSTS, FREE, SAME, UNSETTLED, Proof
 from tailslap.studies.features.timing import CONFIDENCE, SEED, Ratio

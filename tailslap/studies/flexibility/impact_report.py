@@ -12,7 +12,7 @@ from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.impact.rigid_text import rigid_numbers
-from tailslap.report.footer import study_page, study_summary
+from tailslap.report.common import study_page, study_summary
 from tailslap.studies.flexibility.impacts import IMPACT_LEVELS, NAMES, ImpactFlexibility
 from tailslap.studies.flexibility.levels import hertz
 

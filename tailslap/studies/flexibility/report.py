@@ -10,7 +10,7 @@ from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.planning.rigid import stage_two_numbers
-from tailslap.report.footer import study_page, study_summary
+from tailslap.report.common import study_page, study_summary
 from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.diagrams import START_NAMES, SYMBOLS, figures
 from tailslap.studies.flexibility.levels import hertz

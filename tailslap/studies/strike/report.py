@@ -10,7 +10,7 @@ from postprocess.figures.uncertainty_plots import draw_sensitivity
 from postprocess.report.numbers import grouped, percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
-from tailslap.report.footer import study_page, study_summary
+from tailslap.report.common import study_page, study_summary
 from tailslap.studies.strike.campaign import StrikeResults
 from tailslap.studies.strike.diagrams import band_figure, curve_figures, plate_figures
 from tailslap.studies.strike.plates import PlatePoint

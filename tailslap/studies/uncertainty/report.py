@@ -9,7 +9,7 @@ from postprocess.report.numbers import grouped
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from tailslap.report.footer import study_page, study_summary
+from tailslap.report.common import study_page, study_summary
 from tailslap.studies.uncertainty.indices import RESAMPLES
 from tailslap.studies.uncertainty.sampling import SEED
 from tailslap.studies.uncertainty.spread import PERCENTILES, Spread, VariedInput

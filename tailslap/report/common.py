@@ -1,4 +1,4 @@
-"""What stands on every page and in every summary of this program."""
+"""What pages and summaries of all commands have in common: version, scene, files, sizes and times."""
 
 from __future__ import annotations
 
