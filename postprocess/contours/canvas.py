@@ -62,6 +62,7 @@ class Canvas:
         image, writer = vtkWindowToImageFilter(), vtkPNGWriter()
         image.SetInput(self.window)
         image.ReadFrontBufferOff()
+        image.ShouldRerenderOff()
         writer.SetInputConnection(image.GetOutputPort())
         writer.SetFileName(str(path))
         writer.Write()
