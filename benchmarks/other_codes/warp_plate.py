@@ -34,35 +34,38 @@ class Material:
     c_33: wp.float64
 
 
-@wp.kernel
-def subtract_forces(
-    positions: wp.array(dtype=wp.vec2d),
-    quads: wp.array(dtype=wp.vec4i),
-    gradients: wp.array2d(dtype=Gradients),
-    weights: wp.array2d(dtype=wp.float64),
-    stride: int,
-    material: Material,
-    force: wp.array(dtype=wp.vec2d),
-):
-    """Subtract one element's internal forces [N]: P = F S, f = w P grad N; stride: 0 where elements share a table."""
-    q = quads[wp.tid()]
-    column = stride * wp.tid()
-    x = wp.matrix_from_cols(positions[q[0]], positions[q[1]], positions[q[2]], positions[q[3]])
-    total = wp.matrix(shape=(2, 4), dtype=wp.float64)
-    for point in range(4):
-        g = gradients[column, point]
-        f = x @ g
-        e = wp.float64(0.5) * (wp.transpose(f) @ f - wp.identity(n=2, dtype=wp.float64))
-        s_12 = wp.float64(2.0) * material.c_33 * e[0, 1]
-        s = wp.mat22d(
-            material.c_11 * e[0, 0] + material.c_12 * e[1, 1],
-            s_12,
-            s_12,
-            material.c_12 * e[0, 0] + material.c_11 * e[1, 1],
-        )
-        total += (weights[column, point] * (f @ s)) @ wp.transpose(g)
-    for a in range(4):
-        wp.atomic_sub(force, q[a], wp.vec2d(total[0, a], total[1, a]))
+def make_kernel(is_congruent: bool) -> Any:
+    """Subtract one element's internal forces [N]: P = F S, f = w P grad N; congruent elements share the first table."""
+
+    @wp.kernel
+    def subtract_forces(
+        positions: wp.array(dtype=wp.vec2d),
+        quads: wp.array(dtype=wp.vec4i),
+        gradients: wp.array2d(dtype=Gradients),
+        weights: wp.array2d(dtype=wp.float64),
+        material: Material,
+        force: wp.array(dtype=wp.vec2d),
+    ):
+        q = quads[wp.tid()]
+        x = wp.matrix_from_cols(positions[q[0]], positions[q[1]], positions[q[2]], positions[q[3]])
+        total = wp.matrix(shape=(2, 4), dtype=wp.float64)
+        column = wp.where(wp.static(is_congruent), 0, wp.tid())
+        for point in range(4):
+            g = gradients[column, point]
+            f = x @ g
+            e = wp.float64(0.5) * (wp.transpose(f) @ f - wp.identity(n=2, dtype=wp.float64))
+            s_12 = wp.float64(2.0) * material.c_33 * e[0, 1]
+            s = wp.mat22d(
+                material.c_11 * e[0, 0] + material.c_12 * e[1, 1],
+                s_12,
+                s_12,
+                material.c_12 * e[0, 0] + material.c_11 * e[1, 1],
+            )
+            total += (weights[column, point] * (f @ s)) @ wp.transpose(g)
+        for a in range(4):
+            wp.atomic_sub(force, q[a], wp.vec2d(total[0, a], total[1, a]))
+
+    return subtract_forces
 
 
 @wp.kernel
@@ -115,10 +118,10 @@ class WarpPlate:
         _, gradients, areas = points_of(plate.body()[distinct])
         tables = wp.array(gradients, dtype=Gradients), wp.array(plate.thickness * areas, dtype=wp.float64)
         shared, force = wp.array(quads.astype(np.int32), dtype=wp.vec4i), wp.zeros_like(self.positions)
-        pull = [self.positions, shared, *tables, int(bool(plate.mesh)), make_material(plate), force]
+        pull = [self.positions, shared, *tables, make_material(plate), force]
         mobility = wp.array(1.0 / masses, dtype=wp.float64)
         move = [self.positions, self.velocities, force, mobility, plate.corner, plate.time_step]
-        return [(subtract_forces, plate.count, pull), (drift, len(masses), move)]
+        return [(make_kernel(not plate.mesh), plate.count, pull), (drift, len(masses), move)]
 
     def advance(self, steps: int) -> None:
         """Make steps."""
