@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -35,7 +36,7 @@ def main() -> None:
     parser.add_argument(
         "--others", metavar="PYTHON", help="interpreter that has Akantu, Kratos, Warp, Exudyn"
     )
-    parser.add_argument("--turns", type=int, default=4, help="rounds in which everything is measured in turn")
+    parser.add_argument("--turns", type=int, default=3, help="rounds in which everything is measured in turn")
     parser.add_argument("--limit", type=float, default=45.0, help="longest loop of 7 680 elements [s]")
     parser.add_argument(
         "--large", action="store_true", help="also 122 880 elements, at most two minutes each"
@@ -43,12 +44,15 @@ def main() -> None:
     parser.add_argument("--small", action="store_true", help="no more than 480 elements")
     parser.add_argument("--table", type=Path, metavar="FILE", help="also write the table as Markdown")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="also draw it, as SVG")
-    compare(parser.parse_args())
+    given = parser.parse_args()
+    if given.others and not shutil.which(given.others):
+        parser.error(f"--others: there is no interpreter at {given.others}")
+    compare(given)
 
 
 def compare(given: argparse.Namespace) -> None:
     """Measure all, print the table, write the files."""
-    from comparison import entries, picture, table
+    from comparison import entries, machine, picture, table
 
     with tempfile.TemporaryDirectory() as folder:
         meshes = entries.make_meshes(given.large, Path(folder))
@@ -58,7 +62,7 @@ def compare(given: argparse.Namespace) -> None:
         for mesh in meshes:
             limit = LARGE_LIMIT_S if mesh.plate.count >= entries.LARGE else given.limit
             rows += entries.plate_entries(mesh, given.others, limit)
-        head = table.machine()
+        head = machine.description()
         entries.run_rounds(rows, given.turns)
     print(f"{head}\n\n{table.terminal_text(rows)}")
     if given.table:

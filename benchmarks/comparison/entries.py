@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import statistics
 import sys
 from collections.abc import Callable, Iterable
@@ -147,9 +148,9 @@ def _script(interpreter: str | None, script: str, plate: Plate, expected: float,
 
 
 def turns_of(entry: Entry, turns: int) -> int:
-    """Rounds in which an entry takes part: fewer on large meshes."""
+    """Rounds in which an entry takes part: half or a quarter of them on large meshes."""
     count = entry.mesh.plate.count if entry.mesh else 0
-    return turns if count <= SMALL else max(1, turns // (2 if count < LARGE else 4))
+    return turns if count <= SMALL else math.ceil(turns / (2 if count < LARGE else 4))
 
 
 def run_rounds(entries: Iterable[Entry], turns: int) -> None:
@@ -157,7 +158,7 @@ def run_rounds(entries: Iterable[Entry], turns: int) -> None:
     listed = list(entries)
     print("a round of the small meshes for what is compiled and cached", file=sys.stderr, flush=True)
     for entry in listed:
-        if turns_of(entry, 2) == 2:
+        if entry.mesh is None or entry.mesh.plate.count <= SMALL:
             entry.turn()
             entry.turns.clear()
     for number in range(turns):

@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
-import platform
-import shutil
 import statistics
-import subprocess
-import time
 from collections.abc import Sequence
-from pathlib import Path
 
 from comparison.entries import SAME_MODEL, Entry, apart
 
@@ -18,6 +12,7 @@ COLUMNS = (
     *("code", "error", "masses", "flexibility", "apart", "whole [s]", "least to greatest"),
     *("rest [s]", "set-up [s]", "loop [s]", "remark"),
 )
+VALUES = ("at the tail-slap", "t [s]", "v_GX [m/s]", "v_GY [m/s]", "omega [rad/s]", "slide [m]")
 LEGEND = """\
 error: largest relative difference of t, v_GX, v_GY, omega and slide from the exact rigid motion at the tail-slap
 masses: what of it the rotary inertia of row-sum masses makes: the difference of a rigid body that has it
@@ -26,11 +21,6 @@ the integration); in the error the two may cancel in part
 apart: largest relative distance from the other codes that run the same model: same mesh, time step, row-sum masses,
 exact corner, unstressed start
 whole: time of the process on the clock, median; rest: of that, start of the interpreter, imports, results, end"""
-NOT_INSTALLED = {
-    "CalculiX": ("ccx", "ccx_2.21"),
-    "OpenRadioss": ("starter_linux64_gf", "starter_linux64_gf_sp"),
-}
-"""Codes that would be compared if there were any of these commands."""
 
 
 def cells(entry: Entry, entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -92,6 +82,12 @@ def remarks(members: Sequence[Entry]) -> list[str]:
     return [text for text in (agreement(members), ratios(members)) if text]
 
 
+def values_rows(members: Sequence[Entry]) -> list[tuple[str, ...]]:
+    """The five quantities of each code that has them, below those of the exact rigid motion."""
+    named = [("exact", members[0].exact), *((entry.code, entry.values) for entry in members)]
+    return [(name, *(f"{value:.10g}" for value in values)) for name, values in named if values is not None]
+
+
 def terminal_text(entries: Sequence[Entry]) -> str:
     """The table in columns."""
     rows = [cells(entry, entries) for entry in entries]
@@ -101,7 +97,15 @@ def terminal_text(entries: Sequence[Entry]) -> str:
     for title, members in groups(entries):
         lines += ["", title, *(_padded(by_entry[id(entry)], widths) for entry in members)]
         lines += remarks(members)
-    return "\n".join([*lines, "", LEGEND])
+    return "\n".join([*lines, "", LEGEND, "", *_values_lines(entries)])
+
+
+def _values_lines(entries: Sequence[Entry]) -> list[str]:
+    widths = [max(len(entry.code) for entry in entries), *(5 * [14]), 0]
+    lines = [_padded((*VALUES, ""), widths)]
+    for title, members in groups(entries):
+        lines += ["", title, *(_padded((*row, ""), widths) for row in values_rows(members))]
+    return lines
 
 
 def _padded(row: Sequence[str], widths: Sequence[int]) -> str:
@@ -115,34 +119,10 @@ def markdown(entries: Sequence[Entry], head: str) -> str:
     parts = [head]
     for title, members in groups(entries):
         rows = [COLUMNS, ("---",) * len(COLUMNS), *(cells(entry, entries) for entry in members)]
-        table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-        parts += [f"**{title}**", table, *remarks(members)]
+        values = [VALUES, ("---",) * len(VALUES), *values_rows(members)]
+        parts += [f"**{title}**", _piped(rows), *remarks(members), _piped(values)]
     return "\n\n".join([*parts, LEGEND.replace("\n", "  \n")]) + "\n"
 
 
-def machine() -> str:
-    """Processor, versions, day."""
-    import numpy
-
-    import tailslap
-
-    found = dict(
-        line.split(":", 1)
-        for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].replace("\t", "").splitlines()
-        if ":" in line
-    )
-    family = ", ".join(f"{name} {found[name].strip()}" for name in ("cpu family", "model") if name in found)
-    model = found.get("model name", platform.processor()).strip()
-    root = Path(__file__).parents[2]
-    done = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=root, capture_output=True, text=True
-    )
-    missing = ", ".join(
-        f"{code}: {'found, but no input of it is here' if any(map(shutil.which, names)) else 'not installed'}"
-        for code, names in NOT_INSTALLED.items()
-    )
-    return (
-        f"{model} ({family}), {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {time.strftime('%Y-%m-%d')}; "
-        f"tailslap {tailslap.__version__} ({done.stdout.strip()}), Python {platform.python_version()}, "
-        f"NumPy {numpy.__version__}; one thread each. {missing}."
-    )
+def _piped(rows: Sequence[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)

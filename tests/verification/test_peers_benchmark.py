@@ -133,6 +133,15 @@ def test_the_table_says_what_was_not_measured_and_what_is_reckoned() -> None:
         assert "whole time of tailslap run, as the others over that of: Akantu 1.00, Kratos 0.01" in text
 
 
+def test_the_values_stand_below_the_exact_ones() -> None:
+    shown = rows()
+    first, *others = table.values_rows(shown)
+    assert first == ("exact", *(f"{value:.10g}" for value in shown[0].exact))
+    assert [row[0] for row in others] == [entries.ALIKE, "Akantu"]
+    assert " | ".join(others[1]) in table.markdown(shown, "head")
+    assert "  ".join(text.rjust(14) for text in others[1][1:]) in table.terminal_text(shown)
+
+
 def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_reckoned_times() -> None:
     plate = Plate(ELEMENTS, 1e-5, angle=entries.ANGLE)
     mesh = entries.Mesh(plate, 0.0, np.array(NONE), np.array(NONE))
