@@ -17,12 +17,11 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
 import sys
 import tempfile
 from pathlib import Path
 
-from plates import ONE_THREAD
+from plates import ONE_THREAD, interpreter_path
 
 LARGE_LIMIT_S = 120.0
 """Longest loop of the largest plate [s]."""
@@ -34,7 +33,10 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--others", metavar="PYTHON", help="interpreter that has Akantu, Kratos, Warp, Exudyn"
+        "--others",
+        metavar="PYTHON",
+        type=interpreter_path,
+        help="interpreter that has Akantu, Kratos, Warp, Exudyn",
     )
     parser.add_argument("--turns", type=int, default=3, help="rounds in which everything is measured in turn")
     parser.add_argument("--limit", type=float, default=45.0, help="longest loop of 7 680 elements [s]")
@@ -44,10 +46,7 @@ def main() -> None:
     parser.add_argument("--small", action="store_true", help="no more than 480 elements")
     parser.add_argument("--table", type=Path, metavar="FILE", help="also write the table as Markdown")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="also draw it, as SVG")
-    given = parser.parse_args()
-    if given.others and not shutil.which(given.others):
-        parser.error(f"--others: there is no interpreter at {given.others}")
-    compare(given)
+    compare(parser.parse_args())
 
 
 def compare(given: argparse.Namespace) -> None:

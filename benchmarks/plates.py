@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +21,14 @@ DISTORTION = 0.2
 ONE_THREAD = {
     f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "VECLIB_MAXIMUM")
 }
+
+
+def interpreter_path(given: str) -> str:
+    """An option's interpreter as an absolute path, links kept: one of a virtual environment is a link."""
+    found = shutil.which(given)
+    if found is None:
+        raise ArgumentTypeError(f"there is no interpreter at {given}")
+    return str(Path(found).absolute())
 
 
 def make_mesh(elements: tuple[int, int], distortion: float) -> meshio.Mesh:

@@ -23,7 +23,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from plates import DISTORTION, ONE_THREAD, make_model, same_plate
+from plates import DISTORTION, ONE_THREAD, interpreter_path, make_model, same_plate
 from speed_tables import (
     MINE,
     TWO_THREADS,
@@ -142,7 +142,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--others", metavar="PYTHON", help="interpreter that has Akantu, Kratos and Warp")
+    parser.add_argument(
+        "--others",
+        metavar="PYTHON",
+        type=interpreter_path,
+        help="interpreter that has Akantu, Kratos and Warp",
+    )
     parser.add_argument("--turns", type=int, default=5, help="times that everything is measured in turn")
     given = parser.parse_args()
     rates = machine()
