@@ -73,7 +73,8 @@ def ratios(entries: Sequence[Entry]) -> str:
     found = []
     for other in (entry for entry in rest if not entry.code.startswith("tailslap")):
         both = [a.whole / b.whole for a, b in zip(ours.turns, other.turns, strict=False)]
-        found += [f"{other.code} {statistics.median(both):.2f}"] if both else []
+        about = "about " if other.values is None else ""
+        found += [f"{other.code} {about}{statistics.median(both):.2g}"] if both else []
     return f"whole time of {ours.code} over that of: {', '.join(found)}" if found else ""
 
 
