@@ -20,6 +20,7 @@ from fem.explicit.measures import measure
 from fem.explicit.recording import advance_and_measure, all_forces
 from fem.explicit.snapshots import SnapshotKeeper, Snapshots
 from fem.explicit.time_loop import State, advance, copy_state
+from fem.machine_code.arguments import Prepared
 from fem.stability.deformed import deformed_frequency
 from fem.start.rigid_state import RigidStart
 from fem.start.start import start_fields
@@ -103,6 +104,7 @@ class Stepper:
         self._parts = (self.loop.viscosity, self.loop.hourglass)
         self._force = np.zeros_like(self._reference)
         self._scratch = scratch_for(self.loop.table, self.loop.hourglass)
+        self._workspace, self._prepared = Prepared(self._scratch), Prepared(self.loop)
         self._team = None
         if threads > 1:
             from fem.explicit.parallel import Team
@@ -119,7 +121,14 @@ class Stepper:
 
     @property
     def _all_parts(self) -> tuple[Any, ...]:
-        return self.loop, *self._parts, self._reference, self._force, self._scratch
+        return self._fixed, *self._parts, self._reference, self._force, self._workspace
+
+    @property
+    def _fixed(self) -> Prepared:
+        """The loop's parameters, laid out again where they have been replaced."""
+        if self._prepared.value is not self.loop:
+            self._prepared = Prepared(self.loop)
+        return self._prepared
 
     def start(self, start: RigidStart, kind: str) -> State:
         """State at t = 0, its velocities set back by half a step."""
@@ -138,7 +147,7 @@ class Stepper:
         """Put all forces into the workspace; returns the normal and the tangential reaction [N], and the power
         [W] of the elastic damping with the velocities half a step back."""
         forces: tuple[float, float, float] = all_forces(
-            state.positions, state.velocities, self.loop, *self._parts, self._force, self._scratch
+            state.positions, state.velocities, self._fixed, *self._parts, self._force, self._workspace
         )
         return forces
 
@@ -148,13 +157,13 @@ class Stepper:
         if self._team:
             self._team.advance(later, steps)
         else:
-            advance(later, steps, self.loop, *self._parts, self._force, self._scratch)
+            advance(later, steps, self._fixed, *self._parts, self._force, self._workspace)
         return later
 
     def measure(self, state: State) -> Measures:
         """The record of the state's instant."""
         measures: Measures = measure(
-            state, self.loop, *self._parts, self._reference, self._force, self._scratch
+            state, self._fixed, *self._parts, self._reference, self._force, self._workspace
         )
         return measures
 

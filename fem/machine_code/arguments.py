@@ -28,6 +28,14 @@ class UnknownTypeError(TypeError):
     """An argument of a type whose layout is not known here."""
 
 
+class Prepared:
+    """An argument laid out once for many calls; arrays in it must stay where they are."""
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+        self.kinds, self.values = flattened((value,))
+
+
 def flattened(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], list[Any]]:
     """The types of the arguments, by which machine code is found, and their values in a row.
 
@@ -50,6 +58,9 @@ def _add(value: Any, kinds: list[Any], values: list[Any]) -> None:
     elif value is None:
         kinds.append(None)
         values.append(None)
+    elif kind is Prepared:
+        kinds += value.kinds
+        values += value.values
     elif isinstance(value, tuple):
         kinds.append((kind, len(value)))
         for item in value:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fem.machine_code import folder
-from fem.machine_code.arguments import UnknownTypeError, codes_of, flattened, spelled
+from fem.machine_code.arguments import Prepared, UnknownTypeError, codes_of, flattened, spelled
 from fem.machine_code.pending import Function
 
 _FINDING = threading.RLock()
@@ -67,7 +67,8 @@ class Kernel(Function):
             if code is None:
                 from fem.machine_code.numba_code import compile_for
 
-                code = compile_for(self.dispatcher, arguments)
+                plain = (each.value if isinstance(each, Prepared) else each for each in arguments)
+                code = compile_for(self.dispatcher, tuple(plain))
                 if code.arguments != codes_of(kinds):
                     raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
                 write_code(path, code)

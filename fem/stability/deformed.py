@@ -11,6 +11,7 @@ import numpy as np
 from fem.discretisation.model import PlateModel
 from fem.explicit.impact_loop import ImpactLoop
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.machine_code.arguments import Prepared
 from fem.start.rigid_state import to_global
 
 TOLERANCE, BASIS = 1e-4, 12
@@ -43,11 +44,12 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
     hold = _springs(loop)
     size = STEP * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
-    scratch, still = scratch_for(loop.table, loop.hourglass), np.zeros(shape)
+    still, material = np.zeros(shape), loop.material
+    table, scratch = Prepared(loop.table), Prepared(scratch_for(loop.table, loop.hourglass))
 
     def forces(at: np.ndarray) -> np.ndarray:
         force = np.zeros(shape)
-        subtract_internal_forces(at, still, None, loop.hourglass, force, loop.table, loop.material, scratch)
+        subtract_internal_forces(at, still, None, loop.hourglass, force, table, material, scratch)
         return force
 
     def product(vector: np.ndarray) -> np.ndarray:
