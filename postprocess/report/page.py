@@ -9,11 +9,13 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from postprocess.figures.svg.chart import Chart
 from postprocess.figures.svg.scale import SUPERSCRIPTS
 from postprocess.report.table import Table
+
+if TYPE_CHECKING:
+    from postprocess.figures.svg.chart import Chart
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) ")
@@ -85,6 +87,8 @@ class Page:
     @property
     def charts(self) -> list[Chart]:
         """All charts."""
+        from postprocess.figures.svg.chart import Chart
+
         figures = (figure for section in self.sections for figure in section.figures)
         return [figure for figure in figures if isinstance(figure, Chart)]
 

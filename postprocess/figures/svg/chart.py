@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from html import escape
 from typing import Literal
-from xml.sax.saxutils import escape
 
 import numpy as np
 
-from postprocess.figures.svg.drawing import QUOTE, coloured, text_width, words
+from postprocess.figures.svg.drawing import coloured, text_width, words
 from postprocess.figures.svg.marks import Level, Mark, found_ranges
 from postprocess.figures.svg.scale import Scale, fitted, tick_texts
 from postprocess.report.units import Units
@@ -134,7 +134,7 @@ def draw_chart(
     height = frames[-1].y.start + _foot(x)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:.0f}" width="{width:g}" '
-        f'height="{height:.0f}" role="img" aria-label="{escape(caption, QUOTE)}" class="chart" '
+        f'height="{height:.0f}" role="img" aria-label="{escape(caption)}" class="chart" '
         f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
         '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
     )
@@ -206,7 +206,7 @@ def _drawn(frame: Frame) -> str:
     x, y, plot = frame.x, frame.y, frame.plot
     width, height = x.end - x.start, y.start - y.end
     box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
-    near = f' data-nearest="{plot.nearest}" data-y="{escape(plot.y.label, QUOTE)}"'
+    near = f' data-nearest="{plot.nearest}" data-y="{escape(plot.y.label)}"'
     kind = f' data-log="{int(x.is_log)}"'
     edges = (
         f'data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" data-x="{x.low:.7g} {x.high:.7g}"'

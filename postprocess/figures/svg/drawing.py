@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from html import escape
 from itertools import pairwise
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,6 @@ PALETTE = {
 }
 NOTHING: Range = (np.inf, -np.inf)
 SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
-QUOTE = {'"': "&quot;"}
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -58,13 +57,13 @@ def named(label: str, values: Sequence[Any] | Floats, at: Sequence[str] = ()) ->
     if not (label and len(values)):
         return ""
     place = f' data-at="{_listed(at)}"' if len(at) else ""
-    return f'data-label="{escape(label, QUOTE)}" data-values="{_listed(values)}"{place} '
+    return f'data-label="{escape(label)}" data-values="{_listed(values)}"{place} '
 
 
 def _listed(items: Iterable[Any]) -> str:
     """Numbers and words with spaces between, and none within."""
     texts = (item.replace(" ", NO_BREAK) if isinstance(item, str) else f"{item:.5g}" for item in items)
-    return escape(" ".join(texts), QUOTE)
+    return escape(" ".join(texts))
 
 
 def coloured(elements: str, colour: str) -> str:
@@ -78,7 +77,7 @@ def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12
     if not text:
         return ""
     small = f'\\1<tspan dy="0.25em" font-size="{0.75 * size:g}">\\2</tspan><tspan dy="-0.19em">\u200b</tspan>'
-    shown = SUBSCRIPT.sub(small, escape(text))
+    shown = SUBSCRIPT.sub(small, escape(text, quote=False))
     place = f'x="{x:.2f}" y="{y:.2f}"' + (f' text-anchor="{anchor}"' if anchor != "start" else "")
     return f'<text {place} font-size="{size:g}"{more}>{shown}</text>'
 
