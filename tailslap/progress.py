@@ -16,12 +16,15 @@ Write = Callable[[float, Callable[[], str]], None]
 """Takes how much is done, and what makes the label, which is called where they are shown."""
 
 DELAY, EVERY = 1.0, 0.1
-"""Seconds before anything is shown, and between two states of the line."""
+"""Seconds of silence before anything is shown, and between two states of the line."""
 
 LOGGED_EVERY, ASKED_EVERY = 30.0, 5.0
 """Seconds between lines of a count where standard error is no terminal; where lines were asked for."""
 
 MODE = "TAILSLAP_PROGRESS"
+
+_last_sign = time.monotonic()
+"""When something was seen last: at first, when the process had come as far as this."""
 
 
 @contextmanager
@@ -59,18 +62,28 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
 
 
 @contextmanager
-def announced(text: str, delay: float = DELAY) -> Iterator[None]:
-    """Say what is being done if it is not done after `delay` seconds."""
+def announced(text: str) -> Iterator[None]:
+    """Say what is being done, unless it is done before the terminal has been silent for so long."""
     if not sys.stderr.isatty() or _mode() == "none":
         yield
         return
-    timer = threading.Timer(delay, lambda: print(text, file=sys.stderr, flush=True))
+
+    def say() -> None:
+        print(text, file=sys.stderr, flush=True)
+        _seen()
+
+    timer = threading.Timer(max(0.0, _last_sign + DELAY - time.monotonic()), say)
     timer.daemon = True
     timer.start()
     try:
         yield
     finally:
         timer.cancel()
+
+
+def _seen() -> None:
+    global _last_sign
+    _last_sign = time.monotonic()
 
 
 def compiling(seconds: float, done: bool) -> None:
@@ -153,7 +166,7 @@ def _line(total: float) -> Iterator[Write]:
         redirect_stdout=False,
         redirect_stderr=False,
     )
-    task, due = bar.add_task("", total=total), time.monotonic() + DELAY
+    task, due = bar.add_task("", total=total), _last_sign + DELAY
 
     def write(done: float, label: Callable[[], str]) -> None:
         nonlocal due
@@ -162,6 +175,7 @@ def _line(total: float) -> Iterator[Write]:
             bar.start()
             console.show_cursor(True)  # a process that is killed would leave the terminal without
             bar.refresh()
+            _seen()
             due = time.monotonic() + EVERY
 
     try:

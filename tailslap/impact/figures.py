@@ -11,6 +11,7 @@ from postprocess.report.page import Picture
 from solver.impact import CORNERS
 from tailslap.impact.answers import ImpactAnswer, nearest_corner
 from tailslap.impact.outcome import ImpactOutcome
+from tailslap.progress import announced
 
 if TYPE_CHECKING:
     from postprocess.figures.impact.strikes import StrikeMark
@@ -123,8 +124,9 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
 
 def animation(outcome: ImpactOutcome, folder: Path) -> Picture:
     """The impact as a GIF."""
-    from postprocess.figures.impact.animation import write_animation
-
     h = outcome.run.history
-    path = write_animation(folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"])
+    with announced("Drawing the animation ..."):
+        from postprocess.figures.impact.animation import write_animation
+
+        path = write_animation(folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"])
     return Picture(path, "The impact, slowed down, and the lateral force")
