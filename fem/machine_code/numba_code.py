@@ -14,6 +14,7 @@ from fem.unseen import unseen
 with unseen("coverage", "cffi"):  # Numba loads them where it finds them, at length
     import numba
     import numba.core.typing.cffi_utils
+    from numba.core.registry import cpu_target
     from numba.extending import overload, register_jitable, typeof_impl
 
 NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
@@ -36,6 +37,11 @@ def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
     return ObjectCode(
         made.fndesc.llvm_func_name, codes, _result(made.fndesc.restype), made.library._get_compiled_object()
     )
+
+
+def offer_helpers() -> None:
+    """Tell LLVM where Numba's own functions are, as Numba does when it compiles."""
+    cpu_target.target_context.refresh()
 
 
 def replace_generic(generic: Callable[..., Any], choose: Callable[..., Any], inline: str) -> None:

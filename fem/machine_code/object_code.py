@@ -8,6 +8,7 @@ import hashlib
 import importlib.util
 import json
 import os
+import re
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,7 +28,10 @@ C_TYPES = {
 """By code."""
 
 UNUSED = ("unpickle", "do_raise", "gil_ensure", "gil_release", "runtime_build_excinfo_struct")
-"""Functions of Numba that only its wrappers for Python and its errors call; the wrappers are in the code too."""
+"""Functions of Numba that only its errors call, with a Python object at hand; here nobody asks for that."""
+
+HELPER = re.compile(rb"\bnumba_(\w+)")
+"""Names of Numba's own functions in object code: without their addresses LLVM would end the process."""
 
 Call = Callable[[list[Any]], Any]
 """Calls machine code with the values of its arguments in a row."""
@@ -47,7 +51,7 @@ class ObjectCode(NamedTuple):
 
 
 class KernelError(RuntimeError):
-    """A kernel has ended with an error: as good as always that there is no memory for its workspace."""
+    """A kernel has ended with an error, as a law from outside may raise one."""
 
 
 def write_code(path: Path, found: ObjectCode) -> None:
@@ -92,6 +96,10 @@ def machine() -> str:
 def load_code(found: ObjectCode) -> Call:
     """Put the code into memory; what calls it raises KernelError if it ends with one."""
     llvm, engine = _llvm(), _engine()
+    if {name.decode() for name in HELPER.findall(found.code)} - set(UNUSED):
+        importlib.import_module(
+            "fem.machine_code.numba_code"
+        ).offer_helpers()  # a law calls what only Numba has
     engine.add_object_file(llvm.ObjectFileRef.from_data(found.code))
     engine.finalize_object()
     kinds: list[Any] = [C_TYPES[code] for code in 2 * ADDRESS + found.arguments]

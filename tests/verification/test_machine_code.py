@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from fem.compiled import compiled
 from fem.machine_code import folder
 from fem.machine_code.arguments import UnknownTypeError, flattened
 from fem.machine_code.kernel import Kernel
+from fem.machine_code.object_code import read_code
 
 pytestmark = pytest.mark.verification
 
@@ -92,9 +94,10 @@ def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel: Kernel) -> None:
     kept = path.read_bytes()
     for corrupted in (kept[:-100], b"{}\n", b"", kept.replace(b"q", b"d", 1)):
         path.write_bytes(corrupted)
+        assert read_code(path) is None
         again = compiled(add)
         assert again(*given) == kernel(*given)
-        assert len(path.read_bytes()) == len(kept)
+        assert read_code(path) is not None
     loaded = compiled(add)
     loaded.dispatcher = None  # Numba is not asked
     assert loaded(*given) == kernel(*given)
@@ -121,3 +124,17 @@ def test_a_second_run_does_without_numba(tmp_path: Path) -> None:
         for _ in range(2)
     ]
     assert said[1].stdout.split()[-1] == "False"
+
+
+def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path: Path) -> None:
+    """As a law from outside may call one."""
+    (tmp_path / "outside.py").write_text(
+        "import math\nfrom fem.compiled import compiled\n\n\n@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    for _ in range(2):
+        script = "import outside; print(outside.gamma(5.0))"
+        done = subprocess.run(
+            [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, env=environment
+        )
+        assert done.stdout.split() == ["24.0"], done.stderr
