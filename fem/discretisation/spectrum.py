@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.contact.corner import Corner
+from fem.discretisation.lanczos import largest_eigenpair
 from fem.kept import kept
 from fem.start.elastic import ElasticSolver, Inverse
 
@@ -21,7 +22,7 @@ TOLERANCE, ROUGH = 1e-4, 2e-4
 """Residual over the eigenvalue at which Lanczos ends, and where it only tells whether an angle may be above another."""
 
 BASIS = 12
-"""Lanczos vectors that are kept: more take fewer products and more time."""
+"""Lanczos vectors: more take fewer products and more time."""
 
 LARGE = 10_000
 """Nodes from which on a spectrum is not kept."""
@@ -141,8 +142,6 @@ class Spectrum:
 
     def _largest(self, matrix: Any, spring: float, angle: int, first: np.ndarray, tolerance: float) -> Peak:
         """The largest eigenvalue at an angle, from a vector near to its own."""
-        from scipy.sparse.linalg import LinearOperator, eigsh
-
         unknowns, across = self._held, self._across[angle]
         pull = self._root[unknowns] * across
 
@@ -151,15 +150,10 @@ class Spectrum:
             force[unknowns] += spring * pull * (pull @ vector[unknowns])
             return np.asarray(force)
 
-        operator = LinearOperator(matrix.shape, matvec=product, dtype=float)
-        start = (
-            first + 1e-3 * self._first
-        )  # a vector that is orthogonal to the one sought would never find it
-        (value,), vectors = eigsh(
-            operator, k=1, which="LA", v0=start, tol=tolerance, ncv=min(BASIS, self._root.size)
-        )
-        vector = vectors[:, 0]
-        return Peak(float(value), float(np.linalg.norm(product(vector) - value * vector)), vector, angle)
+        # a vector that is orthogonal to the one sought would never find it
+        start = first + 1e-3 * self._first
+        value, vector = largest_eigenpair(product, start, tolerance, BASIS)
+        return Peak(value, float(np.linalg.norm(product(vector) - value * vector)), vector, angle)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.discretisation.lanczos import largest_eigenpair
 from fem.discretisation.model import PlateModel
 from fem.explicit.impact_loop import ImpactLoop
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
@@ -38,8 +39,6 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     float
         Frequency [rad/s]; infinite where the forces are not finite.
     """
-    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
-
     loop = model.loop
     root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
     hold = _springs(loop)
@@ -60,22 +59,13 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
         return np.asarray((root * difference).ravel())
 
     start = _first_vector(model, positions)
-    operator = LinearOperator((positions.size, positions.size), matvec=product, dtype=float)
     if not np.isfinite(product(start)).all():
         return math.inf
     try:
-        (largest,) = eigsh(
-            operator,
-            k=1,
-            which="LA",
-            v0=start,
-            ncv=min(BASIS, positions.size),
-            tol=TOLERANCE,
-            return_eigenvectors=False,
-        )
-    except ArpackError:  # forces that leave the finite on the way
+        largest, _ = largest_eigenpair(product, start, TOLERANCE, BASIS)
+    except FloatingPointError:  # forces that leave the finite on the way
         return math.inf
-    return math.sqrt(max(float(largest), 0.0))
+    return math.sqrt(max(largest, 0.0))
 
 
 def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
