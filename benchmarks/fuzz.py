@@ -7,6 +7,7 @@ Stops at the first that ends badly, shortened to what matters. Without COUNT the
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -19,9 +20,11 @@ from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
 
 def main() -> None:
     """Fuzz with so many examples."""
-    count, number = (
-        (int(text) for text in (*sys.argv[1:], "200000", "1")[:2]) if sys.argv[1:] else (200_000, 1)
-    )
+    parser = argparse.ArgumentParser(description="Many command lines made at random.")
+    parser.add_argument("count", type=int, nargs="?", default=200_000)
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    options = parser.parse_args()
+    count, number = options.count, options.seed
 
     @seed(number)
     @settings(fuzz, max_examples=count, derandomize=False)
