@@ -25,9 +25,6 @@ ROOT = Path(__file__).parents[1]
 SCENES = ("paper-table-3", "impact-mash-tl4-sut")
 COMPARED = ("fe", "rigid")
 """Their differences have the rounding of both, and are up to a million times smaller."""
-LAST = "end"
-"""Of an impact the state at the last row, whose instant is a multiple of the time step, an estimate from above."""
-
 LIMIT = 1e-10
 SMALL = 1e-12
 """Of what is smaller than this share of the largest number of its table only the size matters."""
@@ -66,7 +63,7 @@ def summaries(python: Path, folder: Path) -> dict[str, Any]:
         if done.returncode:
             sys.exit(f"{scene} ends with {done.returncode}")
         summary = json.loads((folder / scene / "summary.json").read_text())
-        found[scene] = {name: {k: v for k, v in summary[name].items() if k != LAST} for name in COMPARED}
+        found[scene] = {name: summary[name] for name in COMPARED}
     return found
 
 

@@ -191,7 +191,7 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
         normals += rows.normal[row, i]
         tangentials += rows.tangential[row, i]
     theta, omega, v_x, v_y, kinetic, vibration, c_x, c_y = motion(
-        positions, velocities, force, loop, reference
+        positions, velocities, force, loop.mass, loop.time_step, reference
     )
     wall_energy, deflection, place, foundation = held_by(wall, moving, half)
     hourglass_energy = 0.0

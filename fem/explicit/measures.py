@@ -37,7 +37,9 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
     normal, tangential, slip, later_slip, _ = add_corner_reaction(
         positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
     )
-    theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(positions, velocities, force, loop, reference)
+    theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(
+        positions, velocities, force, loop.mass, loop.time_step, reference
+    )
     gap, hourglass_energy = weighted(positions[1], loop.corner), 0.0
     if hourglass is not None:
         hourglass_energy = energy_of_hourglass(positions, loop.table, hourglass)
@@ -64,41 +66,39 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
 
 
 @compiled
-def motion(positions, velocities, force, loop, reference):
+def motion(positions, velocities, force, mass, time_step, reference):
     """Angle, spin, centre's velocity, kinetic energy of the ledger, kinetic energy beside the rigid motion, centre."""
-    mass, half = loop.mass, 0.5 * loop.time_step
-    total = c_x = c_y = b_x = b_y = v_x = v_y = kinetic = 0.0
+    x, y, v_x, v_y, f_x, f_y = positions[0], positions[1], velocities[0], velocities[1], force[0], force[1]
+    r_x, r_y, half = reference[0], reference[1], 0.5 * time_step
+    total = c_x = c_y = b_x = b_y = c_u = c_v = kinetic = 0.0
     for i in range(mass.size):
         m = mass[i]
-        d_x, d_y = half * force[0, i] / m, half * force[1, i] / m
-        u_x, u_y = velocities[0, i] + d_x, velocities[1, i] + d_y
+        d_u, d_v = half * f_x[i] / m, half * f_y[i] / m
+        u, v = v_x[i] + d_u, v_y[i] + d_v
         total += m
-        c_x += m * positions[0, i]
-        c_y += m * positions[1, i]
-        b_x += m * reference[0, i]
-        b_y += m * reference[1, i]
-        v_x += m * u_x
-        v_y += m * u_y
-        kinetic += 0.5 * m * (u_x * u_x + u_y * u_y - d_x * d_x - d_y * d_y)
+        c_x += m * x[i]
+        c_y += m * y[i]
+        b_x += m * r_x[i]
+        b_y += m * r_y[i]
+        c_u += m * u
+        c_v += m * v
+        kinetic += 0.5 * m * (u * u + v * v - d_u * d_u - d_v * d_v)
     c_x, c_y, b_x, b_y = c_x / total, c_y / total, b_x / total, b_y / total
-    v_x, v_y = v_x / total, v_y / total
+    c_u, c_v = c_u / total, c_v / total
     cosine = sine = spin = inertia = 0.0
     for i in range(mass.size):
-        m = mass[i]
-        x, y = positions[0, i] - c_x, positions[1, i] - c_y
-        r_x, r_y = reference[0, i] - b_x, reference[1, i] - b_y
-        u_x = velocities[0, i] + half * force[0, i] / m - v_x
-        u_y = velocities[1, i] + half * force[1, i] / m - v_y
-        cosine += m * (r_x * x + r_y * y)
-        sine += m * (r_x * y - r_y * x)
-        spin += m * (x * u_y - y * u_x)
-        inertia += m * (x * x + y * y)
+        m, s, t, p, q = mass[i], x[i] - c_x, y[i] - c_y, r_x[i] - b_x, r_y[i] - b_y
+        u, v = v_x[i] + half * f_x[i] / m - c_u, v_y[i] + half * f_y[i] / m - c_v
+        cosine += m * (p * s + q * t)
+        sine += m * (p * t - q * s)
+        spin += m * (s * v - t * u)
+        inertia += m * (s * s + t * t)
     omega, vibration = spin / inertia, 0.0
     for i in range(mass.size):
-        u_x = velocities[0, i] + half * force[0, i] / mass[i] - v_x + omega * (positions[1, i] - c_y)
-        u_y = velocities[1, i] + half * force[1, i] / mass[i] - v_y - omega * (positions[0, i] - c_x)
-        vibration += 0.5 * mass[i] * (u_x * u_x + u_y * u_y)
-    return -math.atan2(sine, cosine), omega, v_x, v_y, kinetic, vibration, c_x, c_y
+        u = v_x[i] + half * f_x[i] / mass[i] - c_u + omega * (y[i] - c_y)
+        v = v_y[i] + half * f_y[i] / mass[i] - c_v - omega * (x[i] - c_x)
+        vibration += 0.5 * mass[i] * (u * u + v * v)
+    return -math.atan2(sine, cosine), omega, c_u, c_v, kinetic, vibration, c_x, c_y
 
 
 @compiled
