@@ -36,6 +36,12 @@ class Kernel(Function):
         call = self._found.get(kinds) or self._find(kinds, arguments)
         return call(values)
 
+    def bound(self, *arguments: Any) -> Callable[[], Any]:
+        """The call with these arguments, laid out once for many times; arrays in them must stay where they are."""
+        kinds, values = flattened(arguments)
+        call = self._found.get(kinds) or self._find(kinds, arguments)
+        return lambda kept=arguments: call(values)  # type: ignore[misc]  # values are addresses: what is there must live
+
     def has_code(self, *arguments: Any) -> bool:
         """Whether this process has machine code for arguments of these types."""
         return flattened(arguments)[0] in self._found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
@@ -101,6 +102,17 @@ def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel: Kernel) -> None:
     loaded = compiled(add)
     loaded.dispatcher = None  # Numba is not asked
     assert loaded(*given) == kernel(*given)
+
+
+def test_a_bound_call_reads_its_arrays_anew(kernel: Kernel) -> None:
+    """It sees what is in them at each call, and keeps those that nobody else does."""
+    rows = np.arange(24.0).reshape(4, 6)
+    again = kernel.bound(arguments(None, 1)[0], rows, *arguments(None, 1)[2:])
+    gc.collect()
+    for factor in (1.0, -2.0):
+        rows[:] = factor * np.arange(24.0).reshape(4, 6)
+        outer, _, *rest = arguments(None, 1)
+        assert again() == add(outer, rows, *rest)
 
 
 def test_other_types_are_refused() -> None:
