@@ -6,6 +6,7 @@ import csv
 import json
 import re
 from dataclasses import asdict, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,8 @@ from tailslap.studies.stability import against_reference
 from tailslap.studies.stability.against_reference import KINDS, grade
 from tailslap.studies.stability.axes import base_source
 from tailslap.studies.stability.campaign import Campaign, run_campaign
-from tailslap.studies.stability.draw import ELEMENTS, draw, flat, random_cells
+from tailslap.studies.stability.choices import COMBINATIONS, ELEMENTS, choices_of
+from tailslap.studies.stability.draw import draw, flat, random_cells
 from tailslap.studies.stability.reference import (
     MAX_ELEMENTS,
     Reference,
@@ -86,6 +88,26 @@ def test_every_choice_of_the_scene_is_drawn() -> None:
     for key in ("patch_length", "penalty_scale", "damping_ratio"):
         assert len(seen("corner", key)) > 5
     assert len(seen("plate", "first_frequency")) > 10
+
+
+def test_cells_of_a_combination_share_choices_and_nothing_else() -> None:
+    """What is compiled for one serves the others; starts, which need no code of their own, go round."""
+    cells = [draw(TRUCK, BASE, 1, 5 + k * COMBINATIONS) for k in range(6)]
+    chosen = choices_of(1, 5, 0)
+    for key in ("corner.reaction", "material.law", "plate.lumping"):
+        assert len({cell.get(key) for cell in cells}) == 1
+    assert {cell["corner.reaction"] for cell in cells} == {chosen.reaction}
+    assert {"corner.patch_length" in cell for cell in cells} == {chosen.patch}
+    assert len({cell["plate.start"] for cell in cells}) == 3
+    assert len({cell["vehicle.length"] for cell in cells}) == 6
+
+
+def test_nearly_any_two_choices_meet() -> None:
+    drawn = [asdict(choices_of(1, number, 0)).items() for number in range(COMBINATIONS)]
+    values = {item for choices in drawn for item in choices}
+    pairs = {frozenset(pair) for choices in drawn for pair in combinations(choices, 2)}
+    possible = {frozenset(pair) for pair in combinations(values, 2) if pair[0][0] != pair[1][0]}
+    assert len(pairs) > 0.93 * len(possible)
 
 
 def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

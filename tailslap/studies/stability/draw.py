@@ -1,13 +1,15 @@
-"""Random cells: a scene with every quantity and every choice drawn, known by seed and number."""
+"""Random cells: a scene with every quantity and every choice drawn, known by seed and number.
+
+What the machine code of a run depends on is drawn together, as one of COMBINATIONS, and quantities apart from it: most
+kinds of model then serve many cells, where each would be compiled for one or two.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from tailslap.errors import InputError
 from tailslap.planning.effort import beam_frequency, expected_effort
@@ -15,36 +17,16 @@ from tailslap.planning.plan import make_plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.stability.axes import Cell, base_source
+from tailslap.studies.stability.choices import COMBINATIONS, OPEN, Choices, Dice, choices_of
 
 MAX_STEPS, MAX_SECONDS = 400_000, 0.5
 """Steps, and seconds of its time loop, that a run may be expected to take."""
 
-MAX_TRIES = 1000
-"""Scenes drawn for one cell until one is possible and affordable; about one in three is."""
+MAX_TRIES, TRIES = 1000, 50
+"""Scenes drawn for one cell until one is possible and affordable, about one in three is; and quantities drawn for one
+combination of choices before another is."""
 
-ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
 RELIEVED = ("inertia-relief", "inertia-relief-momenta")
-OPEN = 0.3
-"""Share of the cells that leave a choice to the program."""
-
-
-class _Dice:
-    """Random numbers of one draw."""
-
-    def __init__(self, seed: int, number: int) -> None:
-        self._random = np.random.default_rng((seed, number))
-
-    def even(self, low: float, high: float) -> float:
-        return float(self._random.uniform(low, high))
-
-    def ratio(self, low: float, high: float) -> float:
-        return math.exp(self.even(math.log(low), math.log(high)))
-
-    def happens(self, share: float) -> bool:
-        return self.even(0.0, 1.0) < share
-
-    def one_of(self, values: Sequence[str], shares: Sequence[float] | None = None) -> str:
-        return values[int(self._random.choice(len(values), p=shares))]
 
 
 def random_cells(scene: Scene, seed: int, count: int) -> list[Cell]:
@@ -66,9 +48,10 @@ def flat(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
     """What a cell changes in the base. Raises InputError where the scene allows no possible and affordable one."""
-    dice = _Dice(seed, number)
-    for _ in range(MAX_TRIES):
-        changes = _drawn(scene, dice, number)
+    dice = Dice(seed, COMBINATIONS + number)
+    for attempt in range(MAX_TRIES):
+        choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
+        changes = _drawn(scene, choices, dice, number)
         if _affordable(base, changes):
             return changes
     raise InputError(
@@ -86,30 +69,32 @@ def _affordable(base: Source, changes: Changes) -> bool:
     return effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS
 
 
-def _drawn(scene: Scene, dice: _Dice, number: int) -> Changes:
+def _drawn(scene: Scene, choices: Choices, dice: Dice, number: int) -> Changes:
     """All that is drawn, in this order: each takes its random numbers from the same sequence."""
     changes: dict[str, Any] = dict.fromkeys(("verify", "wall", "damping", "material"))
     changes |= _vehicle(dice)
     length, width = changes["vehicle.length"], changes["vehicle.width"]
-    changes |= _motion(scene, dice)
-    changes |= _plate(scene, dice, number, length, width)
-    changes |= _corner(dice, length, changes["plate.elements"] or (10, 1))
-    changes |= _damping(dice)
-    if dice.happens(0.5):
+    changes |= _motion(scene, choices, dice)
+    changes |= _plate(scene, choices, dice, number, length, width)
+    changes |= _corner(choices, dice, length, changes["plate.elements"] or (10, 1))
+    changes |= _damping(choices, dice)
+    if choices.neo_hookean:
         changes["material.law"] = "neo-hookean"
     return changes | {"name": f"cell-{number:04d}"}
 
 
-def _vehicle(dice: _Dice) -> Changes:
+def _vehicle(dice: Dice) -> Changes:
     length = dice.even(3.0, 20.0)
     return {"vehicle.length": length, "vehicle.width": length * dice.ratio(0.05, 1.0)}
 
 
-def _motion(scene: Scene, dice: _Dice) -> Changes:
+def _motion(scene: Scene, choices: Choices, dice: Dice) -> Changes:
     """Stage 1 where the scene has it, for Stage 2 to follow; else the start, the spin in proportion to the speed."""
     speed, angle = dice.ratio(1.0, 40.0), math.radians(dice.even(2.0, 60.0))
-    restitution, friction = dice.even(0.0, 0.8), 0.0 if dice.happens(0.1) else dice.even(0.0, 1.2)
-    reaction, start = dice.one_of(("drag", "none", "signed"), (0.6, 0.2, 0.2)), scene.start
+    restitution, friction = dice.even(0.0, 0.8), dice.even(0.0, 1.2)
+    reaction, start = choices.reaction, scene.start
+    if choices.frictionless:
+        friction = 0.0
     changes: dict[str, Any] = {"corner": None, "corner.reaction": reaction, "start": None}
     if scene.impact:
         drawn = {"speed": speed, "angle": angle, "restitution": restitution, "friction": friction}
@@ -122,23 +107,23 @@ def _motion(scene: Scene, dice: _Dice) -> Changes:
     return changes | ({"corner.friction": friction} if reaction != "none" else {})
 
 
-def _plate(scene: Scene, dice: _Dice, number: int, length: float, width: float) -> Changes:
+def _plate(scene: Scene, choices: Choices, dice: Dice, number: int, length: float, width: float) -> Changes:
     keys = ("elements", "element", "lumping", "distortion")
     changes: dict[str, Any] = dict.fromkeys(f"plate.{key}" for key in keys)
     changes["plate.start"] = RELIEVED[number // 3 % 2] if number % 3 else "unstressed"
     changes |= _stiffness(scene, dice, length, width)
     if not dice.happens(OPEN):
         changes["plate.elements"] = (round(dice.ratio(4.0, 40.0)), round(dice.ratio(2.0, 12.0)))
-    if not dice.happens(OPEN):
-        changes["plate.element"] = dice.one_of(ELEMENTS)
-    if dice.happens(0.1):
+    if choices.element != "open":
+        changes["plate.element"] = choices.element
+    if choices.row_sum:
         changes["plate.lumping"] = "row-sum"
-    if dice.happens(0.3):
+    if choices.distorted:
         changes["plate.distortion"] = dice.even(0.0, 0.2)
     return changes
 
 
-def _stiffness(scene: Scene, dice: _Dice, length: float, width: float) -> Changes:
+def _stiffness(scene: Scene, dice: Dice, length: float, width: float) -> Changes:
     """A modulus from 1e-4 to 1e4 times the scene's, for a third of the cells by the frequency that it gives a beam."""
     plate, factor = scene.needed_plate, dice.ratio(1e-4, 1e4)
     if plate.first_frequency is not None:
@@ -152,24 +137,22 @@ def _stiffness(scene: Scene, dice: _Dice, length: float, width: float) -> Change
     }
 
 
-def _corner(dice: _Dice, length: float, elements: tuple[int, int]) -> Changes:
+def _corner(choices: Choices, dice: Dice, length: float, elements: tuple[int, int]) -> Changes:
     changes: dict[str, Any] = {}
-    constraint = dice.one_of(("open", "penalty", "exact", "dashpot"), (0.4, 0.2, 0.2, 0.2))
-    if constraint == "exact":
+    if choices.constraint == "exact":
         changes["corner.constraint"] = "exact"
-    elif constraint != "open":
+    elif choices.constraint != "open":
         changes |= {"corner.constraint": "penalty", "corner.penalty_scale": dice.ratio(0.1, 10.0**1.5)}
-    if constraint == "dashpot":
+    if choices.constraint == "dashpot":
         changes["corner.damping_ratio"] = dice.ratio(0.01, 1.0)
-    if dice.happens(0.5):
+    if choices.patch:
         changes["corner.patch_length"] = max(dice.even(0.1, 0.3) * length, 1.2 * length / elements[0])
     return changes
 
 
-def _damping(dice: _Dice) -> Changes:
-    kind = dice.one_of(("open", "ratio", "bulk", "none"), (0.6, 0.15, 0.1, 0.15))
-    if kind == "ratio":
+def _damping(choices: Choices, dice: Dice) -> Changes:
+    if choices.damping == "ratio":
         return {"damping.ratio": dice.ratio(0.005, 0.3)}
-    if kind == "bulk":
+    if choices.damping == "bulk":
         return {"damping.bulk_viscosity": 0.06}
-    return {"damping.kind": "none"} if kind == "none" else {}
+    return {"damping.kind": "none"} if choices.damping == "none" else {}
