@@ -129,9 +129,11 @@ def main() -> None:
                 found, end = _result(place, kind, how, delay, folder / "earlier")
             shutil.rmtree(place)
             ends[f"{kind}, {end}"] += 1
-            wrong += [f"{number}: {kind}, {how.name} after {delay:.2f} s: {fault}" for fault in found]
+            faults = [f"{number}: {kind}, {how.name} after {delay:.2f} s: {fault}" for fault in found]
+            wrong += faults
+            print(*(f"\r{fault}\n" for fault in faults), sep="", end="", flush=True)
             print(f"\r{number + 1} of {count}, {len(wrong)} wrong", end="", file=sys.stderr, flush=True)
-    print(f"\n{count} kills, seed {seed}: {len(wrong)} ended wrongly", *wrong, sep="\n")
+    print(f"\n{count} kills, seed {seed}: {len(wrong)} ended wrongly")
     print(*(f"  {end}: {times}" for end, times in sorted(ends.items())), sep="\n")
     sys.exit(bool(wrong))
 
