@@ -26,6 +26,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 BYTECODE = Path(tempfile.gettempdir()) / f"tailslap-bytecode-{os.getuid()}"
 SWEEP = ("sweep", "paper-table-3", "--workers", "1")
+RIGID = ("rigid", "paper-table-3")
 MODULI, FRICTIONS = "plate.youngs_modulus=log:1e11:4e11:40", "corner.friction=0.2:0.4:40"
 STEPS = """
 import statistics, sys, time
@@ -79,9 +80,14 @@ def _environment(checkout: Path) -> dict[str, str]:
     return without | {"PYTHONPATH": str(checkout), "PYTHONPYCACHEPREFIX": str(BYTECODE)}
 
 
-def process(checkout: Path, arguments: Sequence[str]) -> Spent:
+COMMAND = ("-m", "tailslap.command_line")
+NEEDED = ("-c", "import numpy, pydantic, click")
+"""What every command loads that is not ours: no time can be below it."""
+
+
+def process(checkout: Path, arguments: Sequence[str], program: Sequence[str] = COMMAND) -> Spent:
     """Run a command of a checkout in an empty folder."""
-    command = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    command = [sys.executable, *program, *arguments]
     environment = _environment(checkout) | {"OPENBLAS_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
@@ -162,7 +168,7 @@ def main() -> None:
     whole = {
         "run paper-table-3 --no-pictures": ("0.45", ("run", "paper-table-3", "--no-pictures")),
         "run mash-tl4-sut, three pictures": ("0.55", ("run", "mash-tl4-sut")),
-        "rigid paper-table-3": ("0.65", ("rigid", "paper-table-3")),
+        "rigid paper-table-3": ("0.65", RIGID),
         "run of 30 720 elements, short": (
             "0.85",
             ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[320,96]", "--set", SHORT),
@@ -174,6 +180,13 @@ def main() -> None:
         )
         for what, (asked, command) in whole.items()
     }
+    rows["  numpy, pydantic and click alone"] = lambda: compared(
+        "  numpy, pydantic and click alone, over its rigid",
+        "",
+        lambda checkout: process(checkout, (), NEEDED) if checkout == ROOT else process(checkout, RIGID),
+        other,
+        rounds,
+    )
     for what, varied in (("modulus", MODULI), ("friction", FRICTIONS)):
         rows[f"row of a sweep, {what} varies"] = lambda what=what, varied=varied: compared(  # type: ignore[misc]
             f"row of a sweep, {what} varies",

@@ -195,7 +195,7 @@ def predict(scenes: int, seed: int) -> None:
     records = on_all_cores(predicted, [wide_changes(seed, number) for number in range(scenes)])
     counts = Counter((record["end"], record.get("rings")) for record in records)
     told = [record for record in records if record["end"] in ("none", "harmless") and record["rings"]]
-    row(f"{scenes} scenes: run spoilt that was called harmless or none", "0", str(len(told)))
+    row(f"{scenes} scenes: run corrupted that was called harmless or none", "0", str(len(told)))
     for (end, rang), count in sorted(counts.items(), key=str):
         row(f"  {end}, {'rang' if rang else 'did not ring'}", "", str(count))
     for record in told:
