@@ -81,7 +81,7 @@ def _environment(checkout: Path) -> dict[str, str]:
 
 
 COMMAND = ("-m", "tailslap.command_line")
-NEEDED = ("-c", "import numpy, pydantic, click")
+NEEDED = ("-c", "import numpy, click; from pydantic import BaseModel")
 """What every command loads that is not ours: no time can be below it."""
 
 
