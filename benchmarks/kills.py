@@ -30,6 +30,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tailslap.results.leftovers import clear_leftovers
 from tailslap.results.manifest import NAME, entry, read_manifest
+from tailslap.sweeps.row import CIRCUMSTANCES
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SCENE = ("paper-table-3", "--set", "plate.elements=[10,3]")
@@ -92,11 +93,11 @@ def _lives(process: psutil.Process) -> bool:
 
 
 def rows(out: Path) -> list[str]:
-    """Rows of a finished sweep without what times say."""
+    """Rows of a finished sweep without times, and without what a worker had from rows before."""
     import pyarrow.parquet as parquet
 
     table = parquet.read_table(next(out.glob("*.parquet")))
-    kept = [name for name in table.column_names if not name.endswith("_s") and "seconds" not in name]
+    kept = [name for name in table.column_names if name not in CIRCUMSTANCES]
     return sorted(json.dumps(row, sort_keys=True, default=str) for row in table.select(kept).to_pylist())
 
 
