@@ -158,8 +158,10 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as
     "--count", type=Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
 )
 @click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-modes]")
-@with_options(FORCE, JSON, QUIET, PROGRESS)
-def modes(analysis: Analysis, plan: Any, count: int, out: Path | None, force: bool, as_json: bool) -> int:
+@with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
+def modes(
+    analysis: Analysis, plan: Any, count: int, out: Path | None, force: bool, units: str, as_json: bool
+) -> int:
     """Natural frequencies of the plate, with pictures."""
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
@@ -175,7 +177,7 @@ def modes(analysis: Analysis, plan: Any, count: int, out: Path | None, force: bo
     fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     place = out or Path("results") / f"{plan.scene.name}-modes"
     demand_own(place, plan.scene.name, force)
-    return deliver(place, report, as_json=as_json)
+    return deliver(place, report, as_json=as_json, units=units)
 
 
 @commands.command()
@@ -191,8 +193,10 @@ def modes(analysis: Analysis, plan: Any, count: int, out: Path | None, force: bo
     show_default=True,
     help="Relative error allowed.",
 )
-@with_options(JSON, QUIET)
-def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, as_json: bool) -> int:
+@with_options(UNITS, JSON, QUIET)
+def modal(
+    analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, units: str, as_json: bool
+) -> int:
     """Run a scene with a few modes of the plate."""
     from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
@@ -201,7 +205,7 @@ def modal(analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: floa
 
     fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     found = modal_run(fe_plan, modes, tolerance, steps)
-    tell(modal_numbers(fe_plan, found), modal_text(fe_plan, found), as_json)
+    tell(modal_numbers(fe_plan, found), modal_text(fe_plan, found, units), as_json)
     return DONE if found.passed else CHECK_FAILED
 
 

@@ -9,7 +9,7 @@ def shown(value: Any, form: str) -> str:
     """A value by its format specification; words, None, truth and what is not finite in words."""
     if isinstance(value, bool | str) or value is None or not math.isfinite(value):
         return number(value)
-    return format(value, form).rstrip(".")
+    return format(value + 0, form).rstrip(".")  # the sum has no negative zero
 
 
 def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
@@ -32,7 +32,7 @@ def number(value: object, digits: int = 7) -> str:
     if not isinstance(value, float):
         return str(value)
     if math.isfinite(value):
-        return f"{value:.{digits}g}"
+        return f"{value + 0.0:.{digits}g}"
     return "not a number" if math.isnan(value) else ("infinite" if value > 0 else "-infinite")
 
 

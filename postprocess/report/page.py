@@ -8,6 +8,7 @@ import hashlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,10 @@ CODE = re.compile(r"`([^`]+)`")
 EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
 MINUS = re.compile(r"(?<![\w.\-/])-(?=\d)")
 SQUARE = re.compile(r"(?<=[A-Za-z])\^-?[23]\b")
+NAMED = re.compile(r"(?<![\w;&.\-])[A-Z\d]{1,6}(?:-[A-Z\d]{1,6})*-\d[A-Z\d]*\b")
+PLAIN = range(-1, 3)
+"""Powers of ten that are multiplied out."""
+
 LETTERS = {"omega": "ω", "theta": "θ", "mu": "μ", "us": "μs"}
 LETTER = re.compile(r"(?<![\w.\-])(?:omega|theta|mu)(?![\w\-]|\.\w)|(?<=\d\N{NO-BREAK SPACE})us\b")
 
@@ -113,13 +118,14 @@ def write_page(path: Path, page: Page) -> Path:
 
 
 def prose(text: str) -> Any:
-    """The text as HTML: `keys` as code; elsewhere a letter with a subscript, like v_GY, is set as one, and numbers and
-    Greek letters as in print."""
+    """The text as HTML: `keys` as code; elsewhere a letter with a subscript, like v_GY, is set as one, numbers and
+    Greek letters as in print, and names with numbers, like TL-4, are never broken."""
     from markupsafe import Markup, escape
 
     parts = CODE.split(glued(str(escape(text))))
     parts[1::2] = [f"<code>{part}</code>" for part in parts[1::2]]
     parts[::2] = [SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", printed_numbers(part)) for part in parts[::2]]
+    parts[::2] = [NAMED.sub(r'<span class="whole">\g<0></span>', part) for part in parts[::2]]
     return Markup("".join(parts))
 
 
@@ -133,8 +139,10 @@ def printed_numbers(text: str) -> str:
 def _power(factor: str, power: int) -> str:
     if not float(factor):
         return "0"
+    if power in PLAIN:
+        return f"{Decimal(f'{factor}e{power}'):f}"
     times = factor[:-1] if factor.lstrip("+-") == "1" else f"{factor}×"
-    return f"{times}10{str(power).translate(SUPERSCRIPTS)}" if power else factor
+    return f"{times}10{str(power).translate(SUPERSCRIPTS)}"
 
 
 def glued(text: str) -> str:

@@ -46,24 +46,25 @@ class Report:
 
 def in_units(report: Report, units: Units) -> Report:
     """The report as people who think in other units read it; its files stay in SI."""
-    terminal = tuple(_shown(part, units) for part in report.terminal)
+    terminal = tuple(shown_in(part, units) for part in report.terminal)
     return replace(report, page=page_in_units(report.page, units), terminal=terminal)
 
 
 def page_in_units(page: Page, units: Units) -> Page:
     """A page alike."""
-    sections = [_shown(section, units) for section in page.sections]
+    sections = [shown_in(section, units) for section in page.sections]
     return replace(page, headline=units.said(page.headline), sections=sections)
 
 
-def _shown(part: Any, units: Units) -> Any:
+def shown_in(part: Any, units: Units) -> Any:
+    """A text, a table, a chart or a section alike; what else there is stays as it is."""
     if isinstance(part, str):
         return units.said(part)
     if isinstance(part, Table | Chart):
         return part.in_units(units)
     if isinstance(part, Section):
         parts: dict[str, Any] = {
-            name: [_shown(each, units) for each in getattr(part, name)] for name in SHOWN
+            name: [shown_in(each, units) for each in getattr(part, name)] for name in SHOWN
         }
         return replace(part, title=units.said(part.title), lead=units.said(part.lead), **parts)
     return part

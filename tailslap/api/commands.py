@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from postprocess.fields import FORMATS
-from tailslap.options import JSON, QUIET, Folder, Real, Text, tell, with_options
+from tailslap.options import JSON, QUIET, UNITS, Folder, Real, Text, tell, with_options
 
 
 @click.command("export")
@@ -43,9 +43,14 @@ def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: 
 )
 @click.option("--only", type=Text(), metavar="NAME,...", help="Columns to compare.")
 @click.option("--out", type=Folder(), help="Folder of the page  [default: results/compare]")
-@with_options(JSON, QUIET)
+@with_options(UNITS, JSON, QUIET)
 def compare(
-    given: tuple[Path, ...], columns: str | None, only: str | None, out: Path | None, as_json: bool
+    given: tuple[Path, ...],
+    columns: str | None,
+    only: str | None,
+    out: Path | None,
+    units: str,
+    as_json: bool,
 ) -> int:
     """Set results beside the first: curves, differences, metrics of validation.
 
@@ -58,4 +63,5 @@ def compare(
 
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
     found = compare_items(given, columns, names)
-    return deliver(out or Path("results") / "compare", lambda folder: compare_report(found), as_json=as_json)
+    place = out or Path("results") / "compare"
+    return deliver(place, lambda folder: compare_report(found), as_json=as_json, units=units)

@@ -11,11 +11,13 @@ import tailslap
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.comparison.side_by_side import LIMITS, Beside
 from postprocess.figures.overlay import Line, Overlay, overlay_curve
+from postprocess.figures.panels import COMPARED
 from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
+from postprocess.report.units import SI
 from tailslap.comparing.compared import Comparison
 from tailslap.report.common import footer
 
@@ -36,6 +38,14 @@ METRICS = (
     Column("largest", "Largest", form=_hundredths),
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
+WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
+    "x_g": ("x_G", "Centre of mass along the wall"),
+    "y_g": ("y_G", "Centre of mass across the wall"),
+    "force_normal": ("force", "Force of the wall on the vehicle across it"),
+    "force_tangential": ("force", "Force of the wall on the vehicle along it"),
+}
+"""Symbol and caption of what is drawn, by column."""
+
 NOTE = (
     "M, P, C: magnitude, phase and comprehensive metric of Sprague and Geers. Mean and standard deviation (SD) of the "
     "differences over the reference's peak, as in the analysis of variance of NCHRP W179, and the largest difference. "
@@ -127,8 +137,8 @@ def _quantities(found: Comparison) -> Iterator[Table]:
         return
     columns = (
         Column("title", "At the tail-slap, FE"),
-        Column("unit", "Unit"),
-        *(Column(str(k), item.label, form=".7g") for k, item in enumerate(items)),
+        Column("unit", "Unit", is_unit=True),
+        *(Column(str(k), item.label, form=".7g", unit_key="unit") for k, item in enumerate(items)),
     )
     rows = [
         {"title": q.title, "unit": q.unit}
@@ -165,7 +175,9 @@ def _differences(found: Comparison) -> list[Chart]:
 
 
 def _curve(found: Comparison, name: str, lines: list[Line], what: str = "") -> Chart:
-    title = f"{what} of {name}" if what else name
-    caption = f"{name} less that of {found.reference.label}" if what else name
+    symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
+    title = f"{what} of {symbol}" if what else symbol
+    if what:
+        caption = f"{caption.partition(',')[0]}, less that of {found.reference.label}"
     overlay = Overlay(title, found.reference.units.get(name, ""), lines)
-    return overlay_curve(f"{what}_{name}" if what else name, overlay, caption)
+    return overlay_curve(f"{what}_{name}" if what else name, overlay, caption).in_units(SI)

@@ -6,21 +6,24 @@ from dataclasses import asdict
 from typing import Any
 
 from postprocess.comparison.comparison import comparison_rows
+from postprocess.report.report import shown_in
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
+from postprocess.report.units import SYSTEMS
 from tailslap.modal_run import ModalRun
 from tailslap.planning.fe_plan import FePlan
 
 COLUMNS = (
-    Column("quantity.label", "at the tail-slap"),
-    Column("fe", "modal", form=".7g"),
-    Column("rigid", "rigid, exact", form=".7g"),
+    Column("quantity.symbol", "at the tail-slap"),
+    Column("quantity.unit", "unit", is_unit=True),
+    Column("fe", "modal", form=".7g", unit_key="quantity.unit"),
+    Column("rigid", "rigid, exact", form=".7g", unit_key="quantity.unit"),
     Column("difference", "modal/rigid - 1", form="+.1e"),
 )
 
 
-def modal_text(fe_plan: FePlan, run: ModalRun) -> str:
-    """The results as a person reads them."""
+def modal_text(fe_plan: FePlan, run: ModalRun, units: str = "si") -> str:
+    """The results as a person reads them, in units "si" or "us"."""
     scene, estimate = fe_plan.plan.scene, run.estimate
     kept = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies) or "none"
     estimated = (
@@ -40,7 +43,7 @@ def modal_text(fe_plan: FePlan, run: ModalRun) -> str:
         f"Cost:   {run.steps} steps in {1e3 * run.integration_s:.2f} ms, set-up {1e3 * run.setup_s:.1f} ms, "
         f"estimate {1e3 * run.estimate_s:.2f} ms",
     )
-    return printed(parts)
+    return printed(parts if units == "si" else [shown_in(part, SYSTEMS[units]) for part in parts])
 
 
 def modal_numbers(fe_plan: FePlan, run: ModalRun) -> dict[str, Any]:

@@ -165,7 +165,7 @@ def test_a_name_that_is_kept_whole_is(tmp_path: Path) -> None:
     table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "share": 2.0, "source": ""}])
     page = Page("", "x", "", (Section("Forces", tables=(table,)),), "")
     text = write_page(tmp_path / "p.html", page).read_text(encoding="utf-8")
-    assert '<th scope="row" class="whole">AASHTO LRFD, TL-4<' in text
+    assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text
     assert ".whole { white-space: nowrap; }" in text
 
 

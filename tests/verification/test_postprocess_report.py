@@ -251,13 +251,23 @@ def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> No
     assert "Paper, ABAQUS" not in page.text
 
 
+def whole(name: str) -> str:
+    return f'<span class="whole">{name}</span>'
+
+
+def test_zero_has_no_sign() -> None:
+    assert (shown(-0.0, ".3g"), shown(-0.0, "+.1f"), number(-0.0)) == ("0", "+0.0", "0")
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
         ("confirmed to 2.2e-06", "confirmed to 2.2×10⁻⁶"),
         ("at most 1e-03, 1.0e+00, 0.0e+00", "at most 10⁻³, 1.0, 0"),
         ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
-        ("TL-4, 2025-10-11, CFC-180", "TL-4, 2025-10-11, CFC-180"),
+        ("at least 1.18e+01, 5.30e-01, 2e+02", "at least 11.8, 0.530, 200"),
+        ("TL-4, -2, a-b", f"{whole('TL-4')}, −2, a-b"),
+        ("2025-10-11, CFC-180", f"{whole('2025-10-11')}, {whole('CFC-180')}"),
         ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
         ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
         ("from v_GX", "from <i>v</i><sub>GX</sub>"),

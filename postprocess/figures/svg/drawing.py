@@ -34,6 +34,16 @@ NOTHING: Range = (np.inf, -np.inf)
 SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
+MEAN_WIDTH = 0.6
+"""Of a letter, over the size of the font."""
+
+_WIDTHS = {
+    **dict.fromkeys("0123456789", 0.64),
+    **dict.fromkeys("−+=<>mwMW%", 0.85),
+    **dict.fromkeys("ijlI.,:;'|![]()ft ", 0.37),
+    **dict.fromkeys("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", 0.42),
+}
+
 
 def extent(values: Floats) -> Range:
     """Smallest and largest finite value; `NOTHING` without any."""
@@ -83,5 +93,5 @@ def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12
 
 
 def text_width(text: str, size: float = 12.0) -> float:
-    """About how long a text is."""
-    return 0.6 * size * len(text)
+    """About how long a text is, in a wide font such as DejaVu Sans."""
+    return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in text)

@@ -20,7 +20,7 @@ MAIN = "strike_2.impulse"
 """What the headline tells."""
 
 SIZE = known("+.2e")
-F1 = Column("frequency", "f1", form=hertz)
+F1 = Column("frequency", "f_1", form=hertz)
 WORDS = {
     f"strike_{k}.{name}": f"{which} strike's {word}"
     for k, which in ((1, "first"), (2, "second"))

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 MAIN = LEVELS.index(1e-2)
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
-F1 = Column("frequency", "f1", form=hertz)
+F1 = Column("frequency", "f_1", form=hertz)
 GOOD = (
     Column("what", "off by at most"),
     *columns({f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(LEVELS)}, form=str),
 )
 LAWS = (
-    Column("law.exponent", "exponent of f1", form=".3f"),
+    Column("law.exponent", "exponent of f_1", form=".3f"),
     *columns({"law.highest": "from", "law.lowest": "down to"}, form=hertz),
 )
 ERRORS = {name: Column(f"errors.{name}", "", form=SIZE) for name in MEASURED}
