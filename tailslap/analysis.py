@@ -6,7 +6,6 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import STRIKES, TAIL_SLAP, Compared
@@ -50,7 +49,7 @@ class Analysis:
     run_to_tolerance : callable
         (plan, tolerance) -> outcome of a run on the cheapest mesh for this error.
     report : callable
-        (outcome, folder, pictures) -> its report; fields and pictures go into the folder.
+        (outcome, folder, pictures, units of these) -> its report; fields and pictures go into the folder.
     summary : callable
         (outcome, pictures) -> its numbers, SI: what `summary.json` holds.
     histories : callable
@@ -74,7 +73,7 @@ class Analysis:
     check_lines: Callable[[Any], list[str]]
     run: Callable[[Any], Any]
     run_to_tolerance: Callable[[Any, float], Any]
-    report: Callable[[Any, Path, bool], Report]
+    report: Callable[..., Report]
     summary: Callable[[Any, bool], dict[str, Any]]
     histories: Callable[[Any], dict[str, dict[str, np.ndarray]]]
     duration: Callable[[Any], float]

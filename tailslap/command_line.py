@@ -99,6 +99,7 @@ def run(
     as_json: bool,
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
+    from postprocess.report.units import SYSTEMS
     from tailslap.execution.checkpoints import checkpointed
     from tailslap.report.deliver import deliver, leave
     from tailslap.results.earlier_result import demand_own
@@ -113,7 +114,7 @@ def run(
             leave(place, lambda folder: analysis.report(outcome, folder, False), units=units)
 
         def report(folder: Path) -> Report:
-            return analysis.report(outcome, folder, not no_pictures)
+            return analysis.report(outcome, folder, not no_pictures, SYSTEMS[units])
 
         return deliver(place, report, as_json=as_json, units=units)
 

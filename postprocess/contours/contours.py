@@ -5,7 +5,7 @@ colour of its band on the scalar bar. The view takes in the plate and as much of
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from postprocess.contours.canvas import (
 )
 from postprocess.contours.colour_scale import WIDENING, ColourScale, colour_scale
 from postprocess.contours.view import View, round_positions, view_of_plate
+from postprocess.report.units import SI, Units
 
 SIZE = (1600, 700)
 WALL, WALL_EDGE = "#bfc3c7", "#a9aeb3"
@@ -42,6 +43,11 @@ class ContourField:
     unit: str
     values: Floats
 
+    def in_units(self, units: Units) -> "ContourField":
+        """The same in other units."""
+        factor, unit = units.of(self.unit)
+        return replace(self, unit=unit, values=factor * self.values)
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -49,7 +55,7 @@ class Setting:
 
     points: deformed nodes of the plate [m], shape (n, 2); quads: its elements, shape (e, 4); wall_points and
     wall_quads: the same for the wall, which without them is the line Y = 0; corner and centroid: the points P and G [m]
-    to mark; time: of the strike [s].
+    to mark; time: of the strike [s]; length_unit: of all lengths, where it is not m.
     """
 
     points: Floats
@@ -60,10 +66,23 @@ class Setting:
     centroid: Sequence[float] | None = None
     scene: str = ""
     time: float | None = None
+    length_unit: str = "m"
+
+    def in_units(self, units: Units) -> "Setting":
+        """The same with its lengths in another unit."""
+        factor, unit = units.of(self.length_unit)
+        places = {name: getattr(self, name) for name in ("points", "wall_points", "corner", "centroid")}
+        scaled: dict[str, Any] = {
+            name: factor * np.asarray(given) for name, given in places.items() if given is not None
+        }
+        return replace(self, length_unit=unit, **scaled)
 
 
-def draw_contours(setting: Setting, fields: Sequence[ContourField], out_dir: Path) -> list[Path]:
-    """Write `contour_NAME.png` for each field into out_dir; returns the paths."""
+def draw_contours(
+    setting: Setting, fields: Sequence[ContourField], out_dir: Path, units: Units = SI
+) -> list[Path]:
+    """Write `contour_NAME.png` for each field into out_dir, with what it says in these units; returns the paths."""
+    setting, fields = setting.in_units(units), [field.in_units(units) for field in fields]
     moment = [] if setting.time is None else [f"tail-slap at t = {setting.time:.4g} s"]
     view = view_of_plate(setting.points, SIZE)
     with canvas(view) as plotter:
@@ -127,11 +146,11 @@ def _add_wall(plotter: Canvas, setting: Setting, view: View) -> None:
     add_line(plotter, np.array([[left, 0.0], [right, 0.0]]))
     _add_ruler(plotter, left, right, view)
     add_text(plotter, caption, (24, 24), 20)
-    add_text(plotter, "X [m], driving direction →", (SIZE[0] - 24, 24), 20, "right")
+    add_text(plotter, f"X [{setting.length_unit}], driving direction →", (SIZE[0] - 24, 24), 20, "right")
 
 
 def _add_ruler(plotter: Canvas, left: float, right: float, view: View) -> None:
-    """Ticks and X values [m] along the wall line, away from the borders of the picture."""
+    """Ticks and X values along the wall line, away from the borders of the picture."""
     margin = 30 * view.pixel_length
     for x in round_positions(left + margin, right - margin):
         column, row = view.pixel(x, 0.0)
@@ -140,7 +159,7 @@ def _add_ruler(plotter: Canvas, left: float, right: float, view: View) -> None:
 
 
 def _add_height_ruler(plotter: Canvas, setting: Setting, view: View) -> None:
-    """Ticks and Y values [m] beside the plate, to its left."""
+    """Ticks and Y values beside the plate, to its left."""
     left, top = (
         float(setting.points[:, 0].min()) - 14.0 * view.pixel_length,
         float(setting.points[:, 1].max()),
@@ -149,7 +168,7 @@ def _add_height_ruler(plotter: Canvas, setting: Setting, view: View) -> None:
         column, row = view.pixel(left, y)
         add_line(plotter, np.array([[left, y], [left + 8.0 * view.pixel_length, y]]))
         add_text(plotter, f"{y:g}", (column - 6, row - 7), 18, "right")
-    add_text(plotter, "Y [m]", (24, view.pixel(0.0, top)[1] + 12), 18)
+    add_text(plotter, f"Y [{setting.length_unit}]", (24, view.pixel(0.0, top)[1] + 12), 18)
 
 
 def _add_marks(plotter: Canvas, setting: Setting, field: ContourField, view: View) -> list[Any]:

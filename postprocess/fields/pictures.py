@@ -13,6 +13,7 @@ import numpy as np
 
 from postprocess.fields.series import ELEMENTS, NODES, UNITS, FieldSeries
 from postprocess.figures.style import style
+from postprocess.report.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,6 +25,9 @@ SIZE, DOTS = (8.0, 4.2), 120
 """Of a picture [inches], and dots an inch."""
 
 COLOURS, FRAME_MS, MARGIN = "viridis", 120, 0.05
+
+AS_STORED = Units("as stored", {})
+"""SI, without any prefix."""
 
 
 def element_values(series: FieldSeries, name: str) -> np.ndarray:
@@ -50,11 +54,17 @@ def field_unit(name: str) -> str:
 
 
 def draw_instants(
-    folder: Path, series: FieldSeries, name: str, magnify: float = 1.0, instants: Sequence[int] | None = None
+    folder: Path,
+    series: FieldSeries,
+    name: str,
+    magnify: float = 1.0,
+    instants: Sequence[int] | None = None,
+    units: Units = AS_STORED,
 ) -> list[Path]:
-    """Write NAME_0000.png and so on, of these instants by number, or of all; magnify: of the elastic deformation."""
+    """Write NAME_0000.png and so on, of these instants by number, or of all; magnify: of the elastic deformation;
+    units: of what is shown."""
     chosen = range(len(series.t)) if instants is None else instants
-    drawing = Drawing(series, name, magnify)
+    drawing = Drawing(series, name, magnify, units)
     paths = []
     for k in chosen:
         path = folder / f"{name}_{k % len(series.t):04d}.png"
@@ -63,11 +73,13 @@ def draw_instants(
     return paths
 
 
-def animate(path: Path, series: FieldSeries, name: str, magnify: float = 1.0) -> Path:
+def animate(
+    path: Path, series: FieldSeries, name: str, magnify: float = 1.0, units: Units = AS_STORED
+) -> Path:
     """Write all instants as a GIF that repeats."""
     from PIL import Image
 
-    drawing = Drawing(series, name, magnify)
+    drawing = Drawing(series, name, magnify, units)
     frames = [Image.fromarray(drawing.pixels(k)).quantize(64) for k in range(len(series.t))]
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=FRAME_MS, loop=0)
     return path
@@ -76,12 +88,13 @@ def animate(path: Path, series: FieldSeries, name: str, magnify: float = 1.0) ->
 class Drawing:
     """A figure of one field, whose polygons, colours and title are those of the instant that is asked for."""
 
-    def __init__(self, series: FieldSeries, name: str, magnify: float) -> None:
+    def __init__(self, series: FieldSeries, name: str, magnify: float, units: Units = AS_STORED) -> None:
         from matplotlib.collections import PolyCollection
         from matplotlib.figure import Figure
 
         self._series, self._name, self._magnify = series, name, magnify
-        self._values = element_values(series, name)
+        (factor, unit), (self._length, length_unit) = units.of(field_unit(name)), units.of("m")
+        self._values = factor * element_values(series, name)
         with style():
             self._figure = Figure(figsize=SIZE, dpi=DOTS, layout="constrained")
             self._axes = self._figure.subplots()
@@ -89,9 +102,9 @@ class Drawing:
         self._plate.set_clim(float(self._values.min()), float(self._values.max()))
         self._axes.add_collection(self._plate, autolim=False)
         self._figure.colorbar(
-            self._plate, ax=self._axes, label=f"{name} [{field_unit(name)}]", location="bottom", aspect=40
+            self._plate, ax=self._axes, label=f"{name} [{unit}]", location="bottom", aspect=40
         )
-        self._frame()
+        self._frame(length_unit)
 
     def at(self, k: int) -> Figure:
         """The figure at this instant."""
@@ -110,17 +123,17 @@ class Drawing:
         return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
     def _places(self, k: int) -> Any:
-        """Corners of the elements [m], shape (elements, corners, 2)."""
+        """Corners of the elements, shape (elements, corners, 2)."""
         s = self._series
         more = (self._magnify - 1.0) * s.nodal["elastic_displacement"][k]
         corners = 3 if s.cell_type.startswith("triangle") else 4
-        return (s.points + s.nodal["displacement"][k] + more)[s.cells[:, :corners]]
+        return self._length * (s.points + s.nodal["displacement"][k] + more)[s.cells[:, :corners]]
 
-    def _frame(self) -> None:
+    def _frame(self, unit: str) -> None:
         """Equal scales, the wall, and room for all instants."""
         ends = np.concatenate([self._places(k).reshape(-1, 2) for k in range(len(self._series.t))])
         low, high = ends.min(axis=0), ends.max(axis=0)
         room = MARGIN * (high - low).max()
         self._axes.set(xlim=(low[0] - room, high[0] + room), ylim=(min(low[1], 0.0) - room, high[1] + room))
-        self._axes.set(aspect="equal", xlabel="X along the wall [m]", ylabel="Y [m]")
+        self._axes.set(aspect="equal", xlabel=f"X along the wall [{unit}]", ylabel=f"Y [{unit}]")
         self._axes.axhline(0.0, color="#1b1f24", linewidth=1.2)

@@ -89,6 +89,7 @@ US = Units(
             "Pa": ((FOOT / 12.0) ** 2 / KIP, "ksi"),
             "N/m": (FOOT / KIP, "kip/ft"),
             "N/m^2": (FOOT**2 / KIP, "kip/ft^2"),
+            "J/m^3": (FOOT**2 / KIP, "kip ft/ft^3"),
         },
         **{
             "kN/m": (1e3 * FOOT / KIP, "kip/ft"),

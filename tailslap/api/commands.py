@@ -20,8 +20,10 @@ from tailslap.options import JSON, QUIET, UNITS, Folder, Real, Text, tell, with_
 @click.option(
     "--magnify", type=Real(0.0, 1e9), default=1.0, show_default=True, help="The elastic deformation in them."
 )
-@with_options(JSON, QUIET)
-def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: float, as_json: bool) -> int:
+@with_options(UNITS, JSON, QUIET)
+def export(
+    folder: Path, to: str, out: Path | None, field: str | None, magnify: float, units: str, as_json: bool
+) -> int:
     """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
 
     RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
@@ -29,7 +31,7 @@ def export(folder: Path, to: str, out: Path | None, field: str | None, magnify: 
     """
     from tailslap.api.exports import export as write
 
-    written = write(folder, to, out, field=field, magnify=magnify)
+    written = write(folder, to, out, field=field, magnify=magnify, units=units)
     return tell({"written": written}, f"Written: {written}", as_json)
 
 

@@ -14,6 +14,7 @@ from tailslap.errors import InputError, Verbatim
 
 if TYPE_CHECKING:
     from postprocess.fields.series import FieldSeries
+    from postprocess.report.units import Units
 
 FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", "msh": "fields.msh"}
 """The file to open."""
@@ -26,6 +27,7 @@ def export(
     *,
     field: str | None = None,
     magnify: float = 1.0,
+    units: str = "si",
 ) -> Path:
     """Write a run's fields and histories in a format of other programs.
 
@@ -42,6 +44,8 @@ def export(
         The field that pictures show, like "stress_von_mises" or "velocity_y"; without it, all.
     magnify : float
         Factor on the elastic deformation in pictures [-].
+    units : str
+        Of what pictures show, "si" or "us"; other files are in SI.
 
     Returns
     -------
@@ -51,7 +55,7 @@ def export(
     Raises
     ------
     InputError
-        For another format, a result without fields, or a folder that holds other files.
+        For another format, other units, a result without fields, or a folder that holds other files.
     ImportError
         Where the format needs a library that is not installed.
 
@@ -69,12 +73,12 @@ def export(
     found = result if isinstance(result, Result) else load(result)
     place = _place(result, found, to) if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields
-    names = _drawn(field)
+    names, shown = _drawn(field), _units(to, units)
     with result_folder(place) as unfinished:
         if fields is None:
             _write_tables(found, to, unfinished)
         elif to in PICTURES:
-            _draw(fields, to, unfinished, names, magnify)
+            _draw(fields, to, unfinished, names, magnify, shown)
         else:
             _writer(to)(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
@@ -89,14 +93,29 @@ def _drawn(field: str | None) -> tuple[str, ...]:
     return DRAWN if field is None else (field,)
 
 
-def _draw(fields: FieldSeries, to: str, folder: Path, names: tuple[str, ...], magnify: float) -> None:
+def _units(to: str, units: str) -> Units:
+    """The units of pictures. Raises InputError for others, and where there are no pictures."""
+    from postprocess.fields.pictures import AS_STORED
+    from postprocess.report.units import US
+
+    systems = {"si": AS_STORED, "us": US}
+    if units not in systems:
+        raise InputError("--units", units, f"allowed is one of {', '.join(systems)}")
+    if units != "si" and to not in PICTURES:
+        raise InputError("--units", units, f"files of {to} are in SI always; leave out one of the two")
+    return systems[units]
+
+
+def _draw(
+    fields: FieldSeries, to: str, folder: Path, names: tuple[str, ...], magnify: float, units: Units
+) -> None:
     from postprocess.fields.pictures import animate, draw_instants
 
     for name in names:
         if to == "png":
-            draw_instants(folder, fields, name, magnify)
+            draw_instants(folder, fields, name, magnify, units=units)
         else:
-            animate(folder / f"{name}.gif", fields, name, magnify)
+            animate(folder / f"{name}.gif", fields, name, magnify, units)
 
 
 def _place(given: object, found: Result, to: str) -> Path:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postprocess.report.page import Picture
+from postprocess.report.units import SI, Units
 from solver.impact import CORNERS
 from tailslap.impact.answers import ImpactAnswer, nearest_corner
 from tailslap.impact.outcome import ImpactOutcome
@@ -122,11 +123,13 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     return [draw_loops(loops)] if loops else [], along
 
 
-def animation(outcome: ImpactOutcome, folder: Path) -> Picture:
-    """The impact as a GIF."""
+def animation(outcome: ImpactOutcome, folder: Path, units: Units = SI) -> Picture:
+    """The impact as a GIF, its axes in these units."""
     h = outcome.run.history
     with announced("Drawing the animation ..."):
         from postprocess.figures.impact.animation import write_animation
 
-        path = write_animation(folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"])
+        path = write_animation(
+            folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"], units=units
+        )
     return Picture(path, "The impact, slowed down, and the lateral force")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
+from postprocess.report.units import SI, Units
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.check_text import contact_words, omitted_parts
 from tailslap.impact.checks import advice
@@ -61,15 +62,15 @@ DURATIONS_NOTE = (
 )
 
 
-def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool) -> Report:
-    """The report of a run; pictures: whether an animation was asked for."""
+def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+    """The report of a run; pictures: whether an animation was asked for; units: of it."""
     keep_fields(outcome, folder)
     plan = outcome.fe_plan.plan
     page = Page(
         kicker=KICKER,
         title=plan.scene.name,
         headline=headline(outcome),
-        sections=_sections(outcome, folder, pictures),
+        sections=_sections(outcome, [animation(outcome, folder, units)] if pictures else []),
         footer=f"{footer()} {FOOTER}",
         scene_text=scene_text(plan.source),
         passed=outcome.passed,
@@ -141,14 +142,13 @@ def durations_table(answer: ImpactAnswer) -> Table:
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
-def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Section]:
+def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
     fe_plan, plan = outcome.fe_plan, outcome.fe_plan.plan
     design = _design(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
     chosen = frozenset(decision.key for decision in fe_plan.decisions)
     inputs = resolved_inputs(plan.scene, plan.source, fe_plan.plate, chosen)
     forces, (loops, along) = force_figures(outcome, levels), contact_figures(outcome)
-    moving = [animation(outcome, folder)] if pictures else []
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome)]),
@@ -170,7 +170,7 @@ def _sections(outcome: ImpactOutcome, folder: Path, pictures: bool) -> list[Sect
         ),
         Section("What was run", sentences=_statements(outcome), is_folded=True),
         checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
-        *record_sections(run_cost(outcome), omitted_parts(plan.scene, pictures), inputs),
+        *record_sections(run_cost(outcome), omitted_parts(plan.scene, bool(moving)), inputs),
     ]
 
 

@@ -7,12 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from postprocess.contours.contours import ContourField, Setting, draw_contours
+from postprocess.report.units import SI, Units
 from tailslap.progress import announced
 from tailslap.scene_run import Outcome
 
 
-def draw_pictures(outcome: Outcome, folder: Path) -> Outcome:
-    """The outcome with contour pictures of the plate at the tail-slap; as it is where it was not reached."""
+def draw_pictures(outcome: Outcome, folder: Path, units: Units = SI) -> Outcome:
+    """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
+    reached."""
     from fem.discretisation.fields import nodal_spin
 
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
@@ -39,5 +41,5 @@ def draw_pictures(outcome: Outcome, folder: Path) -> Outcome:
             scene=fe_plan.plan.scene.name,
             time=strike.values["t"],
         )
-        pictures = draw_contours(setting, fields, folder)
+        pictures = draw_contours(setting, fields, folder, units)
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)

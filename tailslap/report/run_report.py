@@ -12,6 +12,7 @@ from postprocess.figures.panels import Panel
 from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
+from postprocess.report.units import SI, Units
 from solver.strike import strike_force
 from tailslap.planning.rigid import rigid_answer
 from tailslap.report.common import footer
@@ -81,10 +82,10 @@ METRICS_NOTE = (
 )
 
 
-def report_in_folder(outcome: Outcome, folder: Path, pictures: bool) -> Report:
-    """The report of a run, whose fields and pictures go into the folder."""
+def report_in_folder(outcome: Outcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+    """The report of a run, whose fields and pictures go into the folder; units: of the pictures."""
     keep_fields(outcome, folder)
-    return run_report(draw_pictures(outcome, folder) if pictures else outcome, pictures)
+    return run_report(draw_pictures(outcome, folder, units) if pictures else outcome, pictures)
 
 
 def run_report(outcome: Outcome, pictures: bool) -> Report:

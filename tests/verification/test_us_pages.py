@@ -1,0 +1,191 @@
+"""Verification: with `--units us` pictures and the pages of modes, modal runs and comparisons are in American units."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tailslap
+from postprocess.contours import contours
+from postprocess.contours.contours import ContourField, Setting, draw_contours
+from postprocess.fields.pictures import Drawing, element_values
+from postprocess.figures.impact.animation import write_animation
+from postprocess.report.units import US
+from tailslap import Result
+from tailslap.command_line import _status
+from tailslap.errors import InputError
+
+pytestmark = pytest.mark.verification
+
+FOOT, KIP = 0.3048, 4448.2216152605
+PSI = KIP / 1e3 / (FOOT / 12.0) ** 2
+SQUARE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return tailslap.run("paper-table-3", {"output.fields": 3, "plate.elements": [8, 2]})
+
+
+@pytest.fixture(scope="module")
+def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return result.save(tmp_path_factory.mktemp("us") / "reference", pictures=False)
+
+
+def texts_of(monkeypatch: pytest.MonkeyPatch, folder: Path, *units: Any) -> list[str]:
+    """Words of a picture of the square: the rulers' numbers and what stands beside them."""
+    said: list[str] = []
+    plain = contours.add_text
+
+    def add_text(plotter: Any, text: str, *more: Any, **others: Any) -> Any:
+        said.append(text)
+        return plain(plotter, text, *more, **others)
+
+    monkeypatch.setattr(contours, "add_text", add_text)
+    field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
+    setting = Setting(SQUARE, np.array([[0, 1, 2, 3]]), corner=(0.0, 0.0), centroid=(1.5, 0.5))
+    draw_contours(setting, [field], folder, *units)
+    monkeypatch.undo()
+    return said
+
+
+def numbers(texts: list[str]) -> list[float]:
+    return [float(text) for text in texts if re.fullmatch(r"[\d.]+", text)]
+
+
+def test_contours_have_rulers_title_and_values_in_feet(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    metres, feet = texts_of(monkeypatch, tmp_path), texts_of(monkeypatch, tmp_path, US)
+    for said, length, speed, middle in (
+        (metres, "m", "m/s", "G: 1.5 m/s"),
+        (feet, "ft", "ft/s", "G: 4.921 ft/s"),
+    ):
+        assert {f"X [{length}], driving direction →", f"Y [{length}]", f"Velocity [{speed}]", middle} <= {
+            *said
+        }
+    assert max(numbers(metres)) == 3.0
+    assert 3.0 / FOOT - 1.0 <= max(numbers(feet)) <= 3.0 / FOOT + 1.0
+    assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
+
+
+def test_drawn_fields_are_in_feet_and_ksi(result: Result) -> None:
+    """Colours, places, and the labels of both."""
+    series = result.fields
+    drawing, plain = Drawing(series, "stress_von_mises", 1.0, US), Drawing(series, "stress_von_mises", 1.0)
+    axes, colours = drawing.at(1).axes
+    (plate,) = axes.collections
+    stress = element_values(series, "stress_von_mises")[1]
+    np.testing.assert_allclose(plate.get_array(), stress / (1e3 * PSI), rtol=1e-12)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("X along the wall [ft]", "Y [ft]")
+    assert colours.get_xlabel() == "stress_von_mises [ksi]"
+    np.testing.assert_allclose(axes.get_xlim(), np.array(plain.at(1).axes[0].get_xlim()) / FOOT, rtol=1e-12)
+    assert plain.at(1).axes[1].get_xlabel() == "stress_von_mises [Pa]"
+
+
+def test_exported_pictures_take_units_and_tables_refuse_them(
+    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[str] = []
+    monkeypatch.setattr(
+        "postprocess.fields.pictures.draw_instants",
+        lambda *_, units, **__: given.append(units.name),
+    )
+    tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
+    assert given == ["us"]
+    with pytest.raises(InputError, match="files of csv are in SI always"):
+        tailslap.export(result, "csv", tmp_path / "b", units="us")
+    with pytest.raises(InputError, match="allowed is one of si, us"):
+        tailslap.export(result, "png", tmp_path / "c", units="uk")
+
+
+def test_an_animation_has_axes_in_feet_and_kip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from matplotlib.axes import Axes
+
+    labels: list[str] = []
+    ends: list[float] = []
+    plain = Axes.set_ylabel
+
+    def set_ylabel(axes: Axes, label: str, *more: Any, **others: Any) -> Any:
+        labels.append(label)
+        ends.append(axes.get_ylim()[1])
+        return plain(axes, label, *more, **others)
+
+    monkeypatch.setattr(Axes, "set_ylabel", set_ylabel)
+    outlines, force = np.stack([SQUARE, SQUARE]), np.array([0.0, 10.0 * KIP])
+    write_animation(tmp_path / "a.gif", np.array([0.0, 0.1]), outlines, force, units=US)
+    write_animation(tmp_path / "b.gif", np.array([0.0, 0.1]), outlines, force)
+    assert labels == ["Y [ft]", "force [kip]", "Y [m]", "force [kN]"]
+    assert ends[0] == pytest.approx(ends[2] / FOOT)
+    assert ends[1] == pytest.approx(10.0 * 1.05)
+
+
+def page_text(place: Path) -> str:
+    """Words of a page without tags, what is folded and drawn included."""
+    text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", _html(place), flags=re.DOTALL)
+    return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
+
+
+def _html(place: Path) -> str:
+    return (place / "report.html").read_text(encoding="utf-8")
+
+
+def test_modes_say_the_beam_in_feet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8,2]", "--units", "us"]
+    assert _status([*arguments, "--out", str(tmp_path / "a")]) == 0
+    text = page_text(tmp_path / "a")
+    assert "free beam of length 32.8 ft and depth 7.999 ft" in text
+    assert not re.search(r"\d (m|m/s)\b", text)
+
+
+def test_a_modal_run_says_feet_and_json_stays_si(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["modal", "paper-table-3", "--units", "us"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert _status(["modal", "paper-table-3", "--units", "us", "--json"]) == 0
+    values = json.loads(capsys.readouterr().out)["modal"]
+    for symbol, key in (("v_GX", "v_gx"), ("s", "slide")):
+        (row,) = (line for line in lines if line[:1] == [symbol])
+        assert row[1] == ("ft/s" if key == "v_gx" else "ft")
+        assert float(row[2]) == pytest.approx(values[key] / FOOT, rel=1e-6)
+
+
+def test_a_comparison_has_axes_and_numbers_in_american_units(folder: Path, tmp_path: Path) -> None:
+    for units in ("us", "si"):
+        given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
+        assert _status(given) == 0
+    us, si = page_text(tmp_path / "us"), page_text(tmp_path / "si")
+    for unit, other in (
+        ("s [ft]", "s [m]"),
+        ("N [kip]", "N [kN]"),
+        ("difference of R [kip]", "difference of R [kN]"),
+    ):
+        assert unit in us
+        assert unit not in si
+        assert other in si
+    slide = json.loads((folder / "summary.json").read_text())["fe"]["slide"]
+    assert f"{slide / FOOT:.7g}" in us
+    assert f"{slide:.7g}" in si
+    assert (tmp_path / "us" / "metrics.csv").read_text() == (tmp_path / "si" / "metrics.csv").read_text()
+
+
+def test_a_run_draws_its_pictures_in_the_units_of_its_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[str] = []
+
+    def draw(setting: Setting, fields: Any, out: Path, units: Any) -> list[Path]:
+        given.append(units.name)
+        return []
+
+    monkeypatch.setattr("tailslap.report.pictures.draw_contours", draw)
+    for units in ("us", "si"):
+        assert (
+            _status(["run", "paper-table-3", "--units", units, "--quiet", "--out", str(tmp_path / units)])
+            == 0
+        )
+    assert given == ["us", "si"]
