@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures.rows import bars, heights, intervals, row_plot
-from postprocess.figures.svg.chart import Axis, Chart, draw_chart
-from postprocess.figures.svg.marks import Mark, Span, Words
+from postprocess.figures.svg.areas import Span
+from postprocess.figures.svg.chart import Chart, draw_chart
+from postprocess.figures.svg.marks import Mark, Words
+from postprocess.figures.svg.plot import Axis
 
 WIDTH, ROW, BAR = 480.0, 22.0, 0.6
 

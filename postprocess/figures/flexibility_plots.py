@@ -8,9 +8,11 @@ from itertools import cycle
 
 import numpy as np
 
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.areas import Span
+from postprocess.figures.svg.chart import Chart, draw_chart
 from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Level, Line, Mark, Span, key
+from postprocess.figures.svg.marks import Level, Line, Mark, key
+from postprocess.figures.svg.plot import Axis, Plot
 
 LINE, RINGS, DOTS = "line", "rings", "dots"
 COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.figures.svg.areas import Boxes
+from postprocess.figures.svg.chart import Chart, draw_chart, draw_legend
 from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Boxes, Swatch
+from postprocess.figures.svg.marks import Swatch
+from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.figures.svg.scale import Scale, power_text, tick_texts
 from postprocess.figures.svg.shades import cells_about
 

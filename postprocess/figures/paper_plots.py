@@ -7,8 +7,9 @@ import numpy as np
 
 from postprocess.figures.curves import TIME, History, thinned
 from postprocess.figures.panels import COMPARED
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.chart import Chart, draw_chart
 from postprocess.figures.svg.marks import Line
+from postprocess.figures.svg.plot import Axis, Plot
 
 Points = tuple[tuple[float, float], ...]
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.chart import Chart, draw_chart
 from postprocess.figures.svg.marks import Line, Mark
+from postprocess.figures.svg.plot import Axis, Plot
 
 Floats = NDArray[np.float64]
 

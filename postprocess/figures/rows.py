@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.figures.svg.chart import Axis, Plot
+from postprocess.figures.svg.areas import Boxes
 from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Boxes, Line, Mark
+from postprocess.figures.svg.marks import Line, Mark
+from postprocess.figures.svg.plot import Axis, Plot
 
 ROW = 34.0
 """Pixels of a row."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from postprocess.figures.svg.chart import Chart
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
-GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) ")
+GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
 SYMBOL = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 CODE = re.compile(r"`([^`]+)`")
 EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
@@ -146,7 +146,7 @@ def _power(factor: str, power: int) -> str:
 
 
 def glued(text: str) -> str:
-    """The text with no line break between a number and its unit, nor at an equals sign."""
+    """The text with no line break between a number and its unit, at an equals sign, nor in a unit in brackets."""
     return GLUED.sub(NO_BREAK, text)
 
 

@@ -23,6 +23,7 @@ from postprocess.report.page import (
     Page,
     Picture,
     Section,
+    glued,
     printed_numbers,
     prose,
     write_page,
@@ -253,6 +254,10 @@ def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> No
 
 def whole(name: str) -> str:
     return f'<span class="whole">{name}</span>'
+
+
+def test_a_unit_in_brackets_stays_in_one_piece() -> None:
+    assert glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
 
 
 def test_zero_has_no_sign() -> None:

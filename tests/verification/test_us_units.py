@@ -9,8 +9,9 @@ import sys
 import numpy as np
 import pytest
 
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.chart import Chart, draw_chart
 from postprocess.figures.svg.marks import Level, Line
+from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures.impact.strikes import StrikeMark
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
-from postprocess.figures.svg.marks import Line, Mark, Outline, Words
+from postprocess.figures.svg.areas import Outline
+from postprocess.figures.svg.chart import Chart, draw_chart
+from postprocess.figures.svg.marks import Line, Mark, Words
+from postprocess.figures.svg.plot import Axis, Plot
 
 Floats = NDArray[np.float64]
 

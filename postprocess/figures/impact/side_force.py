@@ -9,9 +9,10 @@ import numpy as np
 
 from postprocess.figures.impact.forces import START, WIDE
 from postprocess.figures.impact.strikes import StrikeMark, shaded
-from postprocess.figures.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures.svg.areas import Boxes
+from postprocess.figures.svg.chart import Chart, draw_chart
 from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Boxes
+from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.figures.svg.shades import Shades
 
 COLUMNS = 240
