@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,8 @@ class Looked:
         return sum(map(len, self.found.values()))
 
 
-def look(browser: Any, name: str, path: Path) -> Looked:
-    """Look at a page."""
+def look(browser: Any, name: str, path: Path, widths: Sequence[int] = WIDTHS) -> Looked:
+    """Look at a page, on screens of so many pixels' width."""
     size = path.stat().st_size / 1e6
     found: dict[str, list[str]] = {
         "axe": [],
@@ -39,7 +39,7 @@ def look(browser: Any, name: str, path: Path) -> Looked:
         "console": [],
         "requests": [],
     }
-    for width in WIDTHS:
+    for width in widths:
         for scheme in SCHEMES:
             _on_screen(browser, path, width, scheme, found)
     found["no scripts"] = _without_scripts(browser, path)
