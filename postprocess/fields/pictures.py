@@ -64,11 +64,13 @@ def draw_instants(
     """Write NAME_0000.png and so on, of these instants by number, or of all; magnify: of the elastic deformation;
     units: of what is shown."""
     chosen = range(len(series.t)) if instants is None else instants
+    from PIL import Image
+
     drawing = Drawing(series, name, magnify, units)
     paths = []
     for k in chosen:
         path = folder / f"{name}_{k % len(series.t):04d}.png"
-        drawing.at(k).savefig(path, dpi=DOTS)
+        Image.fromarray(drawing.pixels(k)).save(path, dpi=(DOTS, DOTS))
         paths.append(path)
     return paths
 
@@ -105,6 +107,8 @@ class Drawing:
             self._plate, ax=self._axes, label=f"{name} [{unit}]", location="bottom", aspect=40
         )
         self._frame(length_unit)
+        self.at(0).draw_without_rendering()
+        self._figure.set_layout_engine("none")  # that of the first instant is all the others'
 
     def at(self, k: int) -> Figure:
         """The figure at this instant."""
