@@ -16,7 +16,7 @@ from postprocess.files.summary import plain, write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Table
 from postprocess.report.terminal import Part, place_line, printed
-from postprocess.report.units import Units
+from postprocess.report.units import SI, Units
 
 PAGE, SUMMARY = "report.html", "summary.json"
 SHOWN = ("figures", "tables", "sentences")
@@ -53,7 +53,9 @@ def in_units(report: Report, units: Units) -> Report:
 def page_in_units(page: Page, units: Units) -> Page:
     """A page alike."""
     sections = [shown_in(section, units) for section in page.sections]
-    return replace(page, headline=units.said(page.headline), sections=sections)
+    said = "SI units" if units is SI else f"{units.name.upper()} units, files in SI"
+    footer = page.footer.replace("SI units", said)
+    return replace(page, headline=units.said(page.headline), sections=sections, footer=footer)
 
 
 def shown_in(part: Any, units: Units) -> Any:

@@ -14,6 +14,9 @@ from postprocess.report.units import SI, Units
 
 Form = str | Callable[[Any], str]
 
+MANY, LONG = 9, 105
+"""Columns, and letters of their headings with what is between them, that stand side by side."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -119,6 +122,11 @@ class Table:
             else:
                 spans.append((column.group, 1))
         return tuple(spans) if any(name for name, _ in spans) else ()
+
+    @property
+    def is_wide(self) -> bool:
+        """Whether its headings need smaller letters to stand side by side on a page."""
+        return len(self.columns) > MANY or sum(len(column.heading) + 2 for column in self.columns) > LONG
 
     def mark(self, row: int) -> str:
         """Style of a row."""

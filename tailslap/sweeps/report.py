@@ -38,7 +38,7 @@ SPREAD = (
     Column("least", "FE, least", form=".5g"),
     Column("most", "FE, most", form=".5g"),
     Column("difference", "Largest FE/rigid - 1", form="+.2e", style="strong"),
-    Column("run", "in run", form="d"),
+    Column("run", "In run", form="d"),
 )
 RIGID_SPREAD = (
     Column("quantity.label", ""),

@@ -256,6 +256,18 @@ def test_columns_go_to_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
     assert frame.attrs["units"] == {"t": "s"}
 
 
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_columns_are_those_of_a_real_data_frame(result: Result, library: str) -> None:
+    """Of a history, and of columns of words and whole numbers as sweeps have them."""
+    pytest.importorskip(library)
+    mixed = Columns({"run": np.arange(2), "status": np.array(["passed", ""], dtype=object)}, {})
+    for columns in (result.history, result.rigid, mixed):
+        frame = getattr(columns, f"to_{library}")()
+        assert list(frame.columns) == list(columns)
+        for name in columns:
+            assert frame[name].to_list() == columns[name].tolist()
+
+
 def test_every_column_has_its_unit(result: Result) -> None:
     impact = tailslap.rigid("impact-mash-tl4-sut")
     for columns in (result.history, result.rigid, impact.history):

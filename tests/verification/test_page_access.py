@@ -9,11 +9,15 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from postprocess.figures.svg.chart import draw_chart, draw_legend
 from postprocess.figures.svg.drawing import PALETTE
+from postprocess.figures.svg.marks import Line, Swatch
+from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.report.page import Page, Section, write_page
-from postprocess.report.table import Table
+from postprocess.report.table import Table, text_table
 from tailslap.command_line import _status
 from tailslap.report.parts import DESIGN
 from tailslap.report.run_report import run_report
@@ -167,6 +171,26 @@ def test_a_name_that_is_kept_whole_is(tmp_path: Path) -> None:
     text = write_page(tmp_path / "p.html", page).read_text(encoding="utf-8")
     assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text
     assert ".whole { white-space: nowrap; }" in text
+
+
+def test_a_table_of_many_columns_is_set_smaller(tmp_path: Path) -> None:
+    """By their number, or by the letters of their headings."""
+    tables = [text_table(*headings, rows=[["1"] * len(headings)]) for headings in (["a"] * 9, ["a"] * 10)]
+    tables += [text_table(*["a" * n] * 4, rows=[["1"] * 4]) for n in (24, 25)]
+    assert [table.is_wide for table in tables] == [False, True, False, True]
+    page = Page("", "x", "", (Section("Tables", tables=tables),), "")
+    assert write_page(tmp_path / "p.html", page).read_text().count('<table class="dense">') == 2
+
+
+def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path: Path) -> None:
+    """In narrow columns its letters would be smaller than those of the charts."""
+    line = Line("", np.arange(2.0), np.arange(2.0))
+    chart = draw_chart("b", "A chart", (Plot((line,), Axis("y")),), Axis("x"))
+    charts = (draw_legend("a", "What colours mean", (Swatch("right", "green"),)), chart)
+    page = Page("", "x", "", (Section("Charts", figures=charts, layout="narrow"),), "")
+    text = write_page(tmp_path / "p.html", page).read_text(encoding="utf-8")
+    assert text.count('<figure class="legend">') == 1
+    assert ".legend { grid-column: 1 / -1; }" in text
 
 
 def test_a_long_word_does_not_widen_the_page(tmp_path: Path) -> None:

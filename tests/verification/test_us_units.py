@@ -146,7 +146,7 @@ def test_a_report_is_in_american_units_everywhere() -> None:
     )
     table = Table(columns, [{"a": "2 m", "b": 445e3, "c": "2 m"}], "of 2 m", ("2 m",))
     section = Section("2 m", "2 m", (chart,), (table,), ("2 m",))
-    page = Page("", "", "2 m", (section,), "")
+    page = Page("", "", "2 m", (section,), "SI units; x along")
     shown = in_units(Report(page, {}, ("2 m", table)), US)
     (part,) = shown.page.sections
     (made,), (figure,) = part.tables, part.figures
@@ -163,7 +163,9 @@ def test_a_report_is_in_american_units_everywhere() -> None:
     ):
         assert text in figure.svg
     assert "kN" not in figure.svg
+    assert shown.page.footer == "US units, files in SI; x along"
     assert in_units(Report(page, {}, ()), SI).page.headline == "2 m"
+    assert in_units(Report(page, {}, ()), SI).page.footer == page.footer
 
 
 def test_records_that_name_their_unit_are_in_american_units() -> None:

@@ -35,6 +35,11 @@ class Chart:
     plots: tuple[Plot, ...] = field(default=(), compare=False)
     x: Axis = field(default=Axis(), compare=False)
 
+    @property
+    def is_legend(self) -> bool:
+        """Whether it is the legend of several charts, and shows nothing else."""
+        return bool(self.plots) and all(plot.height == 0.0 for plot in self.plots)
+
     def in_units(self, units: Units) -> Chart:
         """The same in other units."""
         along, x_unit = units.of(self.x.unit)

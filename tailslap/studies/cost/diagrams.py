@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from postprocess.figures.precision_plots import Diagram, Series
+from postprocess.figures.svg.scale import power_text
 from tailslap.studies.cost import settings
 from tailslap.studies.cost.points import Point, front, order_of
 from tailslap.studies.cost.soft import REFINED, SPRING
@@ -72,7 +73,7 @@ def rigid_diagram(points: Iterable[Point], known: float) -> Diagram:
         front=[(p.seconds, p.error) for p in front(rigid)],
         front_label="Pareto front, exact solution apart",
         floor=known,
-        floor_label=f"the exact solution is known to {known:.0e}",
+        floor_label=_known_to("exact solution", known),
         error_label="error from the exact rigid motion",
     )
 
@@ -87,7 +88,7 @@ def flexible_diagram(points: Iterable[Point], known: float, mesh_known: float) -
         front=[(p.seconds, p.error) for p in front(soft)],
         front_label="Pareto front",
         floor=known,
-        floor_label=f"the limit is known to {known:.0e}",
+        floor_label=_known_to("limit", known),
         error_label="error from the soft plate's limit",
     )
 
@@ -104,7 +105,7 @@ def impact_diagram(points: Iterable[Point], known: float) -> Diagram:
         front=[(p.seconds, p.error) for p in front(points)],
         front_label="Pareto front",
         floor=known,
-        floor_label=f"the limit is known to {known:.0e}",
+        floor_label=_known_to("limit", known),
         error_label="error of both strikes from the plate's limit",
     )
 
@@ -124,3 +125,8 @@ def _series(label: str, points: Iterable[Point], joined: bool = True) -> Series:
     numbers = [(p.seconds, p.own_error, not p.failed) for p in good]
     times, errors, passed = zip(*numbers, strict=True) if numbers else ((), (), ())
     return Series(label, times, errors, passed, joined, any(p.setting.choice for p in good))
+
+
+def _known_to(what: str, error: float) -> str:
+    """With one digit."""
+    return f"the {what} is known to {power_text(float(f'{error:.0e}'))}"

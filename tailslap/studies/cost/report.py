@@ -20,26 +20,26 @@ from tailslap.studies.cost.soft import frequency, patch
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
-    Column("setting.key", "setting"),
-    Column("checks", "checks"),
-    Column("error", "error", form=ERROR),
-    Column("added", "added", form=ERROR),
-    Column("seconds", "time", form=duration),
-    Column("loop_s", "of which loop", form=duration),
-    Column("steps", "steps", form="d"),
+    Column("setting.key", "Setting"),
+    Column("checks", "Checks"),
+    Column("error", "Error", form=ERROR),
+    Column("added", "Added", form=ERROR),
+    Column("seconds", "Time", form=duration),
+    Column("loop_s", "Of which loop", form=duration),
+    Column("steps", "Steps", form="d"),
 )
 LINES = (
-    Column("label", "line"),
-    Column("coarsest.own_error", "coarsest", form=ERROR),
-    Column("finest.own_error", "finest", form=ERROR),
-    Column("order", "order", form=known(".1f")),
+    Column("label", "Line"),
+    Column("coarsest.own_error", "Coarsest", form=ERROR),
+    Column("finest.own_error", "Finest", form=ERROR),
+    Column("order", "Order", form=known(".1f")),
 )
 GRIDS = (
-    Column("symbol", "quantity"),
-    Column("behaviour", "values"),
-    *columns({"values.2": "coarse", "values.1": "medium", "values.0": "fine"}, form=VALUE),
-    Column("extrapolated", "extrapolated", form=VALUE),
-    Column("order", "order", form=known(".2f")),
+    Column("symbol", "Quantity"),
+    Column("behaviour", "Values"),
+    *columns({"values.2": "Coarse", "values.1": "Medium", "values.0": "Fine"}, form=VALUE),
+    Column("extrapolated", "Extrapolated", form=VALUE),
+    Column("order", "Order", form=known(".2f")),
     Column("gci_fine", "GCI fine", form=ERROR),
 )
 FILES = "points.csv, every setting with its numbers in SI; summary.json"
@@ -175,7 +175,7 @@ def _best(points: tuple[Point, ...], kind: str, name: str) -> Table:
     """The cheapest setting for each error: of a kind, and of finite elements."""
     rows = [row for row in by_level(points) if row[kind] or row[FE]]
     columns = (*_best_columns(kind, name), *_best_columns(FE, "finite elements"))
-    return Table((Column("level", "error at most"), *columns), rows, "The cheapest setting")
+    return Table((Column("level", "Error at most"), *columns), rows, "The cheapest setting")
 
 
 def _best_columns(kind: str, group: str) -> tuple[Column, ...]:

@@ -27,7 +27,7 @@ WORDS = {
     for name, word in (("impulse", "impulse"), ("peak_force", "peak"), ("duration", "duration"))
 }
 GOOD = (
-    Column("what", "off by at most"),
+    Column("what", "Off by at most"),
     *columns({f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(IMPACT_LEVELS)}, form=str),
 )
 POINTS = [
@@ -47,7 +47,7 @@ def impact_flexibility_report(found: ImpactFlexibility) -> Report:
     good = Table(GOOD, rows, "The rigid vehicle is good down to a first frequency of")
     marks = {i: "failed" for i, point in enumerate(found.points) if not point.passed}
     numbers = [point.row for point in found.points]
-    all_points = Table((F1, *POINTS, Column("failed", "checks failed")), numbers, "Every plate", marks=marks)
+    all_points = Table((F1, *POINTS, Column("failed", "Checks failed")), numbers, "Every plate", marks=marks)
     page = study_page(
         found.plan,
         "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",

@@ -25,16 +25,16 @@ MAIN = LEVELS.index(1e-2)
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
 F1 = Column("frequency", "f_1", form=hertz)
 GOOD = (
-    Column("what", "off by at most"),
+    Column("what", "Off by at most"),
     *columns({f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(LEVELS)}, form=str),
 )
 LAWS = (
-    Column("law.exponent", "exponent of f_1", form=".3f"),
-    *columns({"law.highest": "from", "law.lowest": "down to"}, form=hertz),
+    Column("law.exponent", "Exponent of f_1", form=".3f"),
+    *columns({"law.highest": "From", "law.lowest": "Down to"}, form=hertz),
 )
 ERRORS = {name: Column(f"errors.{name}", "", form=SIZE) for name in MEASURED}
 POINTS = [Column(f"seven.{name}", SYMBOLS[name], form=SIZE, below=error) for name, error in ERRORS.items()]
-PARTS = {"difference": "at the strike", "largest": "largest", "error": "error"}
+PARTS = {"difference": "At the strike", "largest": "Largest", "error": "Error"}
 STARTED = [
     Column(f"good.{start}.{key}", label, form=SIZE, group=group)
     for start, group in START_NAMES.items()
@@ -45,10 +45,10 @@ KEPT_BY = [
     for start in STARTS[:2]
     for name in KEPT
 ]
-PLATES = {"deflection_ratio": "static deflection ratio", "half_change": "half the patch changes v_GY by"}
-PLATES |= {"thickness.apart": "thickness for E, apart"}
-STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping", "damping", "1/s", form=SIZE))
-MODAL = {"modal.v_gy": "v_GY", "modal_apart": "largest of five from FE", "modal_estimate": "own estimate"}
+PLATES = {"deflection_ratio": "Static deflection ratio", "half_change": "Half the patch changes v_GY by"}
+PLATES |= {"thickness.apart": "Thickness for E, apart"}
+STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping", "Damping", "1/s", form=SIZE))
+MODAL = {"modal.v_gy": "v_GY", "modal_apart": "Largest of five from FE", "modal_estimate": "Own estimate"}
 READING = (
     "Inertia relief begins in the elastic state of the rigid acceleration, with the rigid body's spin and corner speed "
     "or, by Stage 1's momenta, its v_GX and v_GY; unstressed, the plate has all four, oscillates and strikes in any "
@@ -73,7 +73,7 @@ def flexibility_report(found: FlexibilityResults | ImpactFlexibility) -> Report:
     said = plates(found)
     tables = [
         Table(
-            (F1, Column("checks", "checks"), *POINTS),
+            (F1, Column("checks", "Checks"), *POINTS),
             found.points,
             "At the strike, with inertia relief",
             marks=marks,
@@ -82,7 +82,7 @@ def flexibility_report(found: FlexibilityResults | ImpactFlexibility) -> Report:
         Table((F1, *KEPT_BY), found.points, "What each start departs from at t = 0"),
         Table((F1, *STIFF, *columns(PLATES, form=SIZE)), found.points, "The plates"),
     ]
-    modal = Table((F1, Column("modal_why", "checks failed"), *columns(MODAL, form=SIZE)), found.points)
+    modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), found.points)
     page = study_page(
         found.sweep.plan,
         "Flexibility: how soft the vehicle may be for the rigid-body method to hold",

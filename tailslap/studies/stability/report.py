@@ -137,7 +137,9 @@ def _causes(found: Campaign) -> tuple[Table, Table]:
     alone = Counter(verdict.failed for verdict in found.of_kind(CAUGHT).values())
     caught = [(name, advice([name]), str(n), str(alone[name])) for name, n in found.caught_by.items()]
     refused = [(name, str(n)) for name, n in found.refused_by.items()]
-    checks = text_table("Check", ADVISED, "Cells", "Alone", rows=caught, texts=2, title="Caught by")
+    checks = text_table(
+        "Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Caught by"
+    )
     return checks, text_table("Key", "Cells", rows=refused, title="Refused by")
 
 

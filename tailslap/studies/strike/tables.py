@@ -146,7 +146,7 @@ def plates_table(found: StrikeResults, title: str = "", short: bool = False) -> 
         for q in chosen
     ]
     first = Column("frequency", "f_1", "Hz", form=lambda f: f"{f:g}" if math.isfinite(f) else "rigid")
-    last = Column("error", "mesh", form=lambda e: percent(e, 1).lstrip("+") if math.isfinite(e) else "–")
+    last = Column("error", "Mesh", form=lambda e: percent(e, 1).lstrip("+") if math.isfinite(e) else "–")
     failed = {n: "failed" for n, point in enumerate(found.plates) if not point.passed}
     rows = [
         {"frequency": point.frequency, "error": point.error}
