@@ -24,13 +24,15 @@ SAID = 12
 """Findings of a page that are told."""
 
 
-def pages(given: argparse.Namespace, folder: Path) -> Iterator[tuple[str, Path]]:
-    """Names and pages: those given, or those that are made."""
+def pages(given: argparse.Namespace, folder: Path) -> Iterator[tuple[str, Path | str]]:
+    """Names and pages, those given or those that are made; of a page that cannot be made, why."""
     for place in given.places:
         yield place.name, page_of(place)
-    if not given.places:
-        for name in given.only or COMMANDS:
+    for name in () if given.places else given.only or COMMANDS:
+        try:
             yield name, make_page(name, folder)
+        except RuntimeError as error:
+            yield name, str(error)
 
 
 def print_row(looked: Looked, is_first: bool) -> None:
@@ -62,7 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     count = 0
     with tempfile.TemporaryDirectory() as temporary, chromium() as browser:
         for number, (name, path) in enumerate(pages(given, given.keep or Path(temporary))):
-            looked = look(browser, name, path)
+            looked = (
+                Looked(name, 0.0, {"page": [path]}) if isinstance(path, str) else look(browser, name, path)
+            )
             print_row(looked, number == 0)
             count += looked.count
     print("nothing is wrong" if not count else f"{count} findings")
