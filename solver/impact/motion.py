@@ -78,9 +78,9 @@ class ImpactMotion:
         starts = self.event_times[:-1]
         index = np.maximum(np.searchsorted(starts, flat, side="right") - 1, 0)
         out = np.zeros((15, flat.size)), np.zeros((4, self.points.along.size, flat.size))
-        for k in np.unique(index):
-            here = index == k
-            out[0][:, here], out[1][:, :, here] = evaluated(self._pieces[k], flat[here])
+        order = np.argsort(index, kind="stable")
+        for here in np.split(order, np.flatnonzero(np.diff(index[order])) + 1) if order.size else ():
+            out[0][:, here], out[1][:, :, here] = evaluated(self._pieces[index[here[0]]], flat[here])
         values, by_point = out[0].reshape(15, *t.shape), out[1].reshape(4, -1, *t.shape)
         return record_of(self.vehicle, t, values, by_point)
 

@@ -22,10 +22,12 @@ FRICTION = Rule("friction", "friction resists", "0 or more, and finite")
 CENTRE = Rule(
     "centre_of_mass", "the centre of mass is in the vehicle", "between 0 and the length, {length:.6g} m"
 )
+MIN_INERTIA = 1e-3
+"""Of the greatest that there can be: nearly all mass at one point is no vehicle, and turns too often to be followed."""
 INERTIA = Rule(
     "yaw_inertia",
-    "no body of that mass, size and centre of mass has it",
-    "more than 0 and at most m (a (L - a) + B^2/4) = {most:.6g} kg m^2",
+    "no vehicle of that mass, size and centre of mass has it",
+    "from a thousandth of m (a (L - a) + B^2/4) to at most m (a (L - a) + B^2/4) = {most:.6g} kg m^2",
 )
 UNIFORM = Rule(
     "centre_of_mass",

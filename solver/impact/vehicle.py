@@ -32,7 +32,7 @@ class ImpactVehicle:
     RigidBodyError
         Unless length, width and mass are positive and finite, the centre of mass is in the vehicle, and a body of that
         mass, size and centre can have that inertia: it is greatest, m (a (L - a) + B^2/4), with all mass at the
-        corners.
+        corners; of vehicles at least a thousandth of that is taken.
     """
 
     length: float
@@ -48,7 +48,8 @@ class ImpactVehicle:
         inertia, most = rules.one("yaw_inertia", self.inertia), self.greatest_inertia
         rule = rules.UNIFORM if self.yaw_inertia is None else rules.INERTIA
         given = self.front_distance if self.yaw_inertia is None else inertia
-        Gate().demand(rule, 0.0 < inertia <= most * (1.0 + 1e-12), given, inertia=inertia, most=most)
+        fits = rules.MIN_INERTIA * most <= inertia <= most * (1.0 + 1e-12)
+        Gate().demand(rule, fits, given, inertia=inertia, most=most)
 
     @property
     def front_distance(self) -> float:

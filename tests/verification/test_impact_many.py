@@ -135,6 +135,7 @@ def test_a_smaller_step_comes_closer(monkeypatch: pytest.MonkeyPatch) -> None:
         ("centre_of_mass", 11.0, "between 0 and the length"),
         ("centre_of_mass", 0.2, "nearer to the middle"),
         ("yaw_inertia", 1e7, "at most m (a (L - a)"),
+        ("yaw_inertia", 1.0, "from a thousandth of m (a (L - a)"),
     ],
 )
 def test_what_cannot_be_is_refused(key: str, value: Any, allowed: str) -> None:

@@ -159,7 +159,8 @@ def _demand(given: bool, **v: Array) -> None:
     gate.demand(rules.CENTRE, (a > 0.0) & (a < v["length"]), a, length=v["length"])
     most, inertia = v["mass"] * (a * (v["length"] - a) + v["width"] ** 2 / 4.0), v["inertia"]
     rule, value = (rules.INERTIA, inertia) if given else (rules.UNIFORM, a)
-    gate.demand(rule, (inertia > 0.0) & (inertia <= most * (1.0 + 1e-12)), value, inertia=inertia, most=most)
+    fits = (inertia >= rules.MIN_INERTIA * most) & (inertia <= most * (1.0 + 1e-12))
+    gate.demand(rule, fits, value, inertia=inertia, most=most)
 
 
 def _start(
