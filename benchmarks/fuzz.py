@@ -8,6 +8,7 @@ Stops at the first that ends badly, shortened to what matters. Without COUNT the
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 from pathlib import Path
 
@@ -18,6 +19,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
 
 
+SAID = 5_000
+"""Command lines after which it says how far it is."""
+
+
 def main() -> None:
     """Fuzz with so many examples."""
     parser = argparse.ArgumentParser(description="Many command lines made at random.")
@@ -26,11 +31,15 @@ def main() -> None:
     options = parser.parse_args()
     count, number = options.count, options.seed
 
+    made = itertools.count(1)
+
     @seed(number)
     @settings(fuzz, max_examples=count, derandomize=False)
     @given(command_lines())
     def job(arguments: list[str]) -> None:
         demand_good_end(arguments)
+        if (done := next(made)) % SAID == 0:
+            print(f"{done} of {count}", file=sys.stderr, flush=True)
 
     job()
     print(f"{count} command lines, seed {number}: each ended as it should")
