@@ -18,7 +18,6 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
 
-
 SAID = 5_000
 """Command lines after which it says how far it is."""
 
