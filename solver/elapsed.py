@@ -99,21 +99,26 @@ class Clock(NamedTuple):
         raise RigidBodyError(GROWTH.key, f"{abs(self.path.mu):.10g}", GROWTH.why, GROWTH.allowed)
 
 
+@cache
+def _projection() -> tuple[Array, Array]:
+    """POINTS nodes in (-1, 1), and the matrix that makes Legendre coefficients of values there."""
+    x, w = np.polynomial.legendre.leggauss(POINTS)
+    values = np.polynomial.legendre.legvander(x, POINTS - 1)
+    return x, (np.arange(POINTS) + 0.5)[:, None] * (values * w[:, None]).T
+
+
 def clock(path: Path, lowest: float) -> Clock:
     """The clock of one motion (floats) from theta_0 down to the angle lowest [rad].
 
     Doubles the panels until the last coefficients of each are rounding; raises RigidBodyError if none do.
     """
-    n, legendre = POINTS, np.polynomial.legendre
-    x, w = legendre.leggauss(n)
-    transform = (np.arange(n) + 0.5)[:, None] * (legendre.legvander(x, n - 1) * w[:, None]).T
-    panels = 1
+    (x, transform), panels = _projection(), 1
     while panels <= PANELS:
         edges = np.linspace(lowest, path.theta_0, panels + 1)
         half = (path.theta_0 - lowest) / (2.0 * panels)
         series = transform @ slowness(path, (edges[:-1] + half) + half * x[:, None])
         if np.max(abs(series[-2:])) <= TAIL * np.max(abs(series[0])):
-            integral = half * legendre.legint(-series, lbnd=1.0)
+            integral = half * np.polynomial.legendre.legint(-series, lbnd=1.0)
             across = 2.0 * half * series[0]
             return Clock(path, edges, np.append(np.cumsum(across[::-1])[::-1], 0.0), integral)
         panels *= 2
