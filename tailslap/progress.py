@@ -26,6 +26,9 @@ MODE = "TAILSLAP_PROGRESS"
 _last_sign = time.monotonic()
 """When something was seen last: at first, when the process had come as far as this."""
 
+_line_is_open = False
+"""Whether the line on the terminal waits for more."""
+
 
 @contextmanager
 def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]]:
@@ -63,22 +66,38 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
 
 @contextmanager
 def announced(text: str) -> Iterator[None]:
-    """Say what is being done, unless it is done before the terminal has been silent for so long."""
+    """Say what is being done once the terminal has been silent for so long, and then each second how long it takes."""
     if not sys.stderr.isatty() or _mode() == "none":
         yield
         return
-
-    def say() -> None:
-        print(text, file=sys.stderr, flush=True)
-        _seen()
-
-    timer = threading.Timer(max(0.0, _last_sign + DELAY - time.monotonic()), say)
-    timer.daemon = True
-    timer.start()
+    done = threading.Event()
+    thread = threading.Thread(target=_tell, args=(text, done), daemon=True)
+    thread.start()
     try:
         yield
     finally:
-        timer.cancel()
+        done.set()
+        thread.join()
+
+
+def _tell(text: str, done: threading.Event) -> None:
+    global _line_is_open
+    began = time.monotonic()
+    ended = done.wait(max(0.0, _last_sign + DELAY - began))
+    while not ended:
+        print(f"\r{text} {time.monotonic() - began:.0f} s", end="", file=sys.stderr, flush=True)
+        _line_is_open = True
+        _seen()
+        ended = done.wait(DELAY)
+    _end_line()
+
+
+def _end_line() -> None:
+    """End a line that has been left open, before anything else is said."""
+    global _line_is_open
+    if _line_is_open:
+        print(file=sys.stderr, flush=True)
+    _line_is_open = False
 
 
 def _seen() -> None:
@@ -91,6 +110,7 @@ def compiling(seconds: float, done: bool) -> None:
     text = (
         "compiled" if done else "compiling the time loop of this kind of model, once on this machine: about"
     )
+    _end_line()
     print(f"tailslap: {text}{' in' if done else ''} {seconds:.0f} s", file=sys.stderr, flush=True)
 
 
@@ -172,6 +192,7 @@ def _line(total: float) -> Iterator[Write]:
         nonlocal due
         if time.monotonic() >= due:
             bar.update(task, completed=done, description=label())
+            _end_line()
             bar.start()
             console.show_cursor(True)  # a process that is killed would leave the terminal without
             bar.refresh()
