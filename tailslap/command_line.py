@@ -254,13 +254,15 @@ def completion(shell: str, as_json: bool) -> int:
 @with_options(JSON, QUIET)
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
+    from tailslap.progress import announced
     from tailslap.report.deliver import deliver
 
     def report(folder: Path) -> Report:
         from tailslap.paper.report.report import paper_report
         from tailslap.paper.review import review_paper
 
-        return paper_report(review_paper())
+        with announced("Computing the paper's tables ..."):
+            return paper_report(review_paper())
 
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 

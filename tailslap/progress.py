@@ -85,9 +85,12 @@ def _tell(text: str, done: threading.Event) -> None:
     began = time.monotonic()
     ended = done.wait(max(0.0, _last_sign + DELAY - began))
     while not ended:
-        print(f"\r{text} {time.monotonic() - began:.0f} s", end="", file=sys.stderr, flush=True)
-        _line_is_open = True
-        _seen()
+        if (
+            _mode() != "none" and time.monotonic() >= _last_sign + 0.9 * DELAY
+        ):  # else something else shows its progress
+            print(f"\r{text} {time.monotonic() - began:.0f} s", end="", file=sys.stderr, flush=True)
+            _line_is_open = True
+            _seen()
         ended = done.wait(DELAY)
     _end_line()
 
