@@ -23,6 +23,9 @@ LOGGED_EVERY, ASKED_EVERY = 30.0, 5.0
 
 MODE = "TAILSLAP_PROGRESS"
 
+ERASED = "\r\x1b[2K"
+"""What takes a line back."""
+
 _last_sign = time.monotonic()
 """When something was seen last: at first, when the process had come as far as this."""
 
@@ -43,7 +46,7 @@ def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]
         )
         return f"{label}: {done}, {_left(1.0 - share, rate)} left"
 
-    with _shown(1.0, nullcontext(_silent)) as write:
+    with announced(f"{label} ...", transient=True), _shown(1.0, nullcontext(_silent)) as write:
         yield lambda share: write(share, lambda: line(share))
 
 
@@ -60,18 +63,21 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
         rate = (done - before) / max(time.monotonic() - began, 1e-9)
         return f"{label}: {done} of {total}, {rate:.3g}/s, {_left(total - done, rate)} left{note}"
 
-    with _shown(total, _log(LOGGED_EVERY)) as write:
+    with announced(f"{label} ...", transient=True), _shown(total, _log(LOGGED_EVERY)) as write:
         yield lambda done, note="": write(done, lambda: line(done, note))
 
 
 @contextmanager
-def announced(text: str) -> Iterator[None]:
-    """Say what is being done once the terminal has been silent for so long, and then each second how long it takes."""
+def announced(text: str, transient: bool = False) -> Iterator[None]:
+    """Say what is being done once the terminal has been silent for so long, and then each second how long it takes.
+
+    transient: the line is gone at the end, as that of a bar.
+    """
     if not sys.stderr.isatty() or _mode() == "none":
         yield
         return
     done = threading.Event()
-    thread = threading.Thread(target=_tell, args=(text, done), daemon=True)
+    thread = threading.Thread(target=_tell, args=(text, done, transient), daemon=True)
     thread.start()
     try:
         yield
@@ -80,7 +86,7 @@ def announced(text: str) -> Iterator[None]:
         thread.join()
 
 
-def _tell(text: str, done: threading.Event) -> None:
+def _tell(text: str, done: threading.Event, transient: bool) -> None:
     global _line_is_open
     began = time.monotonic()
     ended = done.wait(max(0.0, _last_sign + DELAY - began))
@@ -92,14 +98,14 @@ def _tell(text: str, done: threading.Event) -> None:
             _line_is_open = True
             _seen()
         ended = done.wait(DELAY)
-    _end_line()
+    _end_line(ERASED if transient else "\n")
 
 
-def _end_line() -> None:
+def _end_line(by: str = "\n") -> None:
     """End a line that has been left open, before anything else is said."""
     global _line_is_open
     if _line_is_open:
-        print(file=sys.stderr, flush=True)
+        print(end=by, file=sys.stderr, flush=True)
     _line_is_open = False
 
 
@@ -195,7 +201,7 @@ def _line(total: float) -> Iterator[Write]:
         nonlocal due
         if time.monotonic() >= due:
             bar.update(task, completed=done, description=label())
-            _end_line()
+            _end_line(ERASED)
             bar.start()
             console.show_cursor(True)  # a process that is killed would leave the terminal without
             bar.refresh()
