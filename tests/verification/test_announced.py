@@ -70,3 +70,10 @@ def test_an_error_ends_the_line(terminal: Terminal) -> None:
     with pytest.raises(ValueError, match=r"^$"):
         fail()
     assert terminal.getvalue().endswith("s\n")
+
+
+def test_the_line_of_a_bar_is_taken_back(terminal: Terminal) -> None:
+    with announced("Impacts ...", transient=True):
+        seen(terminal, "Impacts", times=2)
+    assert terminal.getvalue().endswith(progress.ERASED)
+    assert "\n" not in terminal.getvalue()
