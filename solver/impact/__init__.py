@@ -10,7 +10,7 @@ from solver.impact.contact import CORNERS, ContactPoints, WallContact, contact_p
 from solver.impact.crush_law import CrushLaw
 from solver.impact.many import Impacts, solve_impacts
 from solver.impact.motion import ImpactMotion, solve_impact
-from solver.impact.record import ImpactRecord
+from solver.impact.record import ImpactRecord, PointRecord
 from solver.impact.strike import Strike, strikes_of
 from solver.impact.vehicle import ImpactState, ImpactVehicle, first_touch
 
@@ -23,6 +23,7 @@ __all__ = [
     "ImpactState",
     "ImpactVehicle",
     "Impacts",
+    "PointRecord",
     "Strike",
     "WallContact",
     "contact_points",

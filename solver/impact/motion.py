@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -16,7 +17,7 @@ from solver.impact.contact import ContactPoints, WallContact
 from solver.impact.dynamics import Dynamics
 from solver.impact.integrate import Piece, Span, at_start, integrate
 from solver.impact.measure import intervals, strikes_of_motion
-from solver.impact.record import ImpactRecord, evaluated, record_of
+from solver.impact.record import ImpactRecord, PointRecord, by_point, record_of, sums
 from solver.impact.strike import Strike
 from solver.impact.vehicle import ImpactState, ImpactVehicle
 
@@ -72,17 +73,44 @@ class ImpactMotion:
         RigidBodyError
             For an instant outside that range.
         """
+        t, flat = self._instants(times)
+        values = self._read_off(sums, np.zeros((15, flat.size)), flat)
+        return record_of(self.vehicle, t, values.reshape(15, *t.shape))
+
+    def points_at(self, times: ArrayLike) -> PointRecord:
+        """Crush and forces of every point at given instants.
+
+        Parameters
+        ----------
+        times : array_like, of any shape
+            From 0 to `t_end` [s].
+
+        Returns
+        -------
+        PointRecord
+            Arrays of shape (points, ...).
+
+        Raises
+        ------
+        RigidBodyError
+            For an instant outside that range.
+        """
+        t, flat = self._instants(times)
+        values = self._read_off(by_point, np.zeros((4, self.points.along.size, flat.size)), flat)
+        return PointRecord(*values.reshape(4, -1, *t.shape))
+
+    def _instants(self, times: ArrayLike) -> tuple[Array, Array]:
         t = np.asarray(number("time", times), dtype=np.float64)
         Gate().demand(rules.TIME, (t >= 0.0) & (t <= self.t_end), t, end=self.t_end)
-        flat = t.ravel()
-        starts = self.event_times[:-1]
-        index = np.maximum(np.searchsorted(starts, flat, side="right") - 1, 0)
-        out = np.zeros((15, flat.size)), np.zeros((4, self.points.along.size, flat.size))
+        return t, t.ravel()
+
+    def _read_off(self, read: Callable[[Piece, Array], Array], out: Array, t: Array) -> Array:
+        """What is read off the pieces at these instants, into out, shape (..., n)."""
+        index = np.maximum(np.searchsorted(self.event_times[:-1], t, side="right") - 1, 0)
         order = np.argsort(index, kind="stable")
         for here in np.split(order, np.flatnonzero(np.diff(index[order])) + 1) if order.size else ():
-            out[0][:, here], out[1][:, :, here] = evaluated(self._pieces[index[here[0]]], flat[here])
-        values, by_point = out[0].reshape(15, *t.shape), out[1].reshape(4, -1, *t.shape)
-        return record_of(self.vehicle, t, values, by_point)
+            out[..., here] = read(self._pieces[index[here[0]]], t[here])
+        return out
 
 
 def solve_impact(

@@ -109,12 +109,13 @@ def _case(stiffness: float) -> StiffnessCase:
     found = motion(stiffness)
     front, rear = (next(s for s in found.strikes if s.corner == name) for name in ("front", "rear"))
     again = [s.start for s in found.strikes if s.corner == "front" and s.start > rear.start]
-    flight = found.at(np.linspace(front.end, rear.start, 101))
+    instants = np.linspace(front.end, rear.start, 101)
+    crush = found.points_at(instants).crush[0]
     closing = rear_speed(found, rear.start)
     curves = rigid_answer(found, INTERVAL * np.arange(int(found.t_end / INTERVAL) + 1)).second_strike
     return StiffnessCase(
         stiffness,
-        float(flight.omega[50]),
+        float(found.at(instants[50]).omega),
         front.end,
         rear.start,
         rear.duration,
@@ -123,7 +124,7 @@ def _case(stiffness: float) -> StiffnessCase:
         closing,
         rear.impulse / ((1.0 + RESTITUTION) * MASS * closing),
         {name: curve["duration"] for name, curve in curves.items()},
-        float(flight.crush[0, 0] - flight.crush[0].min()),
+        float(crush[0] - crush.min()),
         again[0] if again else math.nan,
     )
 

@@ -171,6 +171,18 @@ def test_command_lines(arguments: list[str]) -> None:
     demand_good_end(arguments)
 
 
+FOUND = (
+    ["rigid", "impact-mash-tl4-sut", "--set", "contact.side_stiffness=5e14"],
+    ["rigid", "impact-mash-tl4-sut", "--set", "vehicle.yaw_inertia=1"],
+)
+"""What the long job has found."""
+
+
+@pytest.mark.parametrize("arguments", FOUND, ids=" ".join)
+def test_command_lines_that_once_ended_badly(arguments: list[str]) -> None:
+    demand_good_end(arguments)
+
+
 @pytest.mark.long
 @settings(fuzz, max_examples=2000)
 @given(command_lines())

@@ -114,10 +114,12 @@ def test_momentum_energy_and_friction(case: str) -> None:
     """No pull, Coulomb's cone, momenta against the forces' integrals, and the ledger of energy."""
     motion = impact(**CASES[case])
     vehicle, mu = motion.vehicle, motion.contact.friction
-    r = motion.at(np.union1d(np.linspace(0.0, motion.t_end, 2001), motion.event_times))
-    m, top = vehicle.mass, r.point_normal.max()
-    assert r.point_normal.min() >= 0.0
-    assert np.max(np.abs(r.point_tangential) - mu * r.point_normal) <= 1e-9 * top
+    instants = np.union1d(np.linspace(0.0, motion.t_end, 2001), motion.event_times)
+    r, points = motion.at(instants), motion.points_at(instants)
+    m, top = vehicle.mass, points.normal.max()
+    assert points.normal.min() >= 0.0
+    assert np.max(np.abs(points.tangential) - mu * points.normal) <= 1e-9 * top
+    assert r.force_normal == pytest.approx(points.normal.sum(axis=0), abs=1e-12 * top)
     assert m * (r.v_gy - r.v_gy[0]) == pytest.approx(r.impulse_normal, abs=1e-9 * m * SPEED)
     assert m * (r.v_gx - r.v_gx[0]) == pytest.approx(r.impulse_tangential, abs=1e-9 * m * SPEED)
     spin = vehicle.inertia * r.omega + m * (r.x_g * r.v_gy - r.y_g * r.v_gx)
@@ -154,9 +156,9 @@ def test_a_plastic_corner_is_held_while_the_other_presses_on_it() -> None:
     rear, front = motion.strikes[1:3]
     assert motion.t_end == pytest.approx(rear.end + 0.1)
     assert rear.end == pytest.approx(front.end, abs=1e-6)
-    r = motion.at(np.linspace(rear.end - 0.015, rear.end - 1e-6, 50))
-    assert np.ptp(r.crush[1]) < 1e-11
-    assert np.all((r.point_normal[1] > 0.0) & (r.point_normal[1] < rear.peak_force))
+    points = motion.points_at(np.linspace(rear.end - 0.015, rear.end - 1e-6, 50))
+    assert np.ptp(points.crush[1]) < 1e-11
+    assert np.all((points.normal[1] > 0.0) & (points.normal[1] < rear.peak_force))
 
 
 def test_the_record_is_smooth_enough() -> None:

@@ -111,7 +111,7 @@ def test_the_rigid_impact_sampled() -> None:
     nodes, weights = np.polynomial.legendre.leggauss(12)
     t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)
     inside = (t[:-1, None] + t[1:, None]) / 2.0 + np.diff(t)[:, None] / 2.0 * nodes
-    force = motion.at(inside).point_normal[:2] @ weights / 2.0
+    force = motion.points_at(inside).normal[:2] @ weights / 2.0
     sampled = strikes_of(t, dict(zip(CORNERS, force, strict=False)))
     assert [strike.corner for strike in sampled] == [strike.corner for strike in motion.strikes]
     for one, exact in zip(sampled[:2], motion.strikes[:2], strict=True):

@@ -74,7 +74,8 @@ def push_finding(found: WholeImpact, reaction: Reaction) -> Finding:
         ),
         (
             *_commands(found),
-            f"python -c '{command}); f, r = m.strikes[:2]; print(m.at(f.end).crush[0] - m.at(r.start).crush[0])'",
+            f"python -c '{command}); f, r = m.strikes[:2]; "
+            "c = m.points_at([f.end, r.start]).crush[0]; print(c[0] - c[1])'",
         ),
         (
             "The corner's sliding along the wall between the strikes, and its friction, are no part of such an impact.",
