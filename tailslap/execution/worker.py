@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import tailslap
-from tailslap import progress
 from tailslap.execution.record_file import Key
+from tailslap.progress.mode import MODE
 
 
 class Part(NamedTuple):
@@ -50,7 +50,7 @@ def run_batch(version: str, function: Callable[..., Any], parts: Sequence[Part])
 
 def make_ready() -> str:
     """Import what runs need, once a worker; returns the version of this program."""
-    os.environ[progress.MODE] = "none"
+    os.environ[MODE] = "none"
     for module in ("fem.explicit.simulate", "tailslap.planning.fe_plan", "tailslap.scene_run"):
         importlib.import_module(module)
     return tailslap.__version__
