@@ -23,6 +23,7 @@ import numpy as np
 
 GROWTH_MB, EACH_S = 50.0, 0.3
 ELEMENTS = (20, 6)
+OF_A_RUN = 3
 FIRST = 3
 """Pictures before memory is read."""
 
@@ -52,12 +53,15 @@ def draw_fields(folder: Path, count: int) -> None:
 
 
 def draw_contour_pictures(folder: Path, count: int) -> None:
-    """Contours of a field, each on a canvas of its own."""
+    """Contours of three fields on a canvas, as each run draws them."""
     from postprocess.contours.contours import ContourField, Setting, draw_contours
 
     points, quads = plate()
-    for _ in range(count):
-        draw_contours(Setting(points, quads), [ContourField("v", "V", "m/s", points[:, 0])], folder)
+    for drawn in range(0, count, OF_A_RUN):
+        names = (f"v_{number}" for number in range(drawn, min(drawn + OF_A_RUN, count)))
+        draw_contours(
+            Setting(points, quads), [ContourField(name, "V", "m/s", points[:, 0]) for name in names], folder
+        )
 
 
 def draw_plots(folder: Path, count: int) -> None:

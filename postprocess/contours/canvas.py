@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -195,6 +196,7 @@ def style_text(prop: Any, size: int, bold: bool = False) -> None:
     prop.BoldOff()
 
 
+@cache
 def _font_folder() -> Path:
     """Where Matplotlib's fonts are; it is not loaded for that."""
     found = importlib.util.find_spec("matplotlib")

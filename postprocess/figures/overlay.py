@@ -106,7 +106,7 @@ def overlay_curve(name: str, panel: Overlay, caption: str) -> Chart:
 def _figure(panels: Sequence[Overlay]) -> Figure:
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, HEIGHT * len(panels)), layout="constrained")
+    figure = Figure(figsize=(WIDTH, HEIGHT * len(panels)), layout="tight")
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, panel in zip(grid, panels, strict=True):
         for number, line in enumerate(panel.lines):
