@@ -104,9 +104,11 @@ def _demand(met: bool, t: float) -> None:
 
 
 def _scales(dynamics: Dynamics, y: Array) -> Array:
-    """Of the eleven unknowns, from the speed at the start."""
+    """Of the eleven unknowns: from the speed at the start, or what a crush that is off by rounding brings in a step."""
     m, size = dynamics.mass, np.abs(dynamics.points.along).max()
-    v = math.hypot(y[3], y[4]) + size * abs(y[5]) or 1.0
+    natural = math.sqrt(dynamics.points.stiffness.sum() / m)
+    rounding = np.finfo(np.float64).eps / ATOL * size * natural
+    v = math.hypot(y[3], y[4]) + size * abs(y[5]) + rounding
     turn = v / size
     return np.array([size, size, 1.0, v, v, turn, m * v, m * v, m * v * size, m * v * v, m * v * v])
 

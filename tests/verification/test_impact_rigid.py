@@ -60,6 +60,19 @@ def test_the_first_strike_of_the_truck() -> None:
     assert float(runs[2].at(0.01).omega) == pytest.approx(impulse * r * lever / TRUCK.inertia, rel=1e-5)
 
 
+@pytest.mark.parametrize("speed", [1e-6, 1e-5, 1e-4])
+def test_a_slow_vehicle_brings_the_impulse_of_its_effective_mass(speed: float) -> None:
+    """(1 + e) m_eff v in the limit; the steps' tolerance of 1e-11 m is a share of its crush, 1e-7 m at 1e-6 m/s."""
+    phi, r = ANGLE + math.atan(0.2438), math.hypot(10.0, 2.438) / 2.0
+    lever = math.cos(phi) - MU * math.sin(phi)
+    effective = 1.0 / (1.0 / TRUCK.mass + r * r * math.cos(phi) * lever / TRUCK.inertia)
+    contact = WallContact(CrushLaw(2e6, 0.0, 0.22), MU)
+    strike = solve_impact(TRUCK, contact, first_touch(TRUCK, ANGLE, speed), 0.2).strikes[0]
+    near = speed + 3e-11 / speed
+    assert strike.impulse == pytest.approx(1.22 * speed * math.sin(ANGLE) * effective, rel=near)
+    assert strike.duration == pytest.approx(math.pi / 2.0 * 1.22 * math.sqrt(effective / 2e6), rel=near)
+
+
 TABLE = {  # corner, start, duration, peak, impulse, as of an explicit trial run
     1e6: (
         ("front", 0.0, 0.1143, 390.7e3, 28.40e3),
