@@ -133,7 +133,7 @@ def solve_impact(
         At the start, outside the wall or touching it.
     end : float or None
         How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
-        nothing can touch any more.
+        nothing can touch any more, but for `after_second` at least.
     after_second : float
         [s].
     longest : float
@@ -178,10 +178,11 @@ def solve_impact(
 def _open_end(
     vehicle: ImpactVehicle, spans: list[Span], t: float, y: Array, dynamics: Dynamics, after_second: float
 ) -> float:
-    """The end after the first two strikes; without a second, when no corner can reach the wall any more."""
+    """The end after the first two strikes; without a second, when no corner can reach the wall any more, at least
+    `after_second` from the start."""
     strikes = intervals(spans)[:2]
     if len(strikes) == 2 and not any(s.end == t and s.corner in dynamics.corners for s in strikes):
         return max(strike.end for strike in strikes) + after_second
     if y[4] <= 0.0:
         return math.inf
-    return t + max(vehicle.reach - float(y[1]), 0.0) / float(y[4])
+    return max(t + max(vehicle.reach - float(y[1]), 0.0) / float(y[4]), after_second)

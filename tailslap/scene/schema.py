@@ -33,7 +33,7 @@ AngularVelocity = Annotated[
 Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0, most=1e3)]
 Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.22", least=0.0, most=1.0)]
 Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', least=1e-9, most=1e6)]
-EndOfImpact = Annotated[float, Quantity("an end of the impact", "s", '"1 s"', least=1e-6, most=100.0)]
+EndOfImpact = Annotated[float, Quantity("an end of the impact", "s", '"1 s"', least=0.05, most=100.0)]
 Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", least=1e-6, most=1e9)]
 Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', least=1e-3, most=1e18)]
 Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=1e-6, most=1e9)]

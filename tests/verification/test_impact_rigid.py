@@ -274,3 +274,13 @@ def test_the_greatest_inertia_is_that_of_masses_at_the_corners() -> None:
         inertia = 1e3 * sum(share * ((x - a) ** 2 + y * y) for x, y, share in places)
         assert sum(x * share for x, _, share in places) == pytest.approx(a)
         assert ImpactVehicle(4.0, 2.0, 1e3, a, inertia).greatest_inertia == pytest.approx(inertia)
+
+
+def test_a_single_strike_is_followed_for_a_tenth_of_a_second() -> None:
+    """Filters need a history of 50 ms, also of what has left the wall for good after 3 ms."""
+    car = ImpactVehicle(4.0, 2.0, 1500.0)
+    touch = first_touch(car, math.radians(45.0), 500.0)
+    motion = solve_impact(car, WallContact(CrushLaw(1e10, 0.0, 0.9), 0.0), touch)
+    assert len(motion.strikes) == 1
+    assert motion.strikes[0].end < 3e-3
+    assert motion.t_end == pytest.approx(0.1, rel=1e-12)
