@@ -72,7 +72,7 @@ def fe_part(fe_plan: ImpactFePlan) -> list[str]:
     """Lines on the finite-element run."""
     model, plate, steps = fe_plan.model, fe_plan.plate, fe_plan.expected_steps
     elements, rows = model.loop.table.connectivity.shape[1], round(fe_plan.plan.motion.t_end / fe_plan.sample)
-    seconds = loop_seconds(plate.element, plate.counts, steps, rows)
+    seconds = loop_seconds(fe_plan.plan.scene, plate.element, plate.counts, steps, rows)
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
         f"{plate.lumping} masses",

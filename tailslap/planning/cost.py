@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import math
 
+from fem.constitutive.materials import MATERIALS
 from tailslap.errors import Verbatim
 from tailslap.scene.schema import Scene
 
 NANOSECONDS = {"quad4": 12.0, "quad4-reduced": 12.0, "quad9": 75.0, "tri3": 8.0, "tri6": 40.0}
 """Time that a cell of the mesh costs a step [ns], on one core; measured by `benchmarks/speed.py`."""
 
-OTHER_NS = 75.0
+POINTS = {"quad4": 4, "quad4-reduced": 1, "quad9": 9, "tri3": 2, "tri6": 6}
+"""Quadrature points of a cell of the mesh, at each of which a stress is taken."""
+
+OTHER_NS, OTHER_POINTS = 75.0, 9
 """The same for an element from outside."""
 
 ROW_S = 5e-5
 """Time that a row of the history costs [s], whatever the mesh."""
 
 
-def loop_seconds(element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
+def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
     """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
-    return steps * math.prod(counts) * NANOSECONDS.get(element, OTHER_NS) * 1e-9 + rows * ROW_S
+    stress = MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
+    cell = NANOSECONDS.get(element, OTHER_NS) + POINTS.get(element, OTHER_POINTS) * stress
+    return 1e-9 * steps * math.prod(counts) * cell + rows * ROW_S
 
 
 def costly_key(scene: Scene, duration: float) -> tuple[str, object]:

@@ -37,7 +37,7 @@ def expected_effort(scene: Scene, duration: float) -> Effort:
         1000.0, STEPS_A_CROSSING.get(element, OTHER_STEPS) * crossings / (math.hypot(1.0, ratio) - ratio)
     )
     cells = (max(1, round(along)), max(1, round(across)))
-    return Effort(steps, loop_seconds(element, cells, steps))
+    return Effort(steps, loop_seconds(scene, element, cells, steps))
 
 
 def _wave_speed(body: Vehicle, plate: Plate) -> float:

@@ -49,7 +49,7 @@ def fe_part(fe_plan: FePlan) -> list[str]:
     model, steps = fe_plan.model, fe_plan.expected_steps
     elements = model.loop.table.connectivity.shape[1]
     rows = fe_plan.plan.scene.time.rows
-    seconds = loop_seconds(fe_plan.plate.element, fe_plan.plate.counts, steps, rows)
+    seconds = loop_seconds(fe_plan.plan.scene, fe_plan.plate.element, fe_plan.plate.counts, steps, rows)
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, "
         f"{fe_plan.plate.element}, {fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",

@@ -60,7 +60,7 @@ def candidate(plan: Plan, level: RefinementLevel) -> Candidate | None:
     except InputError:
         return None
     steps = math.ceil(plan.motion.strike.t / model.loop.time_step)
-    seconds = loop_seconds(level.element, level.elements, steps, plan.scene.time.rows)
+    seconds = loop_seconds(plan.scene, level.element, level.elements, steps, plan.scene.time.rows)
     return Candidate(level, plan, model, deflection_ratio(plan, model), seconds)
 
 

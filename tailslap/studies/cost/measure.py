@@ -90,7 +90,7 @@ def _finite_elements(plan: Plan, setting: Setting) -> Record:
     from tailslap.scene_run import compare
 
     fe_plan = make_fe_plan(plan)
-    expected = loop_seconds("quad9", fe_plan.plate.counts, fe_plan.expected_steps)
+    expected = loop_seconds(plan.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
     if expected > TOO_LONG:
         return {"refused": f"left out: the time loop would take about {expected:.0f} s"}
     began = time.perf_counter()

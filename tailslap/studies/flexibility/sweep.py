@@ -150,7 +150,7 @@ def expected_seconds(sweep: Sweep, fe_plan: FePlan, frequency: float, elements: 
     """Time that the loop is expected to take, from the scene's own steps."""
     finer = elements[0] / fe_plan.plate.counts[0]
     steps = max(MIN_STEPS, fe_plan.expected_steps * finer * frequency / sweep.own_frequency)
-    return loop_seconds(fe_plan.plate.element, elements, steps)
+    return loop_seconds(sweep.plan.scene, fe_plan.plate.element, elements, steps)
 
 
 def thickness_places(points: int) -> set[int]:
