@@ -79,7 +79,9 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
 
     largest = float(curve.max(initial=0.0))
     ends = np.concatenate(([0.0], curve, [0.0]))
-    peaks = find_peaks(ends, prominence=PROMINENCE * largest)[0] - 1 if largest > 0.0 else np.empty(0, int)
+    above = PROMINENCE * largest
+    height = ends.min() + above  # lower ones are not prominent: looking for their valleys takes long
+    peaks = find_peaks(ends, height=height, prominence=above)[0] - 1 if largest > 0.0 else np.empty(0, int)
     if peaks.size < 2:
         raise ValueError(f"a curve with {peaks.size} peaks has no second strike: must have at least 2")
     first, second, last = (int(place) for place in (*peaks, curve.size - 1)[:3])

@@ -200,6 +200,7 @@ FOUND = (
     "impact.speed=1e-06",
     "time.end=0.049787068367863944",
     "time.end=0.05",
+    "time.end=100.0",
     "impact.angle=45deg impact.speed=50 contact.friction=0 contact.restitution=0.9 contact.stiffness=1e10"
     " vehicle.length=4 vehicle.width=2 vehicle.mass=1500",
 )
