@@ -21,7 +21,7 @@ from tailslap.progress import announced, compiling, progress_bar
 from tailslap.verification.check import Check, history_metrics
 from tailslap.verification.checks import error_of, ringing_checks, run_checks
 from tailslap.verification.mechanics import energy_error
-from tailslap.verification.numerical_error import NumericalError, SecondRun, needs_second_run
+from tailslap.verification.numerical_error import NumericalError, SecondRun, late_distance, needs_second_run
 from tailslap.verification.ringing import CORRUPTED, friction_by_ringing
 from tailslap.verification.second_mesh import damped_alike, on_mesh, second_meshes
 
@@ -216,16 +216,17 @@ def confirmed(outcome: Outcome) -> Outcome:
     fe_plan = outcome.fe_plan
     if not outcome.fe or not needs_second_run(fe_plan, outcome.difference, outcome.error):
         return outcome
-    second = second_run(fe_plan)
+    second = second_run(outcome)
     judged = compare(fe_plan, outcome.run, outcome.setup_s, second)
     return replace(judged, attempts=outcome.attempts)
 
 
-def second_run(fe_plan: FePlan) -> SecondRun:
+def second_run(outcome: Outcome) -> SecondRun:
     """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made.
 
     It has the damping of the first run, or where it rings with that, what the program chooses for it.
     """
+    fe_plan = outcome.fe_plan
     for plate in second_meshes(fe_plan):
         plan = on_mesh(fe_plan, plate)
         try:
@@ -234,7 +235,9 @@ def second_run(fe_plan: FePlan) -> SecondRun:
                 other = attempt(plan)
         except InputError:
             continue
-        return SecondRun(f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}", other.difference)
+        mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
+        ours, its = ((run.fe_history, run.rigid_history) for run in (outcome, other))
+        return SecondRun(mesh, other.difference, late_distance(ours, its, outcome.rigid) if other.fe else 0.0)
     return SecondRun("none", {})
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from tailslap.planning.flexibility import sensitivity
 from tailslap.verification.checks import run_checks
-from tailslap.verification.numerical_error import SecondRun
+from tailslap.verification.numerical_error import LATE, SecondRun, late_distance
 
 pytestmark = pytest.mark.verification
 
@@ -252,6 +252,27 @@ def test_second_run_that_says_otherwise(outcome: Callable[..., Any]) -> None:
         second = SecondRun("made up", difference)
         checks = run_checks(result.fe_plan, result.run, result.rigid_history, result.difference, second)
         assert {check.name for check in checks if not check.passed} == failing
+
+
+def test_oscillations_that_agree_by_chance_at_the_strike(outcome: Callable[..., Any]) -> None:
+    """The second run swings as far and faster, in phase at the strike: their root mean square distance is the
+    amplitude."""
+    result = outcome("paper-table-3")
+    t, end = result.fe_history["t"], result.fe_history["t"][-1]
+    swing = 1e-3 * result.rigid["omega"] * np.cos(10.0 * np.pi * (t / end - 1.0) / LATE)
+    faster = 1e-3 * result.rigid["omega"] * np.cos(14.0 * np.pi * (t / end - 1.0) / LATE)
+    ours, its = (
+        ({**result.rigid_history, "omega": result.rigid_history["omega"] + wave}, result.rigid_history)
+        for wave in (swing, faster)
+    )
+    apart = late_distance(ours, its, result.rigid)
+    assert apart == pytest.approx(1e-3, rel=0.02)
+    assert late_distance(ours, ours, result.rigid) == 0.0
+    second = SecondRun("made up", result.difference, apart)
+    checks = run_checks(result.fe_plan, result.run, result.rigid_history, result.difference, second)
+    assert [check.name for check in checks if not check.passed] == ["numerical error"]
+    broken = {**result.rigid_history, "omega": np.full(t.shape, np.nan)}, result.rigid_history
+    assert late_distance(ours, broken, result.rigid) == math.inf
 
 
 def test_mass_that_the_geometry_has_not(outcome: Callable[..., Any]) -> None:
