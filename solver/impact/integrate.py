@@ -59,10 +59,11 @@ class Span(NamedTuple):
     event: Event | None
 
 
-def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float, atol: Array) -> Span:
-    """From (t, y) to the next event, or to the latest instant."""
+def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float, speed: float) -> Span:
+    """From (t, y) to the next event, or to the latest instant; speed: at the start [m/s]."""
     from scipy.integrate import DOP853
 
+    atol = _tolerances(dynamics, speed)
     watched = watch(dynamics)
     pieces: list[Piece] = []
     spin = abs(y[5])
@@ -103,14 +104,17 @@ def _demand(met: bool, t: float) -> None:
         raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
 
 
-def _scales(dynamics: Dynamics, y: Array) -> Array:
-    """Of the eleven unknowns: from the speed at the start, or what a crush that is off by rounding brings in a step."""
-    m, size = dynamics.mass, np.abs(dynamics.points.along).max()
-    natural = math.sqrt(dynamics.points.stiffness.sum() / m)
-    rounding = np.finfo(np.float64).eps / ATOL * size * natural
-    v = math.hypot(y[3], y[4]) + size * abs(y[5]) + rounding
+def _size(dynamics: Dynamics) -> float:
+    return float(np.abs(dynamics.points.along).max())
+
+
+def _tolerances(dynamics: Dynamics, speed: float) -> Array:
+    """Of the eleven unknowns, from the speed at the start and what a crush that is off by rounding brings in a step."""
+    m, size = dynamics.mass, _size(dynamics)
+    natural = math.sqrt(np.abs(dynamics.pressed.slope).sum() / m)
+    v = speed + np.finfo(np.float64).eps / ATOL * size * natural
     turn = v / size
-    return np.array([size, size, 1.0, v, v, turn, m * v, m * v, m * v * size, m * v * v, m * v * v])
+    return ATOL * np.array([size, size, 1.0, v, v, turn, m * v, m * v, m * v * size, m * v * v, m * v * v])
 
 
 Latest = Callable[[list[Span], float, Array, Dynamics], float]  # spans so far, then t, state and dynamics now
@@ -119,9 +123,9 @@ Latest = Callable[[list[Span], float, Array, Dynamics], float]  # spans so far, 
 def integrate(dynamics: Dynamics, y: Array, latest: Latest) -> list[Span]:
     """The motion from time 0 to what `latest` says after every event."""
     spans: list[Span] = []
-    t, crowd, atol = 0.0, 0, ATOL * _scales(dynamics, y)
+    t, crowd, speed = 0.0, 0, math.hypot(y[3], y[4]) + _size(dynamics) * abs(y[5]) or 1.0
     while (end := latest(spans, t, y, dynamics)) > t:
-        span = integrate_span(dynamics, t, y, end, atol)
+        span = integrate_span(dynamics, t, y, end, speed)
         spans.append(span)
         crowd = crowd + 1 if span.end - t < _SAME else 0
         t, y = span.end, span.y
