@@ -18,6 +18,7 @@ from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import MORE_DAMPING, Outcome, attempt, rings
 from tailslap.studies.stability.verdict import model_name
 from tailslap.verification.check import failed_names
+from tailslap.verification.numerical_error import Histories
 
 FINER, MAX_ELEMENTS = 1.5, 600
 """Times as fine as the cell's mesh, both ways, and elements of which a reference has no more."""
@@ -40,11 +41,13 @@ DEMANDED = {
 
 @dataclass(frozen=True)
 class Reference:
-    """Differences of a trustworthy refined model from the rigid motion; model: which it was."""
+    """Differences of a trustworthy refined model from the rigid motion; model: which it was; its histories, those of
+    the plate and of the rigid body."""
 
     difference: Mapping[str, float]
     model: str
     seconds: float
+    histories: Histories
 
 
 def find_reference(cell: Source, plate: Plate) -> Reference | None:
@@ -68,7 +71,8 @@ def find_reference(cell: Source, plate: Plate) -> Reference | None:
             continue
         if outcome is not None and trustworthy(outcome):
             name = model_name(outcome) + (", damped" if ratio else "")
-            return Reference(outcome.difference, name, time.perf_counter() - began)
+            histories = outcome.fe_history, outcome.rigid_history
+            return Reference(outcome.difference, name, time.perf_counter() - began, histories)
     return None
 
 
