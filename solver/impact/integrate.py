@@ -59,6 +59,7 @@ class Span(NamedTuple):
     event: Event | None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a first step that is far too long, and not taken
 def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float, speed: float) -> Span:
     """From (t, y) to the next event, or to the latest instant; speed: at the start [m/s]."""
     from scipy.integrate import DOP853
@@ -73,7 +74,8 @@ def integrate_span(dynamics: Dynamics, t: float, y: Array, latest: float, speed:
     stepper = DOP853(dynamics.rates, t, y, latest, first_step=limit if flying else None, **options)
     while stepper.status == "running":
         before, t_0 = stepper.y.copy(), float(stepper.t)
-        _demand(stepper.step() is None and stepper.status != "failed", t_0)
+        message = stepper.step()
+        _demand(message is None and stepper.status != "failed" and bool(np.isfinite(stepper.y).all()), t_0)
         dense = stepper.dense_output()
         event = first_event(dynamics, watched, (t_0, float(stepper.t)), dense)
         if event is not None:

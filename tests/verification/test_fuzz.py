@@ -202,6 +202,7 @@ FOUND = (
     "time.end=0.05",
     "time.end=100.0",
     "contact.initial_force=393923533635.0",
+    "impact.angle=1.5707963267948963",
     "impact.angle=45deg impact.speed=50 contact.friction=0 contact.restitution=0.9 contact.stiffness=1e10"
     " vehicle.length=4 vehicle.width=2 vehicle.mass=1500",
 )
