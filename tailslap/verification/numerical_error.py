@@ -147,7 +147,8 @@ def late_distance(ours: Histories, its: Histories, rigid: Mapping[str, float]) -
     Infinite where one of them is not a finite number.
     """
     end = min(float(fe["t"][-1]) for fe, _ in (ours, its))
-    t = ours[0]["t"][(ours[0]["t"] >= (1.0 - LATE) * end) & (ours[0]["t"] <= end)]
+    rows = ours[0]["t"]
+    t = np.append(rows[(rows >= (1.0 - LATE) * end) & (rows < end)], end)
     between = {name: _deviation(ours, name, t) - _deviation(its, name, t) for name in VELOCITIES}
     rms = {name: float(np.sqrt(np.mean(values**2))) for name, values in between.items()}
     found = [value / abs(rigid[name]) for name, value in rms.items() if rigid[name]]
