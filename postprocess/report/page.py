@@ -140,7 +140,7 @@ def _power(factor: str, power: int) -> str:
     if not float(factor):
         return "0"
     if power in PLAIN:
-        return f"{Decimal(f'{factor}e{power}'):f}"
+        return f"{Decimal(f'{factor}e{power}'):{'+' if factor[0] == '+' else ''}f}"
     times = factor[:-1] if factor.lstrip("+-") == "1" else f"{factor}×"
     return f"{times}10{str(power).translate(SUPERSCRIPTS)}"
 

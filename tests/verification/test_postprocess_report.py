@@ -342,3 +342,18 @@ def test_a_run_without_a_strike(outcome: Callable[..., Any], tmp_path: Path) -> 
 )
 def test_numbers_as_printed(said: str, expected: str) -> None:
     assert said == expected
+
+
+@pytest.mark.parametrize(
+    ("written", "printed"),
+    [
+        ("+1.32e-01", "+0.132"),
+        ("-4.25e-01", "−0.425"),
+        ("9.25e-01", "0.925"),
+        ("+3.59e-02", "+3.59×10⁻²"),
+        ("1e-3", "10⁻³"),
+        ("+0.0e+00", "0"),
+    ],
+)
+def test_numbers_in_print_keep_their_sign(written: str, printed: str) -> None:
+    assert printed_numbers(written) == printed

@@ -47,7 +47,12 @@ def impact_flexibility_report(found: ImpactFlexibility) -> Report:
     good = Table(GOOD, rows, "The rigid vehicle is good down to a first frequency of")
     marks = {i: "failed" for i, point in enumerate(found.points) if not point.passed}
     numbers = [point.row for point in found.points]
-    all_points = Table((F1, *POINTS, Column("failed", "Checks failed")), numbers, "Every plate", marks=marks)
+    all_points = Table(
+        (F1, *POINTS, Column("failed", "Checks failed")),
+        numbers,
+        "Differences of the two strikes",
+        marks=marks,
+    )
     page = study_page(
         found.plan,
         "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",
