@@ -49,10 +49,10 @@ def study_strike(call: Call, samples: int, ranges: tuple[str, ...], fixed: tuple
 
 def find_strikes(plan: ImpactPlan, ranges: tuple[Range, ...], at_least: int) -> StrikeResults:
     """Run the study: at least so many impacts for the bands."""
-    for name in ("scipy.stats", "scipy.signal"):  # slow to import
-        importlib.import_module(name)
-    began = time.perf_counter()
     with progress_bar(f"{plan.scene.name}: impacts") as progress:
+        for name in ("scipy.stats", "scipy.signal"):  # slow to import
+            importlib.import_module(name)
+        began = time.perf_counter()
         curves = find_curves(plan)
         bands = find_bands(plan, ranges, at_least, progress)
         rows = find_rows(plan, bands)
