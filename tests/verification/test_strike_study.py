@@ -189,7 +189,7 @@ def test_contacts_of_a_corner_that_are_close_are_one_strike() -> None:
 @pytest.mark.parametrize(
     ("changes", "key"),
     [
-        ({"contact.side_stiffness": 1e5}, "contact.side_stiffness"),
+        ({"contact.side_stiffness": 1e10}, "contact.side_stiffness"),
         ({"contact.stiffness": None, "contact.restitution": None}, "contact.stiffness"),
     ],
 )
