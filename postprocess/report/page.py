@@ -25,7 +25,9 @@ CODE = re.compile(r"`([^`]+)`")
 EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
 MINUS = re.compile(r"(?<![\w.\-/])-(?=\d)")
 SQUARE = re.compile(r"(?<=[A-Za-z])\^-?[23]\b")
-NAMED = re.compile(r"(?<![\w;&.\-])(?:[A-Z\d]{1,6}(?:-[A-Z\d]{1,6})*-\d[A-Z\d]*|[a-z]+\d-[a-z]+)\b")
+NAMED = re.compile(
+    r"(?<![\w;&.\-])[A-Z\d]{1,6}(?:-[A-Z\d]{1,6})*-\d[A-Z\d]*\b|(?<![\w&.\-])[a-z]+\d-[a-z]+\b"
+)
 PLAIN = range(-1, 3)
 """Powers of ten that are multiplied out."""
 

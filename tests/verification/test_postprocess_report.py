@@ -272,6 +272,7 @@ def test_zero_has_no_sign() -> None:
         ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
         ("at least 1.18e+01, 5.30e-01, 2e+02", "at least 11.8, 0.530, 200"),
         ("TL-4, -2, a-b", f"{whole('TL-4')}, −2, a-b"),
+        ('= "quad4-reduced"', f"= &#34;{whole('quad4-reduced')}&#34;"),
         ("quad4-reduced: 4", f"{whole('quad4-reduced')}: 4"),
         ("2025-10-11, CFC-180", f"{whole('2025-10-11')}, {whole('CFC-180')}"),
         ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
