@@ -94,6 +94,7 @@ def record_of(vehicle: ImpactVehicle, t: Array, values: Array) -> ImpactRecord:
 
 
 LAW = ("stiffness", "initial_force", "restitution")
+"""What the energies of a point depend on beside its crush."""
 
 
 def sums(piece: Piece, t: Array) -> Array:

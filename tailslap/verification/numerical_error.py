@@ -152,7 +152,7 @@ def late_distance(ours: Histories, its: Histories, rigid: Mapping[str, float]) -
     between = {name: _deviation(ours, name, t) - _deviation(its, name, t) for name in VELOCITIES}
     rms = {name: float(np.sqrt(np.mean(values**2))) for name, values in between.items()}
     found = [value / abs(rigid[name]) for name, value in rms.items() if rigid[name]]
-    return max(found) if np.isfinite(found).all() else math.inf
+    return max(found, default=0.0) if np.isfinite(found).all() else math.inf
 
 
 def _deviation(histories: Histories, name: str, t: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError
+from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import decide_damping, harms, suppressing_rate
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
@@ -211,3 +212,12 @@ def test_spring_that_rings_with_the_plate_does_not_pass(scene: tuple[str, ...], 
     assert right.fe_plan.plan.scene.corner.constraint == "exact"
     assert not ringing.passed or off < 1.5 * stated
     assert math.isfinite(stated)
+
+
+def test_a_costly_material_is_reckoned_with() -> None:
+    """95 ns a point, nine points of quad9, beside 75 ns an element."""
+    linear, other = (
+        read_scene("paper-table-3", changes)[0] for changes in ((), ("material.law=neo-hookean",))
+    )
+    seconds = [loop_seconds(scene, "quad9", (20, 6), 1000.0) for scene in (linear, other)]
+    assert seconds == pytest.approx([120e3 * 75e-9, 120e3 * (75.0 + 9 * 95.0) * 1e-9], rel=1e-12)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import decimal
 from collections.abc import Callable
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
 import pytest
 
-from fem.constitutive.materials import MATERIALS, neo_hookean, st_venant_kirchhoff
+from fem.constitutive.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
 from fem.contact.support_patch import corner_weights
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.elements import discretise, hourglass_control
@@ -232,3 +234,18 @@ def test_a_stretched_plate_has_a_higher_frequency(plate_model: Callable[..., Any
     model = plate_model(elements=(6, 3), plate={"poissons_ratio": 0.0})
     positions = 1.1 * model.discretisation.positions
     assert deformed_frequency(model, positions) > 1.05 * model.highest_frequency
+
+
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.1, 0.3, 0.499])
+@pytest.mark.parametrize("area", [-0.8, -0.3, -1e-2, -1e-5, -1e-12, 1e-9, 1e-4, 3e-2, 0.5, 19.0])
+def test_the_stretch_of_the_thickness_to_fifty_digits(poissons_ratio: float, area: float) -> None:
+    """2 mu (C_33 - 1) + lambda ln(det C C_33) = 0, against Newton's method in decimals."""
+    material = neo_hookean(1.0, poissons_ratio)
+    with decimal.localcontext(prec=50):
+        lame, shear, plane = (*map(Decimal, material), (1 + Decimal(area)).ln())
+        exact = -lame / (lame + 2 * shear) * plane
+        for _ in range(20):
+            residual = 2 * shear * (exact.exp() - 1) + lame * (plane + exact)
+            exact -= residual / (2 * shear * exact.exp() + lame)
+    found = _logarithms(material.lame, material.shear, area)
+    assert found == pytest.approx((float(plane), float(exact)), rel=1e-15, abs=0.0)
