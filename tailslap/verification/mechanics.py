@@ -167,7 +167,7 @@ MECHANICS = (
     CheckKind("mesh", _mesh, FINER),
     CheckKind("contact spring", _contact_spring, STIFFER),
     CheckKind("oscillation", _oscillation, ROUGH, shows_ringing=True),
-    CheckKind("numerical error", _numerical_error, FINER),
+    CheckKind("numerical error", _numerical_error, f"leave plate.start out if it is unstressed; {FINER}"),
     CheckKind("agreement with rigid", _agreement, "a stiffer plate, or a larger verify.tolerance"),
 )
 """In the order in which they are told."""
