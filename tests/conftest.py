@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import functools
+import os
 import re
 import signal
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+
+# As the command line does, before NumPy is loaded: the tests' processes have the cores for themselves.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from fem.contact.friction import Drag, Signed
 from fem.discretisation.element_kinds import ELEMENT_KINDS

@@ -3,8 +3,8 @@
 `properties` says what a model is made from and what is wrong where none can be made, `element_kinds` and `lumpings`
 register the elements and the ways to lump the mass, `elements` draws tables from scikit-fem, `mass` has nodal masses of
 the exact inertia, `stiffness` is assembled, `unit_plate` has them for a modulus of 1 Pa, `spectrum` finds the largest
-stable step, `model` puts them together, `impact_model` for a whole impact, `wall_model` finds the modes of a wall that
-gives, and `fields` carries results to nodes for pictures.
+stable step, `windows` one of large uniform plates, `model` puts them together, `impact_model` for a whole impact,
+`wall_model` finds the modes of a wall that gives, and `fields` carries results to nodes for pictures.
 """
 
 from fem.lazy import lazily

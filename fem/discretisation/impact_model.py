@@ -9,7 +9,7 @@ from fem.constitutive.materials import MATERIALS, st_venant_kirchhoff
 from fem.contact.boundary import wall_contact
 from fem.discretisation.model import PlateModel, carried_span, hourglass_of, unfinished_model, with_time_step
 from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties, WallProperties
-from fem.discretisation.spectrum import spectrum_of
+from fem.discretisation.spectrum import FREE
 from fem.discretisation.unit_plate import unit_plate
 from fem.explicit.impact_loop import ImpactLoop
 
@@ -65,7 +65,7 @@ def build_impact_model(
     )
     model = unfinished_model(unit, plate, moduli, loop)
     # Contact does not bound the step: fem.contact.unilateral.
-    model = with_time_step(model, spectrum_of(model.elastic), plate, step)
+    model = with_time_step(model, FREE, plate, step)
     if wall is None:
         return model
     from fem.discretisation.wall_model import with_wall

@@ -14,7 +14,7 @@ from fem.contact.corner import Corner
 from fem.contact.support_patch import corner_weights
 from fem.discretisation.elements import Discretisation, Hourglass
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
-from fem.discretisation.spectrum import ScaledSpectrum, hold_of, spectrum_of
+from fem.discretisation.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
 from fem.discretisation.stiffness import stiffness_matrix
 from fem.discretisation.unit_plate import UnitPlate, unit_plate
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
@@ -25,6 +25,11 @@ from fem.start.elastic import ElasticSolver
 
 if TYPE_CHECKING:
     import meshio
+
+    from fem.discretisation.windows import WindowBound
+
+WINDOWS_FROM = 100_000
+"""Nodes from which on the highest frequency of a uniform plate is bounded by windows of it."""
 
 
 @dataclass(frozen=True)
@@ -106,16 +111,13 @@ def finished_model(
     model: PlateModel, plate: PlateProperties, corner: CornerProperties, step: StepProperties
 ) -> PlateModel:
     """The static model of the same properties with its highest frequency, damping and time step."""
-    loop = model.loop
-    corner_hold = hold_of(loop.corner, corner.angles, plate.youngs_modulus)
-    return with_time_step(model, spectrum_of(model.elastic, corner_hold), plate, step)
+    held = hold_of(model.loop.corner, corner.angles, plate.youngs_modulus)
+    return with_time_step(model, held, plate, step)
 
 
-def with_time_step(
-    model: PlateModel, spectrum: ScaledSpectrum, plate: PlateProperties, step: StepProperties
-) -> PlateModel:
-    """The model with what its spectrum tells, and damping."""
-    d = model.discretisation
+def with_time_step(model: PlateModel, held: Hold, plate: PlateProperties, step: StepProperties) -> PlateModel:
+    """The model with what its spectrum tells, its corner held like that, and damping."""
+    d, spectrum = model.discretisation, _spectrum(model, held, step)
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
     damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
@@ -126,6 +128,22 @@ def with_time_step(
         loop=model.loop._replace(viscosity=viscosity),
     )
     return with_elastic_damping(model, step)
+
+
+def _spectrum(model: PlateModel, held: Hold, step: StepProperties) -> ScaledSpectrum | WindowBound:
+    """The spectrum, or of large uniform plates without other damping than of elastic velocities its bound."""
+    damped = held.dashpot or step.damping_ratio or step.bulk_viscosity
+    if (
+        model.loop.mass.size >= WINDOWS_FROM
+        and model.discretisation.table.weights.shape[1] == 1
+        and not damped
+    ):
+        from fem.discretisation.windows import Windows
+
+        windows = Windows(model.discretisation, model.loop.mass, model.tangent_moduli, model.loop.hourglass)
+        if windows.even:
+            return windows.bound(held.of_modulus(model.elastic.modulus))
+    return spectrum_of(model.elastic, held)
 
 
 def with_constraint(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:

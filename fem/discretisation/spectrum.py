@@ -43,6 +43,10 @@ class Hold(NamedTuple):
     spring: float
     dashpot: float
 
+    def of_modulus(self, modulus: float) -> Hold:
+        """As it holds a plate of this modulus [Pa], where this is of a plate of unit modulus."""
+        return self._replace(spring=modulus * self.spring, dashpot=math.sqrt(modulus) * self.dashpot)
+
 
 FREE = Hold((), ((),), 0.0, 0.0)
 """A plate that nothing holds."""

@@ -112,6 +112,8 @@ def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[Pl
     (along, across), found = plate.counts, 0
     while found < STAND_INS and max(along, across) > 2:
         along, across = max(2, round(along / 1.5)), max(2, round(across / 1.5))
+        if 2 * (along + 1) * (across + 1) > most_unknowns:  # without other nodes than the elements' corners
+            continue
         try:
             model = make_static_model(plan, plate.model_copy(update={"elements": (along, across)}))
         except InputError:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from fem.start.rigid_state import RigidStart
 
 RICHER_UP_TO = 20_000
-"""Elements above which the mesh is judged by a coarser one."""
+"""Elements above which the mesh is judged by a coarser one, of at most so many."""
 
 FLAT, STEEP = 0.8, 2.6
 """Change of the result over the deflection ratio: so much at small angles, and so much more per radian of start angle.
@@ -62,7 +62,9 @@ def comparable_plate(plate: Plate) -> Plate:
     """The plate by which the mesh is judged: richer elements, or where that would be large, a coarser mesh."""
     along, across = plate.counts
     if along * across > RICHER_UP_TO:
-        return plate.model_copy(update={"elements": (max(1, along // 2), max(1, across // 2))})
+        while along * across > RICHER_UP_TO:
+            along, across = max(1, along // 2), max(1, across // 2)
+        return plate.model_copy(update={"elements": (along, across)})
     if richer := ELEMENT_KINDS[plate.element].richer:
         # Row sums give the corners of quadratic triangles no mass.
         return plate.model_copy(update={"element": richer, "lumping": "exact"})

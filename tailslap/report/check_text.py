@@ -55,7 +55,7 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         f"{fe_plan.plate.element}, {fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",
         f"stiffness    {_stiffness(fe_plan)}",
         f"corner       {_constraint(model.loop.corner)}",
-        f"frequency    {model.highest_frequency:.6g} rad/s, the highest, by Lanczos with the corner's constraint",
+        f"frequency    {model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint",
         f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the "
         f"stable {model.stable_time_step:.4g} s",
         f"steps        {steps}, about {seconds:.2g} s in the time loop",

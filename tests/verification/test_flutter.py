@@ -12,8 +12,17 @@ from fem.contact.constraints import Exact
 from fem.contact.friction import friction_slope
 from fem.discretisation.stiffness import stiffness_matrix
 from fem.explicit.simulate import Stepper
-from fem.stability.flutter import FACTOR, INSTANTS, corner_modes, growing_modes, highest_mode, predict_flutter
+from fem.stability.flutter import (
+    FACTOR,
+    INSTANTS,
+    MAX_UNKNOWNS,
+    corner_modes,
+    growing_modes,
+    highest_mode,
+    predict_flutter,
+)
 from fem.start.rigid_state import RigidStart, to_global
+from tailslap.planning import decide_damping
 from tailslap.planning.decide_damping import REQUIRED_DAMPING
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
@@ -144,6 +153,21 @@ def test_flutter_is_foreseen_and_suppressed(
 
 def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None:
     assert predict_flutter(plate_model(reaction="none"), START, DURATION).growth == 0.0
+
+
+def test_only_meshes_that_can_be_analysed_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the coarser meshes of a large one."""
+    made, plain = [], decide_damping.make_static_model
+
+    def counted(plan: Any, plate: Any) -> Any:
+        made.append(plate.elements)
+        return plain(plan, plate)
+
+    monkeypatch.setattr(decide_damping, "make_static_model", counted)
+    plan = make_plan(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
+    models = list(decide_damping._coarser_models(plan, plan.scene.needed_plate, MAX_UNKNOWNS))
+    assert [2 * model.loop.mass.size <= MAX_UNKNOWNS for model in models] == [True, True]
+    assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
 
 
 @pytest.mark.long

@@ -63,6 +63,7 @@ def test_large_meshes_are_judged_by_a_coarser_one() -> None:
     plate = read_scene("paper-abaqus", ("plate.elements=[400,120]",))[0].plate
     assert plate is not None
     assert comparable_plate(plate).elements == (200, 60)
+    assert comparable_plate(plate.model_copy(update={"elements": (1600, 625)})).elements == (200, 78)
     quadratic = plate.model_copy(update={"elements": (8, 4), "element": "tri6"})
     assert comparable_plate(quadratic).elements == (16, 8)
 
