@@ -14,7 +14,7 @@ from fem.explicit.impact_loop import ImpactLoop
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.start.rigid_state import to_global
 
-TOLERANCE, BASIS = 1e-4, 12
+TOLERANCE, BASIS = 1e-4, 8
 """Residual over the eigenvalue at which Lanczos ends, and vectors that it keeps."""
 
 STEP = 1e-5
