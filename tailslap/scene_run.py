@@ -116,11 +116,16 @@ def run_scene(plan: Plan) -> Outcome:
     InputError
         For keys that make no model, and for a start that the plate cannot have.
     """
+    return confirmed(settled(plan))
+
+
+def settled(plan: Plan) -> Outcome:
+    """The outcome without a second run: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(plan)
-    if rings(outcome) and damping_is_open(plan.scene):
-        again = attempt(plan, MORE_DAMPING)
-        outcome = replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
-    return confirmed(outcome)
+    if not (rings(outcome) and damping_is_open(plan.scene)):
+        return outcome
+    again = attempt(plan, MORE_DAMPING)
+    return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
 
 
 def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
@@ -224,7 +229,7 @@ def confirmed(outcome: Outcome) -> Outcome:
 def second_run(outcome: Outcome) -> SecondRun:
     """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made.
 
-    It has the damping of the first run, or where it rings with that, what the program chooses for it.
+    It has the damping of the first run, or where it rings with that, what the program comes to for it.
     """
     fe_plan = outcome.fe_plan
     for plate in second_meshes(fe_plan):
@@ -232,7 +237,7 @@ def second_run(outcome: Outcome) -> SecondRun:
         try:
             other = attempt(damped_alike(plan, fe_plan))
             if rings(other) and damping_is_open(fe_plan.asked.scene):
-                other = attempt(plan)
+                other = settled(plan)
         except InputError:
             continue
         mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"

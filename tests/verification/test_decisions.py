@@ -14,6 +14,7 @@ from tailslap.errors import InputError
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import decide_damping, harms, suppressing_rate
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.flexibility import RECTIFIED, _rectified
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 from tailslap.scene_run import run_scene
@@ -22,6 +23,7 @@ from tailslap.verification.verdict import flutter_sentence, verdict_sentence
 pytestmark = pytest.mark.verification
 
 SOFT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
+DAMPED = ("damping.kind=elastic-velocity", "damping.rate=200")
 FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")
 
 
@@ -109,8 +111,38 @@ def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without() 
     soft = fe_plan("plate.youngs_modulus=", *swings, "corner.patch_length=1", "corner.constraint=exact")
     assert soft.growth.rate > 0.0
     assert soft.model.loop.elastic_damping is None
-    stiff = fe_plan(*swings[1:], "corner.patch_length=1", "corner.constraint=exact", *FLUTTERS)
+    steel = ("plate.youngs_modulus=2 TPa", *swings[1:], "corner.patch_length=1", "corner.constraint=exact")
+    stiff, rough = fe_plan(*steel), fe_plan(*steel, "corner.friction=0.8")
+    assert stiff.growth.rate > 0.0
     assert stiff.model.loop.elastic_damping is not None
+    assert (
+        rough.model.loop.elastic_damping is None
+    )  # what its oscillation adds to so much friction would be missed
+
+
+@pytest.mark.parametrize("modulus", ["20 GPa", "200 GPa", "2 TPa"])
+def test_an_oscillation_adds_friction_however_stiff_the_plate(
+    modulus: str, outcome: Callable[..., Any]
+) -> None:
+    """The reaction swings through zero, and friction goes with its magnitude: what damping takes off is told."""
+    swinging = (f"plate.youngs_modulus={modulus}", "plate.start=unstressed", "impact.friction=0.3")
+    free, still = (outcome("mash-tl4-sut", *swinging, *how) for how in (("damping.kind=none",), DAMPED))
+    added = free.fe_history["normal_impulse_magnitude"][-1] / abs(free.fe_history["normal_impulse"][-1]) - 1.0
+    assert 0.06 < added < RECTIFIED + 0.01
+    moved = max(abs(free.difference[name] - still.difference[name]) for name in free.difference)
+    assert 0.2 < moved / still.error.damping < 1.5
+
+
+@pytest.mark.parametrize(("law", "adds"), [("drag", True), ("signed", False), ("none", False)])
+def test_only_friction_on_the_magnitude_is_added_to(law: str, adds: bool) -> None:
+    """Halved as the friction is, as long as that is little."""
+    friction = () if law == "none" else ("corner.friction=0.02",)
+    plan, less = (
+        make_plan(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
+        for given in (friction, ("corner.friction=0.01",) if friction else ())
+    )
+    assert (_rectified(plan) > 0.0) is adds
+    assert _rectified(plan) == pytest.approx(2.0 * _rectified(less), rel=0.05)
 
 
 def test_check_says_what_will_come() -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 from postprocess.comparison.comparison import largest
 from tailslap.scene_run import Outcome
-from tailslap.studies.stability.reference import Reference, find_reference
+from tailslap.studies.stability.reference import Reference, find_reference, second_opinion
 from tailslap.studies.stability.verdict import CAUGHT, REFUSED, RIGHT, WRONG, Verdict, distance
 from tailslap.verification.check import failed_names
 from tailslap.verification.checks import reaction_checks
-from tailslap.verification.numerical_error import late_distance
+from tailslap.verification.numerical_error import FLOOR, SHARE, late_distance
 
 REACTION_ONLY, GOOD, UNJUDGED = "reaction only", "good but failed", "unjudged"
 KINDS = {
@@ -29,16 +30,32 @@ WRONG_FROM = (1e-3, 0.25)
 """Distance from the reference above which a result is wrong: a part of its own, and a share of the reference's
 difference from the rigid motion."""
 
-GOOD_TO = (5e-4, 0.1)
-"""The same for a result that is good beyond doubt."""
+SAFETY = 3.0
+"""Factor of safety on an error that two meshes tell (Roache 1994, ASME V&V 20)."""
+
+GOOD_TO = (FLOOR / SAFETY, SHARE / SAFETY)
+"""The same for a result that is good beyond doubt: with this factor its error would still be allowed."""
 
 
 def against_reference(outcome: Outcome) -> Verdict:
-    """The verdict; without a strike there is nothing to compare."""
+    """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     reference = find_reference(outcome.fe_plan.asked.source, outcome.fe_plan.plate) if outcome.fe else None
     ours = outcome.fe_history, outcome.rigid_history
     apart = late_distance(ours, reference.histories, outcome.rigid) if reference else math.nan
-    return grade(outcome.difference, failed_names(outcome.checks), reference, apart)
+    verdict = grade(outcome.difference, failed_names(outcome.checks), reference, apart)
+    if reference and verdict.kind == GOOD and not _confirmed(outcome, reference):
+        return replace(verdict, kind=CAUGHT)
+    return verdict
+
+
+def _confirmed(outcome: Outcome, reference: Reference) -> bool:
+    """Whether another refined model comes to the reference's result."""
+    other = second_opinion(outcome.fe_plan.asked.source, outcome.fe_plan.plate, reference)
+    if other is None:
+        return False
+    apart = late_distance(other.histories, reference.histories, outcome.rigid)
+    off = max(apart, distance(other.difference, reference.difference))
+    return off <= _limit(GOOD_TO, largest(reference.difference))
 
 
 def grade(
