@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tailslap.errors import InputError
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import make_static_model
-from tailslap.planning.flexibility import oscillation_lost, rigid_start
+from tailslap.planning.flexibility import friction_lost, oscillation_lost, rigid_start
 from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate, Scene
 
@@ -144,8 +144,8 @@ def harms(plan: Plan, plate: Plate, model: PlateModel, growth: Growth, deflectio
         return False
     if plate.relieved:
         return growth.overdamps and deflection_ratio > SEEN
-    energy = elastic_energy(model, rigid_start(plan))
-    return oscillation_lost(plan, energy, model.mass, suppressing_rate(growth)) > MISSED
+    energy, rate = elastic_energy(model, rigid_start(plan)), suppressing_rate(growth)
+    return oscillation_lost(plan, energy, model.mass, rate) + friction_lost(plan, rate) > MISSED
 
 
 def decide_damping(

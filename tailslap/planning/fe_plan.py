@@ -51,6 +51,8 @@ class FePlan:
         Static deflection under the reaction at the start over `travel` [-].
     other_deflection_ratio : float
         The same with richer elements or another mesh [-]; what it differs by is the discretisation error.
+    rang : bool
+        Whether a run with less damping rang.
     """
 
     asked: Plan
@@ -63,6 +65,7 @@ class FePlan:
     travel: float
     deflection_ratio: float
     other_deflection_ratio: float
+    rang: bool = False
 
     @cached_property
     def first_frequency(self) -> float:
@@ -162,6 +165,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
         travel=travel,
         deflection_ratio=ratio,
         other_deflection_ratio=mesh.other_deflection_ratio,
+        rang=more_damping > 1.0,
     )
 
 

@@ -40,15 +40,14 @@ def sensitivity(angle: float) -> float:
 
 
 def oscillation_lost(plan: Plan, energy: float, mass: float, rate: float) -> float:
-    """What the result loses where damping at this rate [1/s] takes off an unstressed plate's oscillation until the
-    strike: that has the energy [J] of the elastic state that the plate starts without, and adds friction."""
-    strike = plan.motion.strike
-    swing = math.sqrt(2.0 * energy / mass) / abs(strike.v_gy)
-    return (SWINGS * swing + _rectified(plan)) * -math.expm1(-0.5 * rate * strike.t)
+    """What damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share of the
+    speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts without."""
+    swing = math.sqrt(2.0 * energy / mass) / abs(plan.motion.strike.v_gy)
+    return SWINGS * swing * _decayed(plan, rate)
 
 
-def _rectified(plan: Plan) -> float:
-    """Largest relative change of the rigid body's five quantities by the friction that an oscillation adds."""
+def friction_lost(plan: Plan, rate: float) -> float:
+    """Largest relative change of the five quantities by the friction that goes with that oscillation."""
     scene = plan.scene
     if FRICTION_LAWS[scene.corner.reaction].impulse != "normal_impulse_magnitude":
         return 0.0
@@ -56,7 +55,14 @@ def _rectified(plan: Plan) -> float:
         more = make_plan(*vary(plan.source, {"corner.friction": (1.0 + RECTIFIED) * scene.corner_friction}))
     except InputError:  # so much friction the theory has no solution for
         return math.inf
-    return largest(relative_difference(stage_two_numbers(more), stage_two_numbers(plan)))
+    return largest(relative_difference(stage_two_numbers(more), stage_two_numbers(plan))) * _decayed(
+        plan, rate
+    )
+
+
+def _decayed(plan: Plan, rate: float) -> float:
+    """Share of an oscillation's amplitude that damping at this rate [1/s] takes off until the strike."""
+    return -math.expm1(-0.5 * rate * plan.motion.strike.t)
 
 
 def rigid_start(plan: Plan) -> RigidStart:

@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.discretisation.lumpings import LUMPINGS
 from postprocess.comparison.comparison import largest
-from tailslap.planning.flexibility import oscillation_lost, sensitivity
+from tailslap.planning.flexibility import friction_lost, oscillation_lost, sensitivity
 
 if TYPE_CHECKING:
     from tailslap.planning.fe_plan import FePlan
@@ -125,11 +125,13 @@ def _lag_error(fe_plan: FePlan) -> float:
 
 
 def _oscillation_lost(fe_plan: FePlan) -> float:
-    """What the damping takes off an unstressed plate's oscillation."""
+    """What the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the friction
+    that goes with an oscillation that does not grow is not known."""
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
-    return oscillation_lost(fe_plan.plan, fe_plan.elastic_energy, mass, damping.rate)
+    lost = oscillation_lost(fe_plan.plan, fe_plan.elastic_energy, mass, damping.rate)
+    return lost if fe_plan.rang else lost + friction_lost(fe_plan.plan, damping.rate)
 
 
 def _distance(differences: Mapping[str, float], second: SecondRun) -> float:

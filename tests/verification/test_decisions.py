@@ -14,10 +14,11 @@ from tailslap.errors import InputError
 from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import decide_damping, harms, suppressing_rate
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.flexibility import RECTIFIED, _rectified
+from tailslap.planning.flexibility import RECTIFIED, friction_lost
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 from tailslap.scene_run import run_scene
+from tailslap.verification.numerical_error import numerical_error
 from tailslap.verification.verdict import flutter_sentence, verdict_sentence
 
 pytestmark = pytest.mark.verification
@@ -133,6 +134,19 @@ def test_an_oscillation_adds_friction_however_stiff_the_plate(
     assert 0.2 < moved / still.error.damping < 1.5
 
 
+def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome: Callable[..., Any]) -> None:
+    """Friction of 0.8 makes the unstressed plate flutter: without damping there is nothing to compare with."""
+    damped = outcome("paper-table-3", "plate.start=unstressed", "corner.friction=0.8")
+    assert damped.attempts == 2
+    assert damped.passed
+    fe_plan = damped.fe_plan
+    assert fe_plan.rang
+    told = numerical_error(replace(fe_plan, rang=False), damped.difference, 0.0, damped.second).damping
+    added = friction_lost(fe_plan.plan, fe_plan.model.loop.elastic_damping.rate)
+    assert told == pytest.approx(damped.error.damping + added)
+    assert added > 3e-4
+
+
 @pytest.mark.parametrize(("law", "adds"), [("drag", True), ("signed", False), ("none", False)])
 def test_only_friction_on_the_magnitude_is_added_to(law: str, adds: bool) -> None:
     """Halved as the friction is, as long as that is little."""
@@ -141,8 +155,10 @@ def test_only_friction_on_the_magnitude_is_added_to(law: str, adds: bool) -> Non
         make_plan(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
         for given in (friction, ("corner.friction=0.01",) if friction else ())
     )
-    assert (_rectified(plan) > 0.0) is adds
-    assert _rectified(plan) == pytest.approx(2.0 * _rectified(less), rel=0.05)
+    assert (friction_lost(plan, 1e9) > 0.0) is adds
+    assert friction_lost(plan, 1e9) == pytest.approx(2.0 * friction_lost(less, 1e9), rel=0.05)
+    half = 2.0 * math.log(2.0) / plan.motion.strike.t
+    assert friction_lost(plan, half) == pytest.approx(0.5 * friction_lost(plan, 1e9))
 
 
 def test_check_says_what_will_come() -> None:
