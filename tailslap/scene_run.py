@@ -23,7 +23,7 @@ from tailslap.verification.checks import error_of, ringing_checks, run_checks
 from tailslap.verification.mechanics import energy_error
 from tailslap.verification.numerical_error import NumericalError, SecondRun, late_distance, needs_second_run
 from tailslap.verification.ringing import CORRUPTED, friction_by_ringing
-from tailslap.verification.second_mesh import damped_alike, on_mesh, second_meshes
+from tailslap.verification.second_mesh import damped_alike, damped_freely, on_mesh, second_meshes
 
 if TYPE_CHECKING:
     from fem.explicit.simulate import Run
@@ -229,15 +229,16 @@ def confirmed(outcome: Outcome) -> Outcome:
 def second_run(outcome: Outcome) -> SecondRun:
     """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made.
 
-    It has the damping of the first run, or where it rings with that, what the program comes to for it.
+    It has the damping of the first run, or where it rings with that, what the program comes to for it; also where the
+    scene forbids it, if the plate starts with the elastic state that damping leaves as it is.
     """
     fe_plan = outcome.fe_plan
     for plate in second_meshes(fe_plan):
         plan = on_mesh(fe_plan, plate)
         try:
             other = attempt(damped_alike(plan, fe_plan))
-            if rings(other) and damping_is_open(fe_plan.asked.scene):
-                other = settled(plan)
+            if rings(other) and (damping_is_open(plan.scene) or plate.relieved):
+                other = settled(damped_freely(plan))
         except InputError:
             continue
         mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"

@@ -47,3 +47,12 @@ def damped_alike(plan: Plan, fe_plan: FePlan) -> Plan:
     if damping is not None:
         return with_changes(plan, {"damping.kind": "elastic-velocity", "damping.rate": damping.rate})
     return plan if plan.scene.damping else with_changes(plan, {"damping.kind": "none"})
+
+
+def damped_freely(plan: Plan) -> Plan:
+    """The plan with its damping left to the program, but for what is in proportion to the stiffness."""
+    damping = plan.scene.damping
+    if damping is None or damping.kind is None:
+        return plan
+    own = {"damping.kind": None, "damping.rate": None}
+    return with_changes(plan, own if damping.ratio or damping.bulk_viscosity else {"damping": None})
