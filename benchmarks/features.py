@@ -26,7 +26,7 @@ from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
 from tailslap.studies import with_elements
-from tailslap.studies.features.bare import advance_bare, bare_parameters
+from tailslap.studies.features.bare import advance_bare, bare_parameters, bare_scratch
 from tailslap.studies.features.loops import start_state, without_control, workspace
 from tailslap.studies.features.parts import PLAIN, fe_plan_of, parts_of, refusal
 from tailslap.studies.features.timing import Spread, seconds, spread, take_turns
@@ -82,8 +82,8 @@ def program_code(fe_plan: FePlan, controlled: bool = True) -> MachineCode:
 
 def bare_code(fe_plan: FePlan) -> MachineCode:
     """Of the bare loop for this model."""
-    state, force, scratch = workspace(fe_plan, start_state(fe_plan))
-    model = bare_parameters(fe_plan.model.loop)
+    state, force, _ = workspace(fe_plan, start_state(fe_plan))
+    model, scratch = bare_parameters(fe_plan.model.loop), bare_scratch(fe_plan.model.loop)
     return count(_assembly(advance_bare, state.positions, state.velocities, 0, model, force, scratch))
 
 

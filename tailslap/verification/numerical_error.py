@@ -145,10 +145,10 @@ def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
 def late_distance(ours: Histories, its: Histories, rigid: Mapping[str, float]) -> float:
     """Root mean square of the distance between two runs' velocities over the last tenth of the motion, the largest.
 
-    ours, its: histories of the plate and of the rigid body, at the same instants; rigid: values at the tail-slap.
-    Infinite where one of them is not a finite number.
+    ours, its: histories of the plate and of the rigid body, at the same instants, NaN where the rigid motion has ended;
+    rigid: values at the tail-slap. Infinite where the plate's is not a finite number.
     """
-    end = min(float(fe["t"][-1]) for fe, _ in (ours, its))
+    end = min(float(fe["t"][_known(body)][-1]) for fe, body in (ours, its))
     rows = ours[0]["t"]
     t = np.append(rows[(rows >= (1.0 - LATE) * end) & (rows < end)], end)
     between = {name: _deviation(ours, name, t) - _deviation(its, name, t) for name in VELOCITIES}
@@ -160,4 +160,10 @@ def late_distance(ours: Histories, its: Histories, rigid: Mapping[str, float]) -
 def _deviation(histories: Histories, name: str, t: np.ndarray) -> np.ndarray:
     """From the rigid motion, at these instants."""
     fe, rigid = histories
-    return np.interp(t, fe["t"], fe[name] - rigid[name])
+    known = _known(rigid)
+    return np.interp(t, fe["t"][known], (fe[name] - rigid[name])[known])
+
+
+def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Whether the rigid motion has not ended yet."""
+    return np.isfinite(rigid["v_gx"])

@@ -271,7 +271,7 @@ series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) f
     ],
 )
 def test_memory_of_many_pictures_is_flat(setup: str, count: int, tmp_path: Path) -> None:
-    """A hundred in one process take at most 20 MB beyond the third: the second brings 42 MB that VTK keeps."""
+    """A hundred in one process take at most 50 MB beyond the third: the second brings 42 MB that VTK keeps."""
     (tmp_path / "tests_series.py").write_text(SERIES)
     code = MEMORY.format(setup=setup, count=count)
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
@@ -282,7 +282,7 @@ def test_memory_of_many_pictures_is_flat(setup: str, count: int, tmp_path: Path)
         check=True,
         env=os.environ | {"PYTHONPATH": path},
     )
-    assert float(run.stdout) < 20.0
+    assert float(run.stdout) < 50.0
 
 
 def test_another_format_is_refused(tmp_path: Path) -> None:

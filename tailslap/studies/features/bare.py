@@ -14,6 +14,7 @@ from fem.compiled import compiled, inlined
 from fem.constitutive.stress import stress
 from fem.contact.constraints import Penalty
 from fem.discretisation.elements import ElementTable
+from fem.explicit.internal_force import Scratch, scratch_for
 from fem.explicit.point_force import at_slot, point_of
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
@@ -46,7 +47,17 @@ def bare_parameters(loop: LoopParameters) -> BareParameters:
     if not isinstance(loop.corner.constraint, Penalty):
         raise ValueError("the bare loop has a penalty spring and no other constraint")
     node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.stiffness)
-    return BareParameters(loop.table, loop.material, loop.mass, node, stiffness, loop.time_step)
+    return BareParameters(_stored(loop.table), loop.material, loop.mass, node, stiffness, loop.time_step)
+
+
+def bare_scratch(loop: LoopParameters) -> Scratch:
+    """Its workspace."""
+    return scratch_for(_stored(loop.table))
+
+
+def _stored(table: ElementTable) -> ElementTable:
+    """The table with its gradients as they are stored: mapping elements from their nodes is a part of its own."""
+    return table._replace(mapping=None)
 
 
 @compiled

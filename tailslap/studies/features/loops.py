@@ -12,7 +12,7 @@ from fem.explicit.internal_force import scratch_for
 from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import State, advance, copy_state
 from tailslap.planning.fe_plan import FePlan
-from tailslap.studies.features.bare import advance_bare, bare_parameters
+from tailslap.studies.features.bare import advance_bare, bare_parameters, bare_scratch
 from tailslap.studies.features.parts import Part
 from tailslap.studies.features.timing import seconds
 
@@ -56,10 +56,11 @@ def program_loop(name: str, fe_plan: FePlan, part: Part) -> Loop:
 
 def bare_loop(name: str, fe_plan: FePlan) -> Loop:
     """The bare loop on the same model."""
-    start, model = start_state(fe_plan), bare_parameters(fe_plan.model.loop)
+    start, loop = start_state(fe_plan), fe_plan.model.loop
+    model = bare_parameters(loop)
 
     def run(steps: int) -> float:
-        state, force, scratch = workspace(fe_plan, start)
+        (state, force, _), scratch = workspace(fe_plan, start), bare_scratch(loop)
         return seconds(lambda: advance_bare(state.positions, state.velocities, steps, model, force, scratch))
 
     return _loop(name, fe_plan, run)
@@ -81,8 +82,8 @@ def difference(fe_plan: FePlan, steps: int) -> float:
     start, loop = start_state(fe_plan), fe_plan.model.loop
     one, force, scratch = workspace(fe_plan, start)
     advance(one, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
-    other, force, scratch = workspace(fe_plan, start)
-    advance_bare(other.positions, other.velocities, steps, bare_parameters(loop), force, scratch)
+    other, force, _ = workspace(fe_plan, start)
+    advance_bare(other.positions, other.velocities, steps, bare_parameters(loop), force, bare_scratch(loop))
     return float(np.abs(one.positions_on_wall - other.positions).max() / fe_plan.plan.body.length)
 
 
