@@ -21,7 +21,7 @@ from typing import Any
 
 from fem.explicit.time_loop import advance
 from fem.machine_code.kernel import Kernel
-from fem.machine_code.numba_code import make_dispatcher
+from fem.machine_code.numba_code import compile_for, make_dispatcher
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.files import read_scene
@@ -88,9 +88,9 @@ def bare_code(fe_plan: FePlan) -> MachineCode:
 
 
 def _assembly(loop: Kernel, *arguments: Any) -> str:
-    """Compiled afresh, for Numba shows no assembly of what it loaded from disk; done nothing with."""
+    """Compiled afresh, for Numba shows no assembly of what it loaded from disk, and not called."""
     fresh = make_dispatcher(loop)
-    fresh(*arguments)
+    compile_for(fresh, arguments)
     (assembly,) = fresh.inspect_asm().values()
     return str(assembly)
 
