@@ -216,6 +216,9 @@ def test_hourglass_energy_above_the_customary_limit(outcome: Callable[..., Any])
     assert failed(result, hourglass_energy=lambda h: h + 0.2 * strain.max()) == set()  # 5e-9 of the energy
     (shown,) = (check for check in result.checks if check.name == "hourglass share")
     assert 0.0 < shown.value < 1.0 == shown.limit
+    coarse = replace(result, fe_plan=replace(result.fe_plan, other_deflection_ratio=2e-3))
+    bending = {"hourglass_energy": lambda h: h + 0.2 * strain.max()}
+    assert failed(coarse, **bending) == {"mesh", "numerical error", "hourglass share"}
     found = failed(
         result,
         hourglass_energy=lambda h: h + 0.06 * energy[0],
