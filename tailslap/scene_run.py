@@ -21,7 +21,12 @@ from tailslap.progress import announced, compiling, progress_bar
 from tailslap.verification.check import Check, history_metrics
 from tailslap.verification.checks import error_of, ringing_checks, run_checks
 from tailslap.verification.mechanics import energy_error
-from tailslap.verification.numerical_error import NumericalError, SecondRun, late_distance, needs_second_run
+from tailslap.verification.numerical_error import (
+    NumericalError,
+    SecondRun,
+    distance_in_motion,
+    needs_second_run,
+)
 from tailslap.verification.ringing import CORRUPTED, friction_by_ringing
 from tailslap.verification.second_mesh import damped_alike, damped_freely, on_mesh, second_meshes
 
@@ -242,8 +247,14 @@ def second_run(outcome: Outcome) -> SecondRun:
         except InputError:
             continue
         mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
+        if not other.fe:
+            return SecondRun(mesh, {})
         ours, its = ((run.fe_history, run.rigid_history) for run in (outcome, other))
-        return SecondRun(mesh, other.difference, late_distance(ours, its, outcome.rigid) if other.fe else 0.0)
+        late, apart = (
+            distance_in_motion(ours, its, outcome.rigid, oscillates)
+            for oscillates in (False, not fe_plan.plate.relieved)
+        )
+        return SecondRun(mesh, other.difference, late, apart)
     return SecondRun("none", {})
 
 

@@ -4,7 +4,7 @@ After a start by inertia relief the plate follows its loads, and statics tells w
 moves by `sensitivity` times what it moves the centre of mass at the start. An unstressed plate oscillates, and the
 phase of its oscillation counts; there, and where statics explains less than the difference from the rigid motion, or
 tells of an error that is not small beside it, a second run tells: on another mesh. Two oscillations may agree at one
-instant by chance, so that they are compared over the last tenth of the motion as well.
+instant by chance, so that they are compared over the whole motion as well.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ EXPLAINED = 2.0
 LAG_EFFECT = 0.9
 """Change of the result over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
 
-LATE = 0.1
-"""Last part of the motion over which two runs are compared."""
+LATE, LAST = 0.1, 9
+"""Part of the motion over which two runs are compared, and number of the last such part."""
 
 VELOCITIES = ("v_gx", "v_gy", "omega")
 
@@ -56,13 +56,14 @@ class SecondRun:
         In words.
     difference : dict of str to float
         Its five quantities' from the rigid motion; empty where it came to no result.
-    apart : float
-        Root mean square of what lies between the velocities of the two runs over the last tenth of the motion, as a
-        share of the rigid ones at the tail-slap, the largest.
+    late, apart : float
+        What lies between the velocities of the two runs over the last tenth of the motion, and if the plate oscillates
+        over any, as a share of the rigid ones at the tail-slap, see `distance_in_motion`.
     """
 
     mesh: str
     difference: Mapping[str, float]
+    late: float = 0.0
     apart: float = 0.0
 
 
@@ -135,25 +136,35 @@ def _oscillation_lost(fe_plan: FePlan) -> float:
 
 
 def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
-    """Error by the second run; infinite where one of the two has no result."""
+    """Error by the second run; infinite where one of the two has no result. Oscillations that have drifted apart tell
+    no order of convergence: what is between them is as large as it is."""
     if not (differences and second.difference):
         return math.inf
     at_strike = max(abs(value - second.difference[name]) for name, value in differences.items())
-    return FACTOR * max(at_strike, second.apart)
+    return max(FACTOR * at_strike, FACTOR * second.late, second.apart)
 
 
-def late_distance(ours: Histories, its: Histories, rigid: Mapping[str, float]) -> float:
-    """Root mean square of the distance between two runs' velocities over the last tenth of the motion, the largest.
+def distance_in_motion(
+    ours: Histories, its: Histories, rigid: Mapping[str, float], oscillates: bool
+) -> float:
+    """Root mean square of the distance between two runs' velocities over a tenth of the motion, the largest velocity's.
 
     ours, its: histories of the plate and of the rigid body, at the same instants, NaN where the rigid motion has ended;
-    rigid: values at the tail-slap. Infinite where the plate's is not a finite number.
+    rigid: values at the tail-slap. The tenth is the last one; where the plate oscillates any, as far as the oscillation
+    lasts, since two that drift out of phase may be in phase again at the end. Infinite where a number is not finite.
     """
     end = min(float(fe["t"][_known(body)][-1]) for fe, body in (ours, its))
     rows = ours[0]["t"]
-    t = np.append(rows[(rows >= (1.0 - LATE) * end) & (rows < end)], end)
-    between = {name: _deviation(ours, name, t) - _deviation(its, name, t) for name in VELOCITIES}
-    rms = {name: float(np.sqrt(np.mean(values**2))) for name, values in between.items()}
-    found = [value / abs(rigid[name]) for name, value in rms.items() if rigid[name]]
+    t = np.append(rows[rows < end], end)
+    tenths = np.minimum((t / (LATE * end)).astype(int), LAST)
+    wanted = np.unique(tenths) if oscillates else np.array([LAST])
+    found = []
+    for name in (name for name in VELOCITIES if rigid[name]):
+        mine, other = _deviation(ours, name, t), _deviation(its, name, t)
+        apart = np.array([np.sqrt(np.mean((mine - other)[tenths == tenth] ** 2)) for tenth in wanted])
+        swing = np.array([np.std(mine[tenths == tenth]) for tenth in wanted])
+        lasts = np.minimum(1.0, np.divide(swing[-1], swing, out=np.ones_like(swing), where=swing > 0.0))
+        found.append(float((apart * lasts).max()) / abs(rigid[name]))
     return max(found, default=0.0) if np.isfinite(found).all() else math.inf
 
 

@@ -271,7 +271,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
-def test_a_reference_that_fails_a_check_or_is_swayed_by_its_damping_is_not_trusted() -> None:
+def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted() -> None:
     outcome = run_scene(make_plan(*vary(SMALL, {})))
     assert trustworthy(outcome)
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
@@ -279,6 +279,9 @@ def test_a_reference_that_fails_a_check_or_is_swayed_by_its_damping_is_not_trust
     for name in ("energy balance", "friction work", "contact work"):
         failed = Check.at_most(name, 1.0, 0.0, "made to fail")
         assert not trustworthy(replace(outcome, checks=(failed,)))
+    for energy in (1.0, 2.0):  # over that of the start: twice as much has come from friction
+        swings = Check.at_most("oscillation", energy, 9.0, "made to pass")
+        assert trustworthy(replace(outcome, checks=(swings,))) == (energy < 1.25)
     assert not trustworthy(replace(outcome, error=replace(outcome.error, damping=0.1)))
     assert not trustworthy(replace(outcome, difference={}))
 

@@ -12,7 +12,7 @@ from tailslap.studies.stability.reference import Reference, find_reference, seco
 from tailslap.studies.stability.verdict import CAUGHT, REFUSED, RIGHT, WRONG, Verdict, distance
 from tailslap.verification.check import failed_names
 from tailslap.verification.checks import reaction_checks
-from tailslap.verification.numerical_error import FLOOR, SHARE, late_distance
+from tailslap.verification.numerical_error import FLOOR, SHARE, distance_in_motion
 
 REACTION_ONLY, GOOD, UNJUDGED = "reaction only", "good but failed", "unjudged"
 KINDS = {
@@ -41,7 +41,10 @@ def against_reference(outcome: Outcome) -> Verdict:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     reference = find_reference(outcome.fe_plan.asked.source, outcome.fe_plan.plate) if outcome.fe else None
     ours = outcome.fe_history, outcome.rigid_history
-    apart = late_distance(ours, reference.histories, outcome.rigid) if reference else math.nan
+    oscillates = not outcome.fe_plan.plate.relieved
+    apart = (
+        distance_in_motion(ours, reference.histories, outcome.rigid, oscillates) if reference else math.nan
+    )
     verdict = grade(outcome.difference, failed_names(outcome.checks), reference, apart)
     if reference and verdict.kind == GOOD and not _confirmed(outcome, reference):
         return replace(verdict, kind=CAUGHT)
@@ -53,7 +56,8 @@ def _confirmed(outcome: Outcome, reference: Reference) -> bool:
     other = second_opinion(outcome.fe_plan.asked.source, outcome.fe_plan.plate, reference)
     if other is None:
         return False
-    apart = late_distance(other.histories, reference.histories, outcome.rigid)
+    oscillates = not outcome.fe_plan.plate.relieved
+    apart = distance_in_motion(other.histories, reference.histories, outcome.rigid, oscillates)
     off = max(apart, distance(other.difference, reference.difference))
     return off <= _limit(GOOD_TO, largest(reference.difference))
 
@@ -63,7 +67,7 @@ def grade(
 ) -> Verdict:
     """The verdict on a result, given as differences from the rigid motion; empty where there was no strike.
 
-    apart: over the last tenth of the motion; oscillations that agree at the strike alone are right by chance.
+    apart: on the way; oscillations that agree at the strike alone are right by chance.
     """
     names, found = ", ".join(failed), largest(difference)
     if not math.isfinite(found):

@@ -17,6 +17,7 @@ from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import Outcome, settled
 from tailslap.studies.stability.verdict import model_name
 from tailslap.verification.check import failed_names
+from tailslap.verification.mechanics import OSCILLATES
 from tailslap.verification.numerical_error import Histories
 
 FINER, FINEST, MAX_ELEMENTS = 1.5, 2.0, 600
@@ -106,7 +107,10 @@ def reference_counts(counts: tuple[int, int], finer: float) -> tuple[int, int]:
 
 
 def trustworthy(outcome: Outcome) -> bool:
-    """Whether the result can be taken for the truth about the plate."""
+    """Whether the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
+    friction has fed, a reference may not."""
     found, error = largest(outcome.difference), outcome.error
     swayed = error.damping + error.ringing > SWAYED[0] + SWAYED[1] * found
-    return math.isfinite(found) and DEMANDED.isdisjoint(failed_names(outcome.checks)) and not swayed
+    fed = any(check.name == "oscillation" and check.value > OSCILLATES for check in outcome.checks)
+    passed = DEMANDED.isdisjoint(failed_names(outcome.checks))
+    return math.isfinite(found) and passed and not swayed and not fed
