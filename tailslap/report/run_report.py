@@ -30,7 +30,7 @@ from tailslap.report.parts import (
     short,
 )
 from tailslap.report.pictures import draw_pictures
-from tailslap.report.run_text import diagnosis, is_paper_case, statements
+from tailslap.report.run_text import diagnosis, is_paper_case, prediction, statements
 from tailslap.report.summary import cost, summary
 from tailslap.scene.inputs import resolved_inputs
 from tailslap.scene.written import scene_text
@@ -196,7 +196,7 @@ def _terminal(outcome: Outcome) -> list[Table | str]:
         comparison(outcome, " "),
         *([picked] if picked else []),
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        *failed_lines(outcome.checks, _cure, diagnosis(outcome)),
+        *failed_lines(outcome.checks, _cure, [prediction(outcome)]),
         passed_text(outcome.checks),
         f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s, pictures "
         f"{outcome.pictures_s:.2f} s",

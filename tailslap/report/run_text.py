@@ -34,7 +34,12 @@ def statements(outcome: Outcome) -> tuple[str, ...]:
 def diagnosis(outcome: Outcome) -> tuple[str, ...]:
     """What is known of why a run failed: what the program chose, and what it predicted of ringing."""
     chosen = (f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions)
-    return (*chosen, f"Flutter {flutter_sentence(outcome.fe_plan)}.")
+    return (*chosen, prediction(outcome))
+
+
+def prediction(outcome: Outcome) -> str:
+    """What was predicted of ringing."""
+    return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
 
 def is_paper_case(plan: Plan) -> bool:

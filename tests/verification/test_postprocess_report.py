@@ -31,7 +31,7 @@ from postprocess.report.page import (
 from postprocess.report.report import Report, report_text, write_report
 from postprocess.report.table import Column, Table, pairs
 from tailslap.report.run_report import run_report
-from tailslap.report.run_text import diagnosis
+from tailslap.report.run_text import diagnosis, prediction
 from tailslap.verification.checks import advice
 
 pytestmark = pytest.mark.verification
@@ -250,6 +250,16 @@ def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> No
         assert re.sub("<[^>]+>", "", html.unescape(str(prose(said)))).replace(NO_BREAK, " ") in page.text
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
+
+
+def test_the_terminal_tells_once_what_was_chosen(outcome: Callable[..., Any]) -> None:
+    made = outcome("mash-tl4-sut", "impact.speed=20 m/s", "plate.start=unstressed")
+    shown_ones = [decision.shown for decision in made.fe_plan.decisions]
+    failed = replace(made.checks[0], passed=False)
+    said = run_report(replace(made, checks=(failed, *made.checks[1:])), pictures=False).terminal
+    text = "\n".join(line for line in said if isinstance(line, str))
+    assert [text.count(each) for each in shown_ones] == [1] * len(shown_ones) != []
+    assert prediction(made) in text
 
 
 def whole(name: str) -> str:
