@@ -75,9 +75,10 @@ def print_row(what: str, asked: str, measured: str) -> None:
 
 
 def _environment(checkout: Path) -> dict[str, str]:
-    """That of a user: with bytecode on disk, of this benchmark's own."""
+    """That of a user: with bytecode on disk, of this benchmark's own, and one thread of BLAS, as the command sets."""
     without = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    return without | {"PYTHONPATH": str(checkout), "PYTHONPYCACHEPREFIX": str(BYTECODE)}
+    given = {"PYTHONPATH": str(checkout), "PYTHONPYCACHEPREFIX": str(BYTECODE), "OPENBLAS_NUM_THREADS": "1"}
+    return without | given
 
 
 COMMAND = ("-m", "tailslap.command_line")
@@ -88,7 +89,7 @@ NEEDED = ("-c", "import numpy, click; from pydantic import BaseModel")
 def process(checkout: Path, arguments: Sequence[str], program: Sequence[str] = COMMAND) -> Spent:
     """Run a command of a checkout in an empty folder."""
     command = [sys.executable, *program, *arguments]
-    environment = _environment(checkout) | {"OPENBLAS_NUM_THREADS": "1"}
+    environment = _environment(checkout)
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
         child = subprocess.Popen(
