@@ -5,8 +5,6 @@ factorisation grow faster.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -16,7 +14,12 @@ TOLERANCE, MOST = 1e-10, 300
 """Residual over the load at which conjugate gradients end, and iterations that they may take: 15 to 45 are usual, more
 on elements that are very long."""
 
-SMOOTHER = ("chebyshev", {"degree": 2})
+SWEEPS = {"presmoother": "forward", "postsmoother": "backward"}
+"""Of Gauss and Seidel; together they make a symmetric cycle."""
+
+PROLONGATION = ("jacobi", {"weighting": "local", "omega": 1.8})
+"""Weights by sums of rows need no eigenvalues; of factors from 4/3 to 2 this one takes the fewest iterations."""
+
 COARSEST = 300
 """Unknowns below which a level is solved directly."""
 
@@ -47,15 +50,17 @@ class Multigrid:
         self._order = np.arange(unknowns).reshape(2, -1).T.ravel()  # both unknowns of a node side by side
         blocks = sp.csr_matrix(stiffness)[self._order][:, self._order].tobsr((2, 2))
         self._rigid, _ = np.linalg.qr(rigid[self._order])
-        with _same_random_numbers():
-            self._levels = pyamg.smoothed_aggregation_solver(
-                blocks,
-                B=self._rigid,
-                improve_candidates=None,
-                presmoother=SMOOTHER,
-                postsmoother=SMOOTHER,
-                max_coarse=COARSEST,
-            )
+        self._levels = pyamg.smoothed_aggregation_solver(
+            blocks,
+            B=self._rigid,
+            improve_candidates=None,
+            smooth=PROLONGATION,
+            max_coarse=COARSEST,
+            **{name: ("gauss_seidel", {"sweep": sweep}) for name, sweep in SWEEPS.items()},
+        )
+        for level in self._levels.levels:  # without blocks SciPy multiplies a third faster
+            for name in vars(level).keys() & {"A", "P", "R"}:
+                setattr(level, name, getattr(level, name).tocsr())
         self._cycle = self._levels.aspreconditioner()
 
     def solve(self, load: np.ndarray) -> np.ndarray:
@@ -106,14 +111,3 @@ class Multigrid:
         placed = np.empty_like(values)
         placed[self._order] = values
         return placed
-
-
-@contextmanager
-def _same_random_numbers() -> Iterator[None]:
-    """The levels estimate eigenvalues from random vectors: always the same, so that runs repeat to the bit."""
-    state = np.random.get_state()  # noqa: NPY002
-    np.random.seed(0)  # noqa: NPY002
-    try:
-        yield
-    finally:
-        np.random.set_state(state)  # noqa: NPY002
