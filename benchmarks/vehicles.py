@@ -8,7 +8,7 @@ slender     widths of 0.01 to 0.03 of the length, stiffness x 0.1 to 1 000, fric
             finer run with the exact constraint
 slow        speeds to 0.01 times, stiffness to 10 000 times, slides of over a kilometre
 
-"Beyond flexibility": what the difference from the rigid motion has over what the plate's give explains.
+"Beyond flexibility": what the difference from the rigid motion has over what the plate's flexibility explains.
 """
 
 from __future__ import annotations

@@ -58,9 +58,10 @@ class Multigrid:
             max_coarse=COARSEST,
             **{name: ("gauss_seidel", {"sweep": sweep}) for name, sweep in SWEEPS.items()},
         )
-        for level in self._levels.levels:  # without blocks SciPy multiplies a third faster
-            for name in vars(level).keys() & {"A", "P", "R"}:
-                setattr(level, name, getattr(level, name).tocsr())
+        *finer, coarsest = self._levels.levels
+        for level in finer:  # without blocks SciPy multiplies a third faster
+            level.A, level.P, level.R = (matrix.tocsr() for matrix in (level.A, level.P, level.R))
+        coarsest.A = coarsest.A.tocsr()
         self._cycle = self._levels.aspreconditioner()
 
     def solve(self, load: np.ndarray) -> np.ndarray:

@@ -58,11 +58,12 @@ def test_instructions_are_the_loop_s_own() -> None:
 
 @pytest.mark.long
 def test_a_part_has_instructions_only_where_it_is() -> None:
+    """Counted on vector registers, where the arithmetic is; of other instructions the machine decides how many."""
     parts = {part.name: part for part in parts_of(read_scene(SCENE)[0])}
     plain, friction, damping = (
         benchmark.program_code(fe_plan_of(parts[n])) for n in (PLAIN, "friction", "damping")
     )
-    assert 0 < plain.vector < plain.instructions < friction.instructions < damping.instructions
+    assert 0 < plain.vector < friction.vector < damping.vector < damping.instructions
 
 
 def test_imports_are_summed_by_package() -> None:
