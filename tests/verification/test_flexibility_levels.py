@@ -74,7 +74,7 @@ def test_a_level_is_known_up_to_a_third_of_it_in_error(share: float, kind: str) 
 
 def test_points_below_a_level_must_be_known_to_lie_below_it() -> None:
     points = [power(f) for f in SWEEP]
-    points[2] = replace(points[2], error=0.0034)
+    points[2] = replace(points[2], error=0.01)
     unknown = lowest_frequency(points, 0.01)
     assert (unknown.kind, unknown.frequency) == (UNKNOWN, SWEEP[2])
     points[2] = replace(points[2], error=0.0033)
@@ -112,3 +112,14 @@ def test_the_error_is_a_grid_convergence_index_of_a_believable_order() -> None:
     lucky = [3.0 + 1e-6 * h**8 for h in (1.0, 2.0, 4.0)]
     assert convergence_index(*lucky) * lucky[0] == pytest.approx(1.25 * 255e-6 / 3.0, rel=1e-9)
     assert convergence_index(1.0, 1.01, 1.0) == pytest.approx(0.03)  # to and fro: three times the change
+
+
+@pytest.mark.parametrize(("error", "kind"), [(0.9e-3, CROSSED), (1.0e-3, UNKNOWN)])
+def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error: float, kind: str) -> None:
+    """The stiff end, where the error is most of the level and the difference next to nothing."""
+    stiff = Sample(1000.0, 0.05e-3, error, True)
+    rest = [Sample(frequency, 0.1 / frequency, 1e-6, True) for frequency in (200.0, 80.0)]
+    found = lowest_frequency([stiff, *rest], 1e-3)
+    assert found.kind == kind
+    if kind == CROSSED:
+        assert found.frequency == pytest.approx(100.0)

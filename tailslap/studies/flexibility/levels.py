@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 SHARE = 1.0 / 3.0
-"""Share of a level, or of a difference, that the numerical error must stay below for either to be known."""
+"""Share of a level, or of a difference, that the numerical error must stay below for either to be known; a difference
+that is below the level with its error on top is known to be."""
 
 CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = KINDS = ("crossed", "not reached", "above all", "unknown")
 """The level is crossed; not within the points that passed; by all of them; the error is too large to say."""
@@ -79,7 +80,7 @@ def lowest_frequency(samples: Sequence[Sample], level: float) -> Level:
             return Level(level, UNKNOWN, sample.frequency)
         if sample.difference > level:
             return _crossing(samples, last, number, level)
-        if not sample.error < SHARE * level:
+        if not (sample.error < SHARE * level or sample.difference + sample.error <= level):
             return Level(level, UNKNOWN, sample.frequency)
         last = number
     if last is None:
