@@ -1,11 +1,12 @@
-"""The structure of the sources in figures: lines of code, what reports, modules per folder, import circles.
+"""The structure of the sources in figures: lines of code, files, imports, class names, modules a folder, import circles.
 
     .venv/bin/python benchmarks/structure.py [--files] [--trace]
 
-Lines of code are those without docstrings, comments and blank lines. What reports: `postprocess`, and modules named
-report, or in a folder of that name. An import circle counts lazy and type-only imports. With --files, each file. With
---trace also the calls of a run of paper-table-3 up to its time loop: how often they climb back from `fem` into
-`tailslap`, and how many meshes are made of one plate.
+Lines of code are those without docstrings, comments and blank lines. Modules that report are those of `postprocess`,
+and those named report, or in a folder of that name; signals and comparison compute and are counted apart. An import
+circle counts lazy and type-only imports. With --files, each file. With --trace also the calls of a run of paper-table-3
+up to its time loop: the files that they enter, how often they climb back from `fem` into `tailslap`, and how many
+meshes are made of one plate.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ SKIPPED = {
     tokenize.DEDENT,
     tokenize.ENDMARKER,
 }
+SMALL = 40
+"""Lines of code below which a module is too small to be a subject."""
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -51,10 +54,23 @@ def code_lines(text: str) -> int:
     return len(lines - described)
 
 
+def import_lines(text: str) -> int:
+    """Lines of import statements, those within functions included."""
+    found = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import | ast.ImportFrom))
+    return sum((node.end_lineno or node.lineno) - node.lineno + 1 for node in found)
+
+
+def classes(root: Path = ROOT) -> Counter[str]:
+    """Names of classes at the head of modules, and how many there are of each."""
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in sources(root))
+    return Counter(node.name for tree in trees for node in tree.body if isinstance(node, ast.ClassDef))
+
+
 def reports(path: Path) -> bool:
-    """Whether a module turns numbers into text, tables, pages or pictures."""
+    """Return True for modules that turn numbers into text, tables, pages or pictures."""
     parts = path.relative_to(ROOT).with_suffix("").parts
-    return parts[0] == "postprocess" or bool({"report", "reports"} & set(parts))
+    computes = parts[:2] in {("postprocess", "signals"), ("postprocess", "comparison")}
+    return not computes and (parts[0] == "postprocess" or bool({"report", "reports"} & set(parts)))
 
 
 def module_name(path: Path) -> str:
@@ -128,9 +144,23 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     return len({path for path, _ in calls}), climbs, sum(name == "plate_mesh" for _, name in calls)
 
 
+def assertions(root: Path = ROOT) -> int:
+    """Assertions in the tests: assert statements, and blocks that expect an error or a warning."""
+    count = 0
+    for path in (root / "tests").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            expects = isinstance(node, ast.Call) and ast.unparse(node.func) in {
+                "pytest.raises",
+                "pytest.warns",
+            }
+            count += isinstance(node, ast.Assert) or expects
+    return count
+
+
 def main() -> None:
     """Print the figures."""
-    lines = {path: code_lines(path.read_text(encoding="utf-8")) for path in sources()}
+    texts = {path: path.read_text(encoding="utf-8") for path in sources()}
+    lines = {path: code_lines(text) for path, text in texts.items()}
     total = sum(lines.values())
     if "--files" in sys.argv:
         for path, count in lines.items():
@@ -143,6 +173,17 @@ def main() -> None:
     print(
         f"{'together':<12} {total:6d} lines, {reporting} of them report ({100.0 * reporting / total:.1f} %)"
     )
+    importing = sum(map(import_lines, texts.values()))
+    print(f"{len(lines)} files; imports {importing} lines ({100.0 * importing / total:.1f} %)")
+    small = [path for path, count in lines.items() if count < SMALL and not path.stem.startswith("__")]
+    print(f"modules below {SMALL} lines: {len(small)}; longest {max(lines.values())} lines")
+    twice = sorted(name for name, count in classes().items() if count > 1)
+    print(f"class names that exist twice: {len(twice)} {' '.join(twice)}")
+    for study in sorted(path for path in (ROOT / "tailslap" / "studies").iterdir() if path.is_dir()):
+        own = sum(count for path, count in lines.items() if path.is_relative_to(study))
+        print(f"study {study.name}: {own} lines" if own else "", end="\n" if own else "")
+    tests = sum(code_lines(path.read_text(encoding="utf-8")) for path in (ROOT / "tests").rglob("*.py"))
+    print(f"tests: {tests} lines, {assertions()} assertions")
     name, most = flat().most_common(1)[0]
     print(f"most modules in one folder: {most} in {name}")
     print(f"import circles: {len(circles())}")

@@ -1,0 +1,207 @@
+"""Bits of results before and after a change: runs of all shipped scenes, studies and sweeps, by the command line alone.
+
+    .venv/bin/python benchmarks/oracle.py make FOLDER [--root CHECKOUT] [--only NAME]
+    .venv/bin/python benchmarks/oracle.py compare OLD NEW [--tolerance X]
+
+`make` runs each command in a checkout and leaves its terminal text, its CSV files and its summary in FOLDER/NAME.
+`compare` sets two such folders side by side. Histories must have the same bytes; summaries and texts must be equal
+without times. Where they are not, numbers are compared, and the largest relative difference is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+CORNER = (
+    "mash-tl1-car mash-tl1-pickup mash-tl2-car mash-tl2-pickup mash-tl3-car mash-tl3-pickup mash-tl4-sut "
+    "mash-tl5-tractor-van mash-tl6-tractor-tank paper-abaqus paper-table-3"
+).split()
+IMPACT = [f"impact-{name}" for name in CORNER if name.startswith("mash")]
+VARIED = {
+    "soft": ("paper-table-3", "plate.youngs_modulus=2 GPa"),
+    "neo-hookean": ("paper-table-3", "material.law=neo-hookean", "plate.element=quad9"),
+    "threads": ("paper-table-3", "time.threads=2"),
+    "unstressed": ("paper-table-3", "plate.start=unstressed"),
+    "fields": ("mash-tl4-sut", "output.fields=5"),
+    "exact": ("mash-tl3-car", "corner.constraint=exact"),
+    "failing": ("paper-table-3", "plate.youngs_modulus=0.01 GPa"),
+    "impact-exact": ("impact-mash-tl4-sut", "contact.enforcement=exact", "contact.stiffness=3 MN/m"),
+    "impact-fields": ("impact-mash-tl3-car", "output.fields=5"),
+}
+TIMES = re.compile(r"(_s|\.rate|overhead|speed|seconds|run_s|reused|version|digest)$")
+DURATION = re.compile(r"\b\d[\d.,]*(e-?\d+)? (s|ms|us|µs|min|h|MiB|GiB)\b")
+
+
+def commands() -> dict[str, tuple[str, ...]]:
+    """Arguments by name; {out} stands for the result folder."""
+    found: dict[str, tuple[str, ...]] = {}
+    for scene in (*CORNER, *IMPACT):
+        found[f"run-{scene}"] = ("run", scene, "--no-pictures", "--out", "{out}")
+        found[f"check-{scene}"] = ("check", scene)
+        found[f"rigid-{scene}"] = ("rigid", scene)
+        found[f"rigid-json-{scene}"] = ("rigid", scene, "--json")
+    for name, (scene, *changes) in VARIED.items():
+        given = tuple(part for change in changes for part in ("--set", change))
+        found[f"run-{name}"] = ("run", scene, *given, "--no-pictures", "--out", "{out}")
+        found[f"check-{name}"] = ("check", scene, *given)
+    us = ("--units", "us")
+    found["us-run"] = ("run", "mash-tl4-sut", "--no-pictures", *us, "--out", "{out}")
+    found["us-rigid"] = ("rigid", "mash-tl4-sut", *us)
+    found["us-impact"] = ("rigid", "impact-mash-tl4-sut", *us)
+    found["modal"] = ("modal", "mash-tl4-sut")
+    found["modes"] = ("modes", "mash-tl4-sut", "--out", "{out}")
+    found["paper"] = ("paper", "--out", "{out}")
+    found["scenes"] = ("scenes",)
+    modulus = "plate.youngs_modulus=log:2 GPa:200 GPa:3"
+    found["sweep"] = ("sweep", "paper-table-3", "--vary", modulus, "--out", "{out}")
+    found["sweep-impact"] = (
+        "sweep",
+        "impact-mash-tl4-sut",
+        "--vary",
+        "contact.friction=0.2:0.6:3",
+        "--out",
+        "{out}",
+    )
+    found["uncertainty"] = ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000", "--out", "{out}")
+    found["flexibility"] = ("study", "flexibility", "mash-tl4-sut", "--points", "5", "--out", "{out}")
+    found["random"] = ("study", "stability", "mash-tl4-sut", "--random", "3", "--out", "{out}")
+    return found
+
+
+def make(folder: Path, root: Path, only: str) -> None:
+    """Run the commands in a checkout; a file `status` in each folder has the exit status."""
+    environment = os.environ | {"PYTHONPATH": str(root), "COLUMNS": "110"}
+    for name, arguments in commands().items():
+        place = folder / name
+        if not re.search(only, name) or (place / "status").exists():
+            continue
+        place.mkdir(parents=True, exist_ok=True)
+        given = [part.format(out=place / "result") for part in arguments]
+        done = subprocess.run(
+            [sys.executable, "-m", "tailslap", *given],
+            cwd=root,
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+        (place / "stdout").write_text(done.stdout.replace(str(place), "OUT"))
+        (place / "status").write_text(f"{done.returncode}\n")
+        print(f"{name}: {done.returncode}", flush=True)
+
+
+def leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Numbers and texts of a summary by dotted name, without times."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from leaves(item, f"{name}.{key}")
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from leaves(item, f"{name}.{index}")
+    elif not TIMES.search(name):
+        yield name, value
+
+
+def table(path: Path) -> Iterator[tuple[str, Any]]:
+    """Cells of a table of a sweep by column and row, without times and versions."""
+    import pyarrow.parquet as parquet
+
+    for name, column in parquet.read_table(path).to_pydict().items():
+        if not TIMES.search(name) and not name.startswith("version"):
+            yield from ((f"{name}.{row}", value) for row, value in enumerate(column))
+
+
+def values(path: Path) -> dict[str, Any]:
+    """What a file says, by name."""
+    if path.suffix == ".json":
+        return dict(leaves(json.loads(path.read_text())))
+    if path.suffix == ".parquet":
+        return dict(table(path))
+    if path.suffix == ".csv":
+        head, *rows = (line.split(",") for line in path.read_text().splitlines())
+        cells = ((f"{key}.{n}", text) for n, row in enumerate(rows) for key, text in zip(head, row, strict=False))
+        return {name: number(text) for name, text in cells if not TIMES.search(name.rpartition(".")[0])}
+    lines = (line for line in path.read_text().splitlines() if not line.startswith("Cost"))
+    return {f"line {n}": DURATION.sub("TIME", line) for n, line in enumerate(lines)}
+
+
+def number(text: str) -> Any:
+    """A number where the text is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def difference(old: Any, new: Any) -> float:
+    """Relative difference of two numbers; 0 where they are equal, infinite for what is no number."""
+    if old == new or (old != old and new != new):
+        return 0.0
+    numbers = isinstance(old, int | float) and isinstance(new, int | float)
+    return abs(new - old) / max(abs(old), abs(new)) if numbers else float("inf")
+
+
+def compared(old: Path, new: Path, tolerance: float) -> bool:
+    """Compare a file with its earlier state; print what differs by more than the tolerance."""
+    if not new.exists():
+        print(f"  {old.name}: is missing")
+        return False
+    if old.read_bytes() == new.read_bytes():
+        return True
+    before, after = values(old), values(new)
+    found = {name: difference(value, after.get(name)) for name, value in before.items()}
+    found |= dict.fromkeys(set(after) - set(before), float("inf"))
+    worst = sorted((name for name, by in found.items() if by > tolerance), key=lambda name: -found[name])
+    for name in worst[:4]:
+        print(f"  {old.name}{name}: {before.get(name)!r} -> {after.get(name)!r}")
+    if worst:
+        print(f"  {old.name}: {len(worst)} of {len(found)} differ, by {found[worst[0]]:.2g} at most")
+    return not worst
+
+
+def compare(old: Path, new: Path, tolerance: float) -> int:
+    """Compare all that both folders have; 1 if anything differs."""
+    failed = 0
+    names = sorted(path.name for path in old.iterdir() if (path / "status").exists())
+    for name in names:
+        if not (new / name / "status").exists():
+            continue
+        files = [path for path in sorted((old / name).rglob("*")) if compares(path)]
+        fine = [compared(path, new / path.relative_to(old), tolerance) for path in files]
+        print(f"{name}: {len(files)} files, {'same' if all(fine) else 'DIFFERENT'}")
+        failed += not all(fine)
+    print(f"{failed} of {len(names)} differ")
+    return bool(failed)
+
+
+def compares(path: Path) -> bool:
+    """Return True for files whose content is to stay."""
+    wanted = path.suffix in {".csv", ".parquet", ".json"} or path.name in {"stdout", "status"}
+    return wanted and not path.name.startswith(".") and path.name != "sweep.json"
+
+
+def main() -> None:
+    """Make or compare."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["make", "compare"])
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--root", type=Path, default=ROOT)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--tolerance", type=float, default=0.0)
+    given = parser.parse_args()
+    if given.what == "make":
+        make(given.folders[0].resolve(), given.root.resolve(), given.only)
+    else:
+        sys.exit(compare(*given.folders, given.tolerance))
+
+
+if __name__ == "__main__":
+    main()
