@@ -16,7 +16,7 @@ from main_job import outcome, row, timed, worst
 from fem.explicit.simulate import Stepper, simulate
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome
 
 ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")

@@ -12,7 +12,7 @@ from typing import Any
 from fem.explicit.simulate import Stepper
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 ROUNDS, STEPS = 21, 200
 

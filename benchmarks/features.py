@@ -24,7 +24,7 @@ from fem.machine_code.kernel import Kernel
 from fem.machine_code.numba_code import compile_for, make_dispatcher
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies import with_elements
 from tailslap.studies.features.bare import advance_bare, bare_parameters, bare_scratch
 from tailslap.studies.features.loops import start_state, without_control, workspace

@@ -21,7 +21,7 @@ from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import COMPARED
 from tailslap.impact.plan import make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 SCENE, LAWS = "impact-mash-tl4-sut", ("penalty", "exact")
 Row = tuple[str, str]

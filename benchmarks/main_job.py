@@ -23,7 +23,7 @@ from fem.explicit.simulate import Stepper, simulate
 from fem.start.rigid_state import RigidStart, to_global
 from fem.start.start import start_fields
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene
 
 SIZES = ((4.0, 1.5), (10.0, 2.438), (19.0, 2.7))

@@ -18,7 +18,7 @@ from postprocess.comparison.comparison import KEYS
 from tailslap.modal_run import MODES, ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}
 SOFT = ("plate.youngs_modulus=", "plate.first_frequency=20 Hz")

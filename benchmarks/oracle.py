@@ -21,10 +21,11 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-CORNER = (
+CORNER = re.findall(
+    r"\S+",
     "mash-tl1-car mash-tl1-pickup mash-tl2-car mash-tl2-pickup mash-tl3-car mash-tl3-pickup mash-tl4-sut "
-    "mash-tl5-tractor-van mash-tl6-tractor-tank paper-abaqus paper-table-3"
-).split()
+    "mash-tl5-tractor-van mash-tl6-tractor-tank paper-abaqus paper-table-3",
+)
 IMPACT = [f"impact-{name}" for name in CORNER if name.startswith("mash")]
 VARIED = {
     "soft": ("paper-table-3", "plate.youngs_modulus=2 GPa"),
@@ -127,7 +128,9 @@ def values(path: Path) -> dict[str, Any]:
         return dict(table(path))
     if path.suffix == ".csv":
         head, *rows = (line.split(",") for line in path.read_text().splitlines())
-        cells = ((f"{key}.{n}", text) for n, row in enumerate(rows) for key, text in zip(head, row, strict=False))
+        cells = (
+            (f"{key}.{n}", text) for n, row in enumerate(rows) for key, text in zip(head, row, strict=False)
+        )
         return {name: number(text) for name, text in cells if not TIMES.search(name.rpartition(".")[0])}
     lines = (line for line in path.read_text().splitlines() if not line.startswith("Cost"))
     return {f"line {n}": DURATION.sub("TIME", line) for n, line in enumerate(lines)}
@@ -190,7 +193,9 @@ def compares(path: Path) -> bool:
 
 def main() -> None:
     """Make or compare."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("what", choices=["make", "compare"])
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--root", type=Path, default=ROOT)

@@ -17,7 +17,7 @@ from typing import Any
 from postprocess.figures.map_plots import MapAxis, draw_map, draw_meanings
 from postprocess.figures.precision_plots import draw_precision
 from postprocess.figures.svg.chart import Chart
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
 from tailslap.studies.cost.points import Point
 from tailslap.studies.cost.settings import Setting

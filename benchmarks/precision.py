@@ -16,7 +16,7 @@ from postprocess.comparison.comparison import KEYS, relative_difference
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import stage_two_numbers
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies.cost.single import SingleStepper
 
 SCENE = "paper-abaqus"

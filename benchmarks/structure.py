@@ -1,4 +1,4 @@
-"""The structure of the sources in figures: lines of code, files, imports, class names, modules a folder, import circles.
+"""The structure of the sources in figures: lines of code, files, imports, names of classes, folders, import circles.
 
     .venv/bin/python benchmarks/structure.py [--files] [--trace]
 
@@ -119,7 +119,7 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
     from fem.kept import forget
     from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
     from tailslap.scene_run import run_scene
 
     plan, calls = make_plan(*read_scene(scene)), []

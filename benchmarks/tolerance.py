@@ -52,7 +52,7 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
 def run(changes: tuple[str, ...]) -> Any:
     """The scene's outcome."""
     from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
     from tailslap.scene_run import run_scene
 
     return run_scene(make_plan(*read_scene(SCENE, changes)))
@@ -81,7 +81,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     from tailslap.modal_run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
 
     undamped = make_fe_plan(make_plan(*read_scene(SCENE, (*changes, *mesh))))
     return modal_run(undamped, tolerance=1.0).values, doubts
@@ -91,7 +91,7 @@ def judge(seed: int, number: int) -> dict[str, Any]:
     """One scene: how it ended, and the error over the tolerance."""
     from tailslap.errors import InputError
     from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
     from tailslap.tolerance import run_to_tolerance
 
     changes, tolerance = draw(seed, number)

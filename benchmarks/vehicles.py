@@ -35,7 +35,7 @@ Record = dict[str, Any]
 def plan_of(changes: tuple[str, ...]) -> Any:
     """The plan of the scene with these changes, its wall long enough."""
     from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
 
     return make_plan(*read_scene(SCENE, ("wall=", *changes)))
 

@@ -67,8 +67,8 @@ KEY_HEADINGS = ("key", "unit", "allowed", "default", "meaning")
 
 
 def _key_row(prefix: str, name: str, field: FieldInfo) -> tuple[str, ...]:
-    from tailslap.scene.inputs import unit_of
     from tailslap.scene.meanings import MEANINGS
+    from tailslap.scene.write import unit_of
 
     key = f"{prefix}.{name}" if prefix else name
     return f"`{key}`", unit_of(field), allowed(field), _default(field), MEANINGS[key]
@@ -169,7 +169,7 @@ element. `elastic_displacement` is what is left of the displacement beside the r
 
 def _sweep_columns() -> Iterator[str]:
     from tailslap.impact.columns import impact_column_kinds
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
     from tailslap.sweeps.corner_columns import corner_column_kinds
 
     yield "## sweep.parquet"

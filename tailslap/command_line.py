@@ -215,7 +215,7 @@ def modal(
 def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
     from postprocess.report.terminal import labelled_text
-    from tailslap.scene.files import shipped_scenes, title
+    from tailslap.scene.read import shipped_scenes, title
 
     shipped = {name: title(text) for name, text in shipped_scenes().items()}
     width = max(map(len, shipped))
@@ -228,7 +228,7 @@ def scenes(as_json: bool) -> int:
 @with_options(JSON, QUIET)
 def new(name: str, as_json: bool) -> int:
     """Write NAME.toml: a scene with every key, its meaning, and an example."""
-    from tailslap.scene.written import write_new_scene
+    from tailslap.scene.write import write_new_scene
 
     path = write_new_scene(name)
     return tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
@@ -270,8 +270,7 @@ def paper(out: Path | None, as_json: bool) -> int:
 def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
     """The calculation that the scene asks for, and its plan."""
     from tailslap.analysis import analysis_of
-    from tailslap.scene.files import read_scene
-    from tailslap.scene.plausible import remarks
+    from tailslap.scene.read import read_scene, remarks
 
     scene, source = read_scene(name, changes)
     for remark in remarks(source):

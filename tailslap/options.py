@@ -78,7 +78,7 @@ def _progress(context: click.Context, parameter: click.Parameter, given: bool) -
 
 def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Names of shipped scenes and TOML files, for the completion of a shell."""
-    from tailslap.scene.files import shipped_scenes
+    from tailslap.scene.read import shipped_scenes
 
     names = [*shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
     return [name for name in names if name.startswith(typed)]

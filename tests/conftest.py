@@ -20,7 +20,7 @@ from fem.discretisation.model import PlateModel, build_model
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}

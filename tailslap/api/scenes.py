@@ -13,8 +13,7 @@ from tailslap.analysis import Analysis, analysis_of
 from tailslap.api.laws import named
 from tailslap.errors import InputError
 from tailslap.planning.affordable import demand_run
-from tailslap.scene.files import read_source
-from tailslap.scene.plausible import remarks
+from tailslap.scene.read import read_source, remarks
 from tailslap.scene.vary import Source, vary
 
 Scene = str | os.PathLike[str] | Mapping[str, Any]

@@ -119,7 +119,7 @@ def _factor(ours: str, unit: str, si: str) -> float:
         return 1.0
     try:
         return converted(1.0, unit, si)
-    except Exception:  # Pint raises half a dozen kinds for names that are no units
+    except ValueError:
         raise InputError(f"unit of {ours}", unit, f"allowed is a unit that fits {si}") from None
 
 

@@ -29,8 +29,7 @@ from tailslap.report.parts import (
     short,
     strikes_table,
 )
-from tailslap.scene.inputs import resolved_inputs
-from tailslap.scene.written import scene_text
+from tailslap.scene.write import resolved_inputs, scene_text
 from tailslap.verification.check import failed_names
 
 KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"

@@ -10,7 +10,7 @@ import numpy as np
 from tailslap.impact.answers import ImpactAnswer, rigid_answer
 from tailslap.impact.paper_method import PaperMethod, paper_method
 from tailslap.impact.plan import ImpactPlan
-from tailslap.scene.us_units import shown, value_line
+from tailslap.scene.units import shown, value_line
 
 if TYPE_CHECKING:
     from solver.impact import ImpactMotion

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import KEYS
 from tailslap.planning.plan import Plan, other_convention
-from tailslap.scene.us_units import shown, value_line
+from tailslap.scene.units import shown, value_line
 
 if TYPE_CHECKING:
     import numpy as np

@@ -12,8 +12,8 @@ from postprocess.signals.design_forces import design_forces
 from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
-    from tailslap.scene.inputs import SceneInput
     from tailslap.scene.schema import Scene
+    from tailslap.scene.write import SceneInput
 
 
 def milliseconds(seconds: float) -> str:

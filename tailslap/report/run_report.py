@@ -32,8 +32,7 @@ from tailslap.report.parts import (
 from tailslap.report.pictures import draw_pictures
 from tailslap.report.run_text import diagnosis, is_paper_case, prediction, statements
 from tailslap.report.summary import cost, summary
-from tailslap.scene.inputs import resolved_inputs
-from tailslap.scene.written import scene_text
+from tailslap.scene.write import resolved_inputs, scene_text
 from tailslap.scene_run import Outcome
 from tailslap.verification.check import failed_names
 from tailslap.verification.checks import advice

@@ -1,39 +1,137 @@
-"""Quantities of a scene: plain numbers are SI, strings carry their unit."""
+"""Quantities of a scene: plain numbers are SI, strings carry their unit.
+
+A unit is a product of names, each with an integer power of up to 9:
+
+    unit    = first { join factor }        first = factor | "1" join factor
+    join    = "*" | "/" | blank            factor = name [ ("^" | "**") [ "-" ] digit ]
+
+Pound, foot and pound-force are those of the international agreement of 1959 and of standard gravity.
+"""
 
 from __future__ import annotations
 
-import functools
 import math
 import re
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
-import platformdirs
+from postprocess.report.units import SYSTEMS
 
-from fem.unseen import unseen
-from tailslap.scene.common_units import to_si
-from tailslap.scene.unit_grammar import unit_factors
+FOOT, POUND, GRAVITY = 0.3048, 0.45359237, 9.80665
+POUND_FORCE = POUND * GRAVITY
+MPH = 5280.0 * FOOT / 3600.0
 
+
+class Dimension(NamedTuple):
+    """Powers of metre, kilogram, second and radian."""
+
+    length: int = 0
+    mass: int = 0
+    time: int = 0
+    angle: int = 0
+
+
+LENGTH, MASS, TIME, ANGLE = Dimension(1), Dimension(0, 1), Dimension(0, 0, 1), Dimension(0, 0, 0, 1)
+SPEED, FORCE, PRESSURE = Dimension(1, 0, -1), Dimension(1, 1, -2), Dimension(-1, 1, -2)
+ENERGY, FREQUENCY = Dimension(2, 1, -2), Dimension(0, 0, -1)
+LENGTHS = {
+    "m": 1.0,
+    "mm": 0.001,
+    "cm": 0.01,
+    "km": 1000.0,
+    "in": 0.0254,
+    "ft": FOOT,
+    "yd": 0.9144,
+    "mi": 5280.0 * FOOT,
+}
+MASSES = {"kg": 1.0, "g": 0.001, "t": 1000.0, "lb": POUND, "slug": POUND_FORCE / FOOT}
+TIMES = {"s": 1.0, "us": 1e-6, "ms": 0.001, "min": 60.0, "h": 3600.0}
+FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": POUND_FORCE, "kip": 1e3 * POUND_FORCE}
+PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "bar": 1e5}
+IMPERIAL_PRESSURES = {
+    "psf": POUND_FORCE / FOOT**2,
+    "psi": POUND_FORCE / 0.0254**2,
+    "ksi": 1e3 * POUND_FORCE / 0.0254**2,
+}
+KINDS: tuple[tuple[Dimension, dict[str, float]], ...] = (
+    (LENGTH, LENGTHS),
+    (MASS, MASSES),
+    (TIME, TIMES),
+    (ANGLE, {"rad": 1.0, "deg": math.pi / 180.0}),
+    (SPEED, {"mph": 0.44704, "kph": 1.0 / 3.6}),
+    (FORCE, FORCES),
+    (PRESSURE, PRESSURES | IMPERIAL_PRESSURES),
+    (ENERGY, {"J": 1.0, "kJ": 1e3}),
+    (FREQUENCY, {"Hz": 1.0, "kHz": 1e3}),
+)
+UNITS = {name: (factor, kind) for kind, factors in KINDS for name, factor in factors.items()}
+"""Factor to SI and dimension, by name."""
+
+MAX_UNIT, MAX_TEXT = 80, 200
+"""Characters of a unit, and of a number with its unit."""
+
+NAME = r"[A-Za-zµμΩÅ°%][A-Za-zµμΩÅ°_]{0,39}"
+FACTOR = re.compile(rf"({NAME})(?:\s*(?:\^|\*\*)\s*(-?[1-9]))?")
+JOIN = re.compile(r"\s*([*/])\s*(?!\*)|\s+")
+RECIPROCAL = re.compile(r"1\s*(?=/)")
 NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\S.*?)?\s*", re.DOTALL)
-MAX_TEXT = 200
-"""Characters of a number with its unit."""
 
 
-@functools.cache
-def registry() -> Any:
-    """Pint's units; read from its cache on disk where there can be one, for the parsing takes 0.1 s."""
-    with unseen("dask"):  # Pint loads Dask where it finds it, in a quarter of a second
-        import pint
+class Factor(NamedTuple):
+    """A name and the power that it has in the unit, 1 to 9 or -9 to -1."""
 
-    try:
-        return pint.UnitRegistry(cache_folder=str(platformdirs.user_cache_path("tailslap") / "units"))
-    except OSError:
-        return pint.UnitRegistry()
+    name: str
+    power: int
+
+
+def unit_factors(text: str) -> tuple[Factor, ...]:
+    """Factors of a unit. Raises ValueError for text that is none."""
+    if len(text) > MAX_UNIT:
+        raise ValueError("too long")
+    at, factors, sign = 0, [], 1
+    if match := RECIPROCAL.match(text):
+        at, sign = _join(text, match.end())
+    while True:
+        match = FACTOR.match(text, at)
+        if not match:
+            raise ValueError("no name of a unit")
+        factors.append(Factor(match[1], sign * int(match[2] or 1)))
+        if match.end() == len(text):
+            return tuple(factors)
+        at, sign = _join(text, match.end())
+
+
+def _join(text: str, at: int) -> tuple[int, int]:
+    """Start of the next factor, and the sign of its power."""
+    match = JOIN.match(text, at)
+    if not match:
+        raise ValueError("no product")
+    return match.end(), -1 if match[1] == "/" else 1
+
+
+def to_si(text: str) -> tuple[float, Dimension]:
+    """Factor to SI and dimension of a unit. Raises ValueError for a name that is not known and other text."""
+    scale, powers = 1.0, [0, 0, 0, 0]
+    for name, power in unit_factors(text):
+        if name not in UNITS:
+            raise ValueError(f'"{name}" is not known; known are {", ".join(UNITS)}')
+        factor, dimension = UNITS[name]
+        scale = scale * factor**power if power > 0 else scale / factor**-power
+        powers = [total + power * own for total, own in zip(powers, dimension, strict=True)]
+    return scale, Dimension(*powers)
+
+
+def converted(value: float, given: str, unit: str) -> float:
+    """Convert a value to another unit of the same dimension. Raises ValueError where it has none."""
+    source, target = to_si(given), to_si(unit)
+    if source[1] != target[1]:
+        raise ValueError("another dimension")
+    return value * (source[0] / target[0])
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Marks a number of a scene: what it is, its SI unit, its bounds. Used as `Annotated[float, Quantity(...)]`.
+    """A number of a scene: its kind, SI unit and bounds. Used as `Annotated[float, Quantity(...)]`.
 
     The bound below is not reached, least and most may be. unit "" is a plain number.
     """
@@ -51,7 +149,7 @@ class Quantity:
         return core_schema.no_info_plain_validator_function(self.parse)
 
     def parse(self, given: object) -> float:
-        """The value in SI; ValueError, saying what is allowed, for anything else."""
+        """Return the value in SI; raises ValueError with what is allowed for anything else."""
         value = self._from_text(given) if isinstance(given, str) else self._from_number(given)
         if not (self.least <= value <= self.most and value < self.below):
             raise ValueError(self.allowed)
@@ -59,7 +157,7 @@ class Quantity:
 
     @property
     def allowed(self) -> str:
-        """What is allowed, in words."""
+        """Allowed values, in words."""
         least, most = self._limit(self.least), self._limit(min(self.most, self.below))
         limits = f"from {least} to {most}" if self.most < self.below else f"at least {least} and below {most}"
         number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
@@ -84,25 +182,17 @@ class Quantity:
             raise ValueError(self.allowed)
         try:
             return converted(float(match[1]), match[2], self.unit)
-        except Exception:  # Pint raises half a dozen kinds for names that are no units
-            raise ValueError(f"{self.allowed} (the unit does not fit)") from None
+        except (ValueError, OverflowError) as error:
+            raise ValueError(f"{self.allowed} (the unit does not fit: {error})") from None
 
 
-def converted(value: float, given: str, unit: str) -> float:
-    """The value in another unit of the same dimension; raises ValueError, or what Pint raises, where it has none."""
-    source, target = to_si(unit_factors(given)), to_si(unit_factors(unit))
-    if source is None or target is None:
-        return _converted_by_pint(value, given, unit)
-    if source[1] != target[1]:
-        raise ValueError("another dimension")
-    return value * (source[0] / target[0])
+def value_line(name: str, value: float, unit: str, system: str) -> str:
+    """Line of a list of values, given in SI."""
+    return f"  {name:<18}{shown(value, unit, system, width=14)}"
 
 
-def _converted_by_pint(value: float, given: str, unit: str) -> float:
-    units, product = registry(), 1
-    for factor in unit_factors(given):
-        product = product * units.parse_units(factor.name) ** factor.power
-    # Roots keep radians apart: to Pint a hertz is a radian a second, and a radian is nothing.
-    if units.get_root_units(product)[1] != units.get_root_units(unit)[1]:
-        raise ValueError("another dimension")
-    return float(units.Quantity(value, product).to(unit).magnitude)
+def shown(value: float, unit: str, system: str = "si", width: int = 0, digits: int = 7) -> str:
+    """Value given in an SI unit, as "digits unit"; digits right-aligned in `width` columns, US speeds in mph too."""
+    factor, name = SYSTEMS[system].of(unit)
+    also = f" ({value / MPH:.{digits}g} mph)" if (system, unit) == ("us", "m/s") else ""
+    return f"{factor * value:>{width}.{digits}g} {name}{also}"

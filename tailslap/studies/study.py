@@ -115,7 +115,7 @@ def compute_study(
     from tailslap.planning.affordable import demand_run
     from tailslap.results.earlier_result import demand_own
     from tailslap.results.result_folder import demand_place
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
 
     scene, source = read_scene(name, changes)
     analysis = analysis_of(scene)

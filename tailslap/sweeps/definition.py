@@ -16,11 +16,11 @@ import tailslap
 from postprocess.comparison.comparison import TAIL_SLAP, Compared
 from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
-from tailslap.scene.files import scene_text, source_of_text
-from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.read import scene_text, source_of_text
 from tailslap.scene.schema import Scene
 from tailslap.scene.validate import key_by_key
 from tailslap.scene.vary import Changes, Source, changed_tables, parse_changes, parse_value
+from tailslap.scene.write import scene_inputs
 from tailslap.sweeps.values import MAX_RUNS, Choices, Span, parse_values, split_key
 from tailslap.sweeps.variation import Variation, grid_variation, plain, sample_variation
 

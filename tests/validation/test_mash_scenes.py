@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene, shipped_scenes, title
+from tailslap.scene.read import read_scene, shipped_scenes, title
 
 pytestmark = pytest.mark.validation
 

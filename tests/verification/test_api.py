@@ -155,7 +155,7 @@ def test_a_sweep_has_a_row_a_run(tmp_path: Path) -> None:
 
 
 def test_a_scene_may_be_tables_or_a_path(tmp_path: Path) -> None:
-    from tailslap.scene.files import read_source, scene_text
+    from tailslap.scene.read import read_source, scene_text
 
     tables = read_source("paper-table-3").given
     path = tmp_path / "own.toml"

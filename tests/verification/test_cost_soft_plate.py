@@ -13,7 +13,7 @@ from postprocess.comparison.comparison import largest_relative
 from postprocess.report.report import write_report
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.cost.campaign import ROUNDING, summed_up
 from tailslap.studies.cost.limits import Limit, limit_of

@@ -12,7 +12,7 @@ from postprocess.comparison.comparison import largest_relative
 from postprocess.comparison.grid_convergence import grid_convergence
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import stage_two_numbers
-from tailslap.scene.files import read_scene, read_source
+from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, vary
 from tailslap.scene_run import run_scene
 from tailslap.studies.cost import campaign as survey_module

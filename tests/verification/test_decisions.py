@@ -16,7 +16,7 @@ from tailslap.planning.decide_damping import decide_damping, harms, suppressing_
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.flexibility import RECTIFIED, friction_lost
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import run_scene
 from tailslap.verification.numerical_error import numerical_error
 from tailslap.verification.verdict import flutter_sentence, verdict_sentence

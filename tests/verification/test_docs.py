@@ -13,7 +13,7 @@ import pytest
 import tailslap
 from tailslap.command_line import commands
 from tailslap.errors import InputError
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
 

@@ -17,12 +17,12 @@ from postprocess.report.table import Column, Table
 from postprocess.report.terminal import labelled, printed, table_lines
 from tailslap.command_line import _status, commands
 from tailslap.errors import InputError
-from tailslap.scene.files import read_scene
 from tailslap.scene.meanings import MEANINGS
+from tailslap.scene.read import read_scene
 from tailslap.scene.schema import Scene
 from tailslap.scene.schema import Table as SceneTable
 from tailslap.scene.validate import validate
-from tailslap.scene.written import new_scene
+from tailslap.scene.write import new_scene
 
 pytestmark = pytest.mark.verification
 

@@ -24,7 +24,7 @@ from solver import REACTIONS
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.report.run_report import run_report
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene
 from tailslap.verification.checks import CHECKS, advice
 

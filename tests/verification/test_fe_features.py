@@ -199,7 +199,7 @@ def ratio_of(*changes: str) -> float:
     """Give of a model that is only built."""
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
-    from tailslap.scene.files import read_scene
+    from tailslap.scene.read import read_scene
 
     return make_fe_plan(make_plan(*read_scene("paper-table-3", changes))).deflection_ratio
 

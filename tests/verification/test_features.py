@@ -25,7 +25,7 @@ from meshes import distorted, plate_mesh
 from postprocess.report.report import write_report
 from tailslap.command_line import _status
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies import study_names
 from tailslap.studies.features import costs as costs_module
 from tailslap.studies.features import loops as loops_module

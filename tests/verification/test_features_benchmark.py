@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies.features.parts import PLAIN, fe_plan_of, parts_of
 
 pytestmark = pytest.mark.verification

@@ -21,7 +21,7 @@ from tailslap.impact.run import make_fe_plan_timed, plain_run
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.report.fields import field_series
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import attempt
 
 pytestmark = pytest.mark.verification

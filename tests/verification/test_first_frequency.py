@@ -17,9 +17,9 @@ from tailslap.command_line import DONE, _status
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
-from tailslap.scene.inputs import resolved_inputs
+from tailslap.scene.read import read_scene
 from tailslap.scene.validate import validate
+from tailslap.scene.write import resolved_inputs
 
 pytestmark = pytest.mark.verification
 

@@ -18,7 +18,7 @@ from postprocess.report.report import report_text, write_report
 from tailslap.command_line import CHECK_FAILED, _status
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.planning.rigid import stage_two_numbers
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies.flexibility import campaign as survey_module
 from tailslap.studies.flexibility.campaign import (
     FlexibilityResults,

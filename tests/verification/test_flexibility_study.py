@@ -17,7 +17,7 @@ from tailslap.command_line import DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import stage_two_numbers
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene
 from tailslap.studies.flexibility.campaign import _runs

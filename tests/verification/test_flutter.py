@@ -26,7 +26,7 @@ from tailslap.planning import decide_damping
 from tailslap.planning.decide_damping import REQUIRED_DAMPING
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
 

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tailslap.command_line import _status
-from tailslap.scene.files import shipped_scenes
+from tailslap.scene.read import shipped_scenes
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 

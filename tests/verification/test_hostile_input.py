@@ -15,10 +15,9 @@ import pytest
 from tailslap.command_line import _status, commands
 from tailslap.errors import InputError, escaped
 from tailslap.options import Folder, Real, Text, Whole
-from tailslap.scene.files import read_scene, source_of_text
+from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.schema import Scene
-from tailslap.scene.unit_grammar import Factor, unit_factors
-from tailslap.scene.units import Quantity, converted
+from tailslap.scene.units import Factor, Quantity, converted, unit_factors
 
 pytestmark = pytest.mark.verification
 

@@ -12,7 +12,7 @@ import pytest
 
 from postprocess.report.report import write_report
 from tailslap.impact.plan import make_impact_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import impacts
 from tailslap.studies.flexibility.impact_report import WORDS, impact_flexibility_report

@@ -22,7 +22,7 @@ from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
 from tailslap.impact.summary import wall_numbers
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.verification.check import evaluated
 
 pytestmark = pytest.mark.verification

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Changes
 from tailslap.studies.stability import impact_against_rigid as judge
 from tailslap.studies.stability.axes import base_source, impact_axes, map_cells

@@ -14,7 +14,7 @@ from postprocess.comparison.comparison import STRIKES
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
-from tailslap.scene.files import source_of_text
+from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 from tailslap.sweeps.definition import make_definition
 from tailslap.sweeps.perform import perform

@@ -12,7 +12,7 @@ from fem import kept
 from fem.explicit.columns import COLUMNS, Column
 from fem.explicit.simulate import Stepper, simulate
 from fem.start.rigid_state import RigidStart
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.sweeps.row import CIRCUMSTANCES, REUSED, compute_row
 
 pytestmark = pytest.mark.verification

@@ -13,7 +13,7 @@ from postprocess.figures.map_plots import COLOURS, MapAxis, draw_map, draw_meani
 from postprocess.figures.svg.chart import Chart
 from postprocess.figures.svg.drawing import text_width
 from postprocess.figures.svg.shades import cells_about
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.studies.stability.against_rigid import KINDS
 from tailslap.studies.stability.axes import stability_axes
 

@@ -26,7 +26,7 @@ from tailslap.errors import InputError
 from tailslap.modal_run import ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
 

@@ -13,7 +13,7 @@ from postprocess.comparison.comparison import largest
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.flexibility import comparable_plate
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import attempt, rings
 from tailslap.verification.ringing import CORRUPTED
 from tailslap.verification.second_mesh import damped_alike, damped_freely, on_mesh, second_meshes

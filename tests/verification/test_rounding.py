@@ -12,7 +12,7 @@ from fem.explicit.simulate import Stepper, simulate
 from fem.stability.rounding import rounding_noise
 from fem.start.rigid_state import RigidStart
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import attempt
 
 pytestmark = pytest.mark.verification

@@ -10,7 +10,7 @@ import pytest
 from tailslap.analysis import analysis_of
 from tailslap.errors import InputError
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene, shipped_scenes
+from tailslap.scene.read import read_scene, shipped_scenes
 from tailslap.scene.schema import Scene
 
 pytestmark = pytest.mark.verification

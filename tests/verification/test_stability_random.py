@@ -17,10 +17,10 @@ from tailslap.command_line import _status
 from tailslap.errors import InputError, Interrupted
 from tailslap.planning.effort import expected_effort
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene, source_of_text
+from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import Changes, vary
-from tailslap.scene.written import scene_file
+from tailslap.scene.write import scene_file
 from tailslap.scene_run import run_scene
 from tailslap.studies.stability import against_reference
 from tailslap.studies.stability.against_reference import KINDS, grade

@@ -23,7 +23,7 @@ from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.stability.against_rigid import KINDS, against_rigid
 from tailslap.studies.stability.axes import base_source, map_cells, stability_axes

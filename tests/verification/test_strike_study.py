@@ -19,7 +19,7 @@ from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_impact
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.strike.bands import Bands, band_of, find_bands
 from tailslap.studies.strike.campaign import StrikeResults, find_strikes

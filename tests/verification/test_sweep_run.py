@@ -30,7 +30,7 @@ from tailslap.execution.record_file import RecordFile
 from tailslap.execution.worker import OtherVersionError, Part, run_batch
 from tailslap.planning.plan import make_plan
 from tailslap.results.manifest import NAME as MANIFEST
-from tailslap.scene.files import source_of_text
+from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene
 from tailslap.sweeps.definition import Definition, make_definition

@@ -11,7 +11,7 @@ from fem.explicit.parallel import Meeting, _meet, new_meeting
 from tailslap.planning.decide_threads import ELEMENTS_A_THREAD, decide_threads
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
 

@@ -15,7 +15,7 @@ import pytest
 from tailslap.errors import InputError
 from tailslap.planning.flexibility import sensitivity
 from tailslap.planning.plan import Plan, make_plan
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene_run import run_scene
 from tailslap.tolerance import run_to_tolerance
 from tailslap.tolerance.choose import LIMIT, RIGID, Choice, choose

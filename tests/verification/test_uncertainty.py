@@ -22,7 +22,7 @@ from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.results.manifest import NAME as MANIFEST
-from tailslap.scene.files import read_scene
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies import study_names
 from tailslap.studies.uncertainty.indices import sobol_indices

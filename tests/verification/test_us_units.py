@@ -21,8 +21,8 @@ from tailslap.errors import InputError
 from tailslap.impact.report import RISK
 from tailslap.planning.plan import make_plan
 from tailslap.planning.rigid import rigid_answer, rigid_lines
-from tailslap.scene.files import read_scene
-from tailslap.scene.us_units import shown
+from tailslap.scene.read import read_scene
+from tailslap.scene.units import shown
 from tailslap.studies.flexibility.report import STIFF
 
 pytestmark = pytest.mark.verification

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError
-from tailslap.scene.files import read_scene, read_source
-from tailslap.scene.inputs import scene_inputs
+from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
+from tailslap.scene.write import scene_inputs
 
 pytestmark = pytest.mark.verification
 

@@ -14,7 +14,7 @@ from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, text_table
 from tailslap.report.common import study_page, study_summary
-from tailslap.scene.written import scene_file
+from tailslap.scene.write import scene_file
 from tailslap.studies.stability.against_reference import GOOD, WRONG_FROM
 from tailslap.studies.stability.axes import Axis
 from tailslap.studies.stability.campaign import Campaign

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from tailslap.errors import InputError, Verbatim
 from tailslap.planning.plan import Plan
-from tailslap.scene.inputs import SceneInput, scene_inputs
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source, parse_value, vary
+from tailslap.scene.write import SceneInput, scene_inputs
 from tailslap.studies.uncertainty.tolerances import Limits, default_limits
 
 STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitution")

@@ -12,8 +12,8 @@ import numpy as np
 from tailslap.errors import InputError, Verbatim
 from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced
-from tailslap.scene.inputs import scene_inputs
 from tailslap.scene.vary import vary
+from tailslap.scene.write import scene_inputs
 from tailslap.studies.study import Call
 from tailslap.studies.uncertainty.indices import Indices, sobol_indices
 from tailslap.studies.uncertainty.model import Array

@@ -1,19 +1,21 @@
-"""Scenes as text: one as it was run, and a new one with every key."""
+"""Scenes as text: one as it was run, a new one with every key, and a table of all inputs."""
 
 from __future__ import annotations
 
 import json
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from fem.constitutive.materials import MATERIALS
 from tailslap.errors import InputError
 from tailslap.scene.meanings import MEANINGS
-from tailslap.scene.schema import Scene, Table
+from tailslap.scene.schema import Plate, Scene, Table
 from tailslap.scene.units import Quantity
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import Source
@@ -119,3 +121,53 @@ def example(field: FieldInfo) -> str:
     if field.annotation is int:
         return "10"
     return "[20, 6]" if "tuple" in str(field.annotation) else toml_value(next(iter(MATERIALS)))
+
+
+@dataclass(frozen=True)
+class SceneInput:
+    """An input as used: dotted key, the words of the scene, the SI value, and where it came from."""
+
+    key: str
+    given: str
+    value: float | int | str | None
+    unit: str = ""
+    origin: str = "scene"
+
+
+def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
+    """A row for every key that has a value; keys that the scene left to their defaults say so."""
+    rows = _rows(scene, source.given, source.changed, "")
+    unused = ("corner.", "strike.") if scene.contact else ()
+    return tuple(row for row in rows if not row.key.startswith(unused))
+
+
+def resolved_inputs(
+    scene: Scene, source: Source, plate: Plate, chosen: frozenset[str] = frozenset()
+) -> tuple[SceneInput, ...]:
+    """The same, with the modulus that the first frequency has given the plate; chosen: keys that it filled in."""
+    rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
+    origin = "from plate.first_frequency"
+    known = scene.plate is not None and scene.plate.youngs_modulus is not None
+    origins = dict.fromkeys(chosen, "chosen by the program")
+    if not known:
+        origins["plate.youngs_modulus"] = origin
+    return tuple(replace(row, origin=origins.get(row.key, row.origin)) for row in rows)
+
+
+def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], prefix: str) -> list[SceneInput]:
+    rows = []
+    for name, field in type(table).model_fields.items():
+        value, key = getattr(table, name), prefix + name
+        if isinstance(value, BaseModel):
+            rows += _rows(value, given.get(name, {}), changed, f"{key}.")
+        elif value is not None:
+            origin = "--set" if key in changed else "scene" if name in given else "default"
+            shown = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
+            rows.append(SceneInput(key, str(given.get(name, "")), shown, unit_of(field), origin))
+    return rows
+
+
+def unit_of(field: FieldInfo) -> str:
+    """SI unit of a key, from its annotation; "" for what has none."""
+    marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
+    return next((mark.unit for mark in marks if isinstance(mark, Quantity)), "")
