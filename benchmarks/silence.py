@@ -32,7 +32,6 @@ COMMANDS = (
     "study uncertainty mash-tl4-sut",
     "study strike impact-mash-tl4-sut --samples 288",
     "study flexibility mash-tl4-sut --points 4",
-    "study features mash-tl4-sut",
 )
 ASKED_S = 2.0
 BYTECODE = os.path.join(tempfile.gettempdir(), f"tailslap-bytecode-{os.getuid()}")

@@ -28,7 +28,6 @@ COMMANDS = {
     "flexibility-impact": f"study flexibility {IMPACT} --points 4 --set plate.elements=[10,4]",
     "stability-random": f"study stability paper-table-3 --random 3 {MESH}",
     "stability-impact": f"study stability {IMPACT} --points 2 {MESH}",
-    "features": "study features mash-tl4-sut --turns 10",
     "cost": f"study cost paper-table-3 {MESH}",
     "cost-impact": f"study cost {IMPACT} {MESH}",
 }

@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 
 _registered: dict[str, Study] = {}
 
+GONE = {
+    "features": "`tailslap check SCENE` names what is left out, benchmarks/features.py times the parts",
+}
+"""Former studies, and what to use in their place."""
+
 
 def register(study: Study) -> None:
     """Add a study from outside this folder. Raises ValueError for a name that is taken."""
@@ -50,6 +55,8 @@ def with_elements(plan: Plan) -> Plan:
 
 def find_study(name: str) -> Study:
     """The study of this name, imported now. Raises InputError, listing the studies, for a name that is none."""
+    if name in GONE:
+        raise InputError("NAME", name, f"this study is gone: {GONE[name]}")
     if name not in study_names():
         raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
     found: Study = _registered.get(name) or importlib.import_module(f"{__name__}.{name}").STUDY

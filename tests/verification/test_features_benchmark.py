@@ -1,20 +1,37 @@
-"""Verification: benchmarks/features.py counts the loop's own instructions and sums what Python says of imports."""
+"""Verification: benchmarks/features.py: its bare loop computes what the program's does and has no code for a part; its
+verdicts on made-up times, whose ratios are known; its counts of instructions and sums of imports."""
 
 from __future__ import annotations
 
 import importlib.util
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+import numpy as np
 import pytest
 
+from fem.constitutive.materials import NeoHookean
+from fem.contact.constraints import DampedPenalty, Exact, Penalty
+from fem.contact.friction import Drag
+from fem.explicit.simulate import Stepper
+from fem.explicit.time_loop import copy_state
+from fem.start.rigid_state import RigidStart
+from meshes import distorted, plate_mesh
+from tailslap.command_line import _status
 from tailslap.scene.read import read_scene
-from tailslap.studies.features.parts import PLAIN, fe_plan_of, parts_of
 
 pytestmark = pytest.mark.verification
 
 SCENE = "paper-table-3"
+START = RigidStart(0.26, 0.707, 25.053)
+STEPS = 300
+
+
+def scene_of(*changes: str) -> Any:
+    return read_scene(SCENE, changes)[0]
 
 
 def load_benchmark() -> ModuleType:
@@ -29,6 +46,15 @@ def load_benchmark() -> ModuleType:
 
 
 benchmark = load_benchmark()
+
+
+@pytest.fixture(scope="module")
+def models() -> dict[str, Any]:
+    """Of a scene that has parts itself."""
+    changes = ("damping.ratio=0.1", "corner.patch_length=2", "material.law=neo-hookean", "time.threads=3")
+    found: dict[str, Any] = benchmark.models_of(scene_of(*changes))
+    return found
+
 
 ASSEMBLY = """
 \t.text
@@ -56,12 +82,173 @@ def test_instructions_are_the_loop_s_own() -> None:
     assert benchmark.count(ASSEMBLY) == benchmark.MachineCode(4, 2)
 
 
+@pytest.mark.parametrize(
+    "kind", ["quad4", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("tri3", "distorted"))]
+)
+def test_the_bare_loop_computes_what_the_program_s_does(plate_model: Callable[..., Any], kind: str) -> None:
+    """Positions and velocities to rounding, on lattices and on elements that are looked up, over a time that shows."""
+    mesh = distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4)) if kind == "distorted" else None
+    model = plate_model((8, 4), mesh=mesh, plate={"element": "tri3"} if kind == "tri3" else None)
+    stepper = Stepper(model)
+    start = stepper.start(START, "inertia-relief")
+    later, mine = stepper.advance(start, STEPS), copy_state(start)
+    force, scratch = np.zeros_like(mine.positions), benchmark.bare_scratch(model.loop)
+    bare = benchmark.bare_parameters(model.loop)
+    benchmark.advance_bare(mine.positions, mine.velocities, STEPS, bare, force, scratch)
+    assert np.abs(later.positions - start.positions).max() > 0.1
+    np.testing.assert_allclose(mine.positions, later.positions, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(mine.velocities, later.velocities, rtol=0.0, atol=1e-9)
+    other = copy_state(start)
+    softer = bare._replace(stiffness=0.5 * bare.stiffness)
+    benchmark.advance_bare(other.positions, other.velocities, STEPS, softer, force, scratch)
+    assert np.abs(other.positions - later.positions).max() > 1e-8
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"reaction": "drag"},
+        {"corner": {"constraint": "exact"}},
+        {"corner": {"damping_ratio": 0.2}},
+        {"corner": {"patch_length": 3.0}},
+        {"damping_ratio": 0.02},
+        {"plate": {"element": "quad4-reduced"}},
+    ],
+)
+def test_the_bare_loop_refuses_what_it_has_no_code_for(
+    plate_model: Callable[..., Any], changes: dict[str, Any]
+) -> None:
+    with pytest.raises(ValueError, match="bare loop"):
+        benchmark.bare_parameters(plate_model((8, 4), **changes).loop)
+
+
+def test_each_part_is_added_alone(models: dict[str, Any]) -> None:
+    """Whatever parts the scene itself has, a model has the one of its name and no other."""
+    for name, model in models.items():
+        loop = model.model.loop
+        found = {
+            "friction": isinstance(loop.friction, Drag),
+            "damping": loop.viscosity is not None,
+            "dashpot": isinstance(loop.corner.constraint, DampedPenalty),
+            "exact constraint": isinstance(loop.corner.constraint, Exact),
+            "patch": loop.corner.nodes.size > 1,
+            "neo-Hookean": isinstance(loop.material, NeoHookean),
+            "hourglass control": loop.hourglass is not None,
+        }
+        assert {part for part, there in found.items() if there} == {name} - {benchmark.PLAIN}
+    assert len(models) == 8
+    assert isinstance(models[benchmark.PLAIN].model.loop.corner.constraint, Penalty)
+    plain = benchmark.plain_scene(scene_of())
+    assert benchmark.plain_scene(plain) == plain
+
+
+def test_turns_go_forwards_and_back() -> None:
+    order: list[int] = []
+    runs = [lambda i=i: float(order.append(i) or 10 * len(order) + i) for i in range(3)]  # type: ignore[func-returns-value]
+    table = benchmark.take_turns(runs, 3)
+    assert order == [0, 1, 2, 2, 1, 0, 0, 1, 2]
+    assert table.tolist() == [[10, 21, 32], [60, 51, 42], [70, 81, 92]]
+
+
+def test_a_slow_machine_cancels_turn_by_turn() -> None:
+    """Times that double half-way, and one that is hit a hundredfold: the ratio stays what it is, to the digit."""
+    slow = np.where(np.arange(40) < 20, 1.0, 2.0)
+    assert benchmark.ratio(1.3 * slow, slow) == pytest.approx((1.3, 1.3, 1.3), abs=1e-15)
+    hit = 1.3 * slow
+    hit[7] *= 100.0
+    assert benchmark.ratio(hit, slow)[2] == pytest.approx(1.3, abs=1e-15)
+
+
+def test_the_interval_of_a_ratio_covers_the_truth_as_often_as_it_says() -> None:
+    """300 samples of 40 turns with 10 % noise: the bootstrap of a median covers 95 %, within its own noise."""
+    random = np.random.default_rng(1)
+    covered = 0
+    for _ in range(300):
+        times = 1.2 * np.exp(0.1 * random.normal(size=40))
+        _, low, high = benchmark.ratio(times, np.exp(0.1 * random.normal(size=40)))
+        covered += low <= 1.2 <= high
+    assert 0.91 <= covered / 300 <= 0.99
+
+
+def noisy(factor: float, noise: float, seed: int) -> np.ndarray:
+    return factor * np.exp(noise * np.random.default_rng(seed).normal(size=40))
+
+
+@pytest.mark.parametrize(
+    ("factor", "noise", "expected"),
+    [
+        (1.00, 0.005, "free"),
+        (1.03, 0.005, "free"),
+        (1.08, 0.005, "costs"),
+        (1.30, 0.1, "costs"),
+        (1.00, 0.8, "unsettled"),
+        (1.00, 0.02, "free"),
+    ],
+)
+def test_verdicts_on_made_up_times(factor: float, noise: float, expected: str) -> None:
+    plain, again, bare = noisy(factor, noise, 1), noisy(factor, noise, 2), noisy(1.0, noise, 3)
+    assert benchmark.verdict(plain, again, bare) == expected
+
+
+def test_a_noisy_machine_widens_the_limit() -> None:
+    """7 % against the bare loop is not told from the 9 % of the same loop against itself; nor is it nothing."""
+    ones = np.ones(40)
+    assert benchmark.verdict(1.07 * ones, 1.07 * ones, ones) == "costs"
+    assert benchmark.verdict(1.07 * ones, 1.07 * 1.09 * ones, ones) == "unsettled"
+    assert benchmark.verdict(np.nan * ones, ones, ones) == "costs", "what is not known proves nothing"
+
+
+@pytest.mark.parametrize(
+    ("plain", "apart", "status"), [(1.0, 0.0, 0), (1.2, 0.0, 1), (1.0, 2e-9, 1), (1.0, np.nan, 1)]
+)
+def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    plain: float,
+    apart: float,
+    status: int,
+) -> None:
+    """On made-up assembly, times and positions."""
+    made_up = dict.fromkeys(("plain", "plain again"), 20.0 * plain * np.ones(10)) | {
+        "bare loop": 20.0 * np.ones(10)
+    }
+    monkeypatch.setattr(benchmark, "_assembly", lambda loop, *arguments: ASSEMBLY)
+    monkeypatch.setattr(
+        benchmark, "time_loops", lambda models, turns: dict.fromkeys(models, 30.0 * np.ones(10)) | made_up
+    )
+    monkeypatch.setattr(benchmark, "difference", lambda model, steps: apart)
+    monkeypatch.setattr(sys, "argv", ["features.py", SCENE, "--no-commands"])
+    assert benchmark.main() == status
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [line[0] for line in lines[:3]] == ["loop", "plain", "friction"]
+    assert lines[8][:5] == ["hourglass", "control", "4", "2", "30.00"]
+    assert lines[9][:5] == ["bare", "loop", "4", "2", "20.00"]
+    assert lines[2][4] == f"{1.5 / plain:.3f}"
+
+
+def test_the_two_loops_agree_and_can_be_timed(
+    models: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(benchmark, "CHUNK_S", 1e-3)
+    plain = models[benchmark.PLAIN]
+    assert 0.0 <= benchmark.difference(plain, 200) <= benchmark.SAME
+    updates = benchmark.time_loops({benchmark.PLAIN: plain}, 3)
+    assert list(updates) == ["plain", "bare loop", "plain again"]
+    assert all((each > 0.0).all() and each.shape == (3,) for each in updates.values())
+
+
+def test_the_study_of_features_says_where_it_went(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["study", "features", SCENE]) == 2
+    said = capsys.readouterr().err
+    assert "benchmarks/features.py" in said
+    assert "tailslap check" in said
+
+
 @pytest.mark.long
-def test_a_part_has_instructions_only_where_it_is() -> None:
+def test_a_part_has_instructions_only_where_it_is(models: dict[str, Any]) -> None:
     """Counted on vector registers, where the arithmetic is; of other instructions the machine decides how many."""
-    parts = {part.name: part for part in parts_of(read_scene(SCENE)[0])}
     plain, friction, damping = (
-        benchmark.program_code(fe_plan_of(parts[n])) for n in (PLAIN, "friction", "damping")
+        benchmark.program_code(models[name]) for name in ("plain", "friction", "damping")
     )
     assert 0 < plain.vector < friction.vector < damping.vector < damping.instructions
 
@@ -89,15 +276,3 @@ def test_whole_commands_are_run_and_their_imports_read(monkeypatch: pytest.Monke
     assert "numpy" in dict(found.packages)
     with pytest.raises(OSError, match=r"vehicle\.mass"):
         benchmark.find_processes(SCENE, ("vehicle.mass=-1",))
-
-
-def test_it_prints_a_line_for_each_part_and_the_bare_loop(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Counted on made-up assembly: what is printed, not what is compiled."""
-    monkeypatch.setattr(benchmark, "_assembly", lambda loop, *arguments: ASSEMBLY)
-    monkeypatch.setattr(sys, "argv", ["features.py", SCENE, "--no-commands"])
-    benchmark.main()
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines[:3]] == ["instructions", PLAIN, "friction"]
-    assert lines[-1].split() == ["bare", "loop", "4", "2"]

@@ -205,7 +205,6 @@ def test_contacts_that_the_study_cannot_vary_are_refused(changes: dict[str, Any]
     [
         ("strike", "mash-tl4-sut", "with this table"),
         ("uncertainty", TRUCK, "without this table"),
-        ("features", TRUCK, "without this table"),
     ],
 )
 def test_a_study_of_the_other_calculation_is_refused(

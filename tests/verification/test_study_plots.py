@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures.features_plots import draw_ratios
 from postprocess.figures.flexibility_plots import RINGS, SweepAxis, SweepLine, draw_sweep
 from postprocess.figures.mode_plots import draw_mode
 from postprocess.figures.strike_plots import (
@@ -106,20 +105,6 @@ def test_sensitivity_is_a_row_an_input() -> None:
     first, second = boxes(chart.svg, "fe")
     assert first[1] < second[1], "the first on top"
     assert first[2] - first[0] == pytest.approx(4.0 * (second[2] - second[0]), rel=0.05)
-
-
-def test_ratios_start_at_one_the_largest_on_top() -> None:
-    ratios = {
-        name: SimpleNamespace(median=m, low=0.9 * m, high=1.1 * m)
-        for name, m in {"friction": 1.04, "neo-Hookean": 34.6}.items()
-    }
-    chart = draw_ratios(ratios)
-    assert [word for word in words(chart) if word in ("neo-Hookean", "friction", "34.6", "1.040")] == [
-        *("34.6", "1.040", "neo-Hookean", "friction")
-    ]
-    large, small = boxes(chart.svg, "fe")
-    assert large[0] == pytest.approx(small[0], abs=0.5)
-    assert large[2] - large[0] > 50.0 * (small[2] - small[0])
 
 
 def test_a_sweep_runs_from_stiff_to_soft_in_per_cent() -> None:
