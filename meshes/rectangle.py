@@ -1,4 +1,4 @@
-"""A rectangle of transfinite quadrilaterals with named sides, corners and surface."""
+"""Rectangles of transfinite quadrilaterals with named groups: the plate PEHK in its body frame and the rigid wall."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshes.session import gmsh_model
+from meshes.gmsh_files import gmsh_model
 
 if TYPE_CHECKING:
     import meshio
+
 
 CELL_TYPES = {1: "line", 2: "triangle", 3: "quad", 15: "vertex"}
 """gmsh element types that a transfinite rectangle has, with meshio's names."""
@@ -110,3 +111,91 @@ def _cell_sets(names: list[str], cells: list[tuple[str, Any]]) -> dict[str, list
         name: [np.arange(len(block)) if i == j else none for j, (_, block) in enumerate(cells)]
         for i, name in enumerate(names)
     }
+
+
+def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: str = "quad") -> meshio.Mesh:
+    """Mesh the plate with quadrilaterals, or triangles, in rows along its length.
+
+    Parameters
+    ----------
+    length, width : float
+        Of the plate [m]. Corner P, the one on the wall, is the origin; E lies at (-length, 0), H at
+        (-length, width), K at (0, width).
+    elements : tuple of int
+        Quadrilaterals along the length and across the width.
+    cells : {"quad", "triangle"}
+        With "triangle" each quadrilateral is cut in two.
+
+    Returns
+    -------
+    meshio.Mesh
+        Points [m], shape (nodes, 3). Groups: surface `plate`, lines `side_pe`, `side_kp`, `side_hk`, `side_eh`,
+        vertices `corner_p`, `corner_e`, `corner_h`, `corner_k`.
+    """
+    return rectangle_mesh(
+        "plate",
+        origin=(-length, 0.0),
+        size=(length, width),
+        elements=elements,
+        corners=("corner_e", "corner_p", "corner_k", "corner_h"),
+        sides=("side_pe", "side_kp", "side_hk", "side_eh"),
+        cells=cells,
+    )
+
+
+def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, int]) -> meshio.Mesh:
+    """Mesh the wall with quadrilaterals; its face is Y = 0.
+
+    Parameters
+    ----------
+    start : float
+        X of its near end [m].
+    length, depth : float
+        Along X and, behind the face, along Y [m].
+    elements : tuple of int
+        Along the length and across the depth.
+
+    Returns
+    -------
+    meshio.Mesh
+        Points [m], shape (nodes, 3). Groups: surface `wall`, lines `wall_face`, `wall_end`, `wall_back`,
+        `wall_start`.
+    """
+    return rectangle_mesh(
+        "wall",
+        origin=(start, -depth),
+        size=(length, depth),
+        elements=elements,
+        corners=("", "", "", ""),
+        sides=("wall_back", "wall_end", "wall_face", "wall_start"),
+    )
+
+
+SEED = 7
+
+
+def distorted(mesh: meshio.Mesh, share: float, elements: tuple[int, int]) -> meshio.Mesh:
+    """A copy with the nodes inside the plate moved at random, the same way every time.
+
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+        Of `plate_mesh`.
+    share : float
+        Largest displacement of a node, as a share of an element's length and width [-].
+    elements : tuple of int
+        Along and across, as the mesh was made with.
+
+    Returns
+    -------
+    meshio.Mesh
+        With the same cells and groups.
+    """
+    import meshio
+
+    points = mesh.points.copy()
+    inner = np.ones(len(points), dtype=bool)
+    inner[np.unique(mesh.cells_dict["line"])] = False
+    size = np.ptp(points[:, :2], axis=0) / elements
+    points[inner, :2] += np.random.default_rng(SEED).uniform(-share, share, (inner.sum(), 2)) * size
+    return meshio.Mesh(points, mesh.cells, cell_sets=mesh.cell_sets)

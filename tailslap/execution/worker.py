@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import tailslap
 from tailslap.execution.record_file import Key
-from tailslap.progress.mode import MODE
+from tailslap.progress import MODE
 
 
 class Part(NamedTuple):

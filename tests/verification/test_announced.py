@@ -1,4 +1,4 @@
-"""Verification: what takes long on a terminal says so, counts the seconds, and leaves whole lines."""
+"""Verification: what takes long on a terminal says so, counts the seconds, and leaves no line behind."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from tailslap.progress import announced, bar, compiling, counted, progress_bar
-from tailslap.progress import terminal as terminal_module
-from tailslap.progress.mode import MODE
+from tailslap import progress
+from tailslap.progress import announced, compiling, counted, progress_bar
 
 pytestmark = pytest.mark.verification
+
+ERASED = "\x1b[2K"
+"""Erases a line of a terminal."""
 
 
 class Terminal(io.StringIO):
@@ -26,42 +28,49 @@ class Terminal(io.StringIO):
 @pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     made = Terminal()
-    monkeypatch.setattr(terminal_module, "sys", SimpleNamespace(stderr=made))  # pytest sets its own in sys
-    monkeypatch.setattr(bar, "sys", SimpleNamespace(stderr=made))
-    monkeypatch.setattr(terminal_module, "DELAY", 0.05)
-    terminal_module.TERMINAL.write("", ends_by="")
-    monkeypatch.delenv(MODE, raising=False)
+    monkeypatch.setattr(progress, "sys", SimpleNamespace(stderr=made))  # pytest sets its own in sys
+    monkeypatch.setattr(progress, "DELAY", 0.05)
+    monkeypatch.delenv(progress.MODE, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "100")
     return made
 
 
 def seen(terminal: Terminal, words: str, times: int = 1) -> None:
     """Wait until they have been said so often."""
     end = time.monotonic() + 5.0
-    while terminal.getvalue().count(words) < times:
-        assert time.monotonic() < end, terminal.getvalue()
+    while text(terminal).count(words) < times:
+        assert time.monotonic() < end, text(terminal)
         time.sleep(0.01)
 
 
+def text(terminal: Terminal) -> str:
+    """All that was written, without colours."""
+    return re.sub(r"\x1b\[[\d;]*m", "", terminal.getvalue())
+
+
 def test_what_is_over_at_once_is_not_mentioned(terminal: Terminal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(terminal_module, "DELAY", 60.0)
+    monkeypatch.setattr(progress, "DELAY", 60.0)
     with announced("Building ..."):
         pass
     assert terminal.getvalue() == ""
 
 
-def test_long_work_counts_its_seconds_on_one_line(terminal: Terminal) -> None:
+def test_long_work_counts_its_seconds_on_one_line_that_vanishes(terminal: Terminal) -> None:
     with announced("Building ..."):
-        seen(terminal, "\rBuilding ... ", times=3)
+        seen(terminal, "Building ... 0 s", times=3)
+        seen(terminal, "Building ... 1 s")
     assert terminal.getvalue().count("\n") == 1
-    assert terminal.getvalue().endswith(" s\n")
+    assert terminal.getvalue().endswith(f"\x1b[1A{ERASED}")
 
 
 def test_what_is_said_meanwhile_has_a_line_of_its_own(terminal: Terminal) -> None:
     with announced("Building ..."):
         seen(terminal, "Building")
         compiling(10.0, False)
-        seen(terminal, "about 10 s\n\rBuilding")
-    assert " s\ntailslap: compiling" in terminal.getvalue()
+        seen(terminal, "about 10 s\n")
+        seen(terminal, "Building", times=3)
+    assert f"{ERASED}tailslap: compiling the time loop" in text(terminal)
 
 
 def test_an_error_ends_the_line(terminal: Terminal) -> None:
@@ -72,18 +81,18 @@ def test_an_error_ends_the_line(terminal: Terminal) -> None:
 
     with pytest.raises(ValueError, match=r"^$"):
         fail()
-    assert terminal.getvalue().endswith("s\n")
+    assert ERASED in terminal.getvalue().rpartition("Building")[2]
+    assert progress._live is None
 
 
 def test_a_bar_that_does_not_move_counts_its_seconds(
     terminal: Terminal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bar, "clock", lambda seconds: f"{1000.0 * seconds:.0f} ms")
+    monkeypatch.setattr(progress, "clock", lambda seconds: f"{1000.0 * seconds:.0f} ms")
     with progress_bar("Impacts"):
         seen(terminal, "Impacts: 0 %, ", times=3)
-    told = re.findall(r"0 %, (\d+) ms so far", terminal.getvalue())
-    assert len(set(told)) > 1
-    assert terminal.getvalue().endswith("\x1b[2K")
+    shown = re.findall(r"0 %, (\d+) ms so far", text(terminal))
+    assert len(set(shown)) > 1
 
 
 def test_a_count_begins_with_what_was_done_before(terminal: Terminal) -> None:
@@ -98,11 +107,3 @@ def test_within_a_bar_only_the_bar_is_seen(terminal: Terminal) -> None:
         seen(terminal, "Impacts: 50 %, 0:00 left", times=3)
     assert "Building" not in terminal.getvalue()
     assert "Steps" not in terminal.getvalue()
-
-
-def test_a_message_takes_the_line_of_a_bar(terminal: Terminal) -> None:
-    with progress_bar("Impacts"):
-        seen(terminal, "Impacts")
-        compiling(10.0, False)
-        seen(terminal, "Impacts", times=3)
-    assert f"{bar.ERASED}tailslap: compiling the time loop" in terminal.getvalue()

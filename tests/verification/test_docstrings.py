@@ -176,7 +176,7 @@ def test_rigid_theory_and_meshes_are_public() -> None:
     assert {
         "solver.motion.tail_slap",
         "solver.body.RectangularBody",
-        "meshes.plate.plate_mesh",
+        "meshes.rectangle.plate_mesh",
     } <= PUBLIC.keys()
 
 

@@ -268,7 +268,7 @@ def test_progress_off_a_terminal(capsys: pytest.CaptureFixture[str], monkeypatch
     """Nothing by itself; lines with n of N, rate and time left where asked for; one thing at a time; never if quiet."""
     from tailslap import progress
 
-    monkeypatch.setattr(progress.bar, "ASKED_EVERY", 0.0)
+    monkeypatch.setattr(progress, "ASKED_EVERY", 0.0)
 
     def work() -> str:
         with progress.progress_bar("steps", 200) as outer:

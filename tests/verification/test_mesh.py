@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from meshes import plate_mesh, wall_mesh, write_mesh
-from meshes.session import gmsh_model
+from meshes.gmsh_files import gmsh_model
 
 pytestmark = pytest.mark.verification
 

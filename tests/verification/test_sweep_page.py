@@ -239,7 +239,7 @@ def test_progress_where_there_is_no_terminal(
 ) -> None:
     """Silent for half a minute; then 40 runs made in 40 s are one a second, and 40 are left."""
     now = [0.0]
-    monkeypatch.setattr("tailslap.progress.bar.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("tailslap.progress.time.monotonic", lambda: now[0])
     with counted("sut", 90, 10) as show:
         now[0] = 5.0
         show(20)

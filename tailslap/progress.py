@@ -1,0 +1,181 @@
+"""Progress on standard error: on a terminal a line that moves, once the terminal has been silent for a second.
+
+One line at a time: what runs within something that shows its progress is silent. The environment variable `MODE` says
+how: "auto"; "lines", from time to time a line also where standard error is no terminal; or "none". Processes started
+meanwhile follow it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+MODE = "TAILSLAP_PROGRESS"
+DELAY, LOGGED_EVERY, ASKED_EVERY = 1.0, 30.0, 5.0
+"""Seconds of silence before anything moves; between lines of a count where standard error is no terminal; where lines
+were asked for."""
+
+_last_sign = time.monotonic()
+"""Instant when something was seen last [s]: at first, when the process had come as far as this."""
+
+_live: Any = None
+"""The line that moves, a `rich.live.Live`, while there is one."""
+
+
+@contextmanager
+def shown_as(mode: str) -> Iterator[None]:
+    """Show progress in this mode, also in processes started within this block."""
+    before = os.environ.get(MODE)
+    os.environ[MODE] = mode
+    try:
+        yield
+    finally:
+        os.environ.pop(MODE)
+        if before is not None:
+            os.environ[MODE] = before
+
+
+@contextmanager
+def announced(text: str) -> Iterator[None]:
+    """Say on a terminal that this is being done, and for how long."""
+    began = time.monotonic()
+    with _shown(lambda: f"{text} {time.monotonic() - began:.0f} s", None, None):
+        yield
+
+
+@contextmanager
+def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]]:
+    """Yield a function that takes the fraction done, 0 to 1, of `total` things; silent where there is no terminal."""
+    began, done = time.monotonic(), 0.0
+
+    def line() -> str:
+        elapsed = time.monotonic() - began
+        count = f"{round(done * total)} of {total}" if total else f"{100.0 * done:.0f} %"
+        rate = f", {done * total / elapsed:.3g}/s" if total and done else ""
+        return f"{label}: {count}{rate}, {_left(1.0 - done, done, elapsed)}"
+
+    def show(fraction: float) -> None:
+        nonlocal done
+        done = fraction
+        log()
+
+    with _shown(line, lambda: done, None) as log:
+        yield show
+
+
+@contextmanager
+def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]]:
+    """Yield a function that takes how many of `total` are done, and a note; it logs where there is no terminal.
+
+    before: how many were done when this begins, which count for no rate.
+    """
+    began, done, note = time.monotonic(), before, ""
+
+    def line() -> str:
+        elapsed, own = time.monotonic() - began, done - before
+        rate = f", {own / elapsed:.3g}/s" if own else ""
+        return f"{label}: {done} of {total}{rate}, {_left(total - done, own, elapsed)}{note}"
+
+    def show(count: int, remark: str = "") -> None:
+        nonlocal done, note
+        done, note = count, remark
+        log()
+
+    with _shown(line, lambda: done / max(total, 1), LOGGED_EVERY) as log:
+        yield show
+
+
+def compiling(seconds: float, done: bool) -> None:
+    """Say that a time loop is being compiled, and how long that takes; terminal or not, for nothing else is seen."""
+    global _last_sign
+    text = (
+        "compiled" if done else "compiling the time loop of this kind of model, once on this machine: about"
+    )
+    message = f"tailslap: {text}{' in' if done else ''} {seconds:.0f} s"
+    if _live is None:
+        print(message, file=sys.stderr, flush=True)
+    else:
+        _live.console.print(message, markup=False, highlight=False, soft_wrap=True)
+    _last_sign = time.monotonic()
+
+
+def clock(seconds: float) -> str:
+    """Hours, minutes and seconds."""
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
+
+
+def _left(rest: float, done: float, elapsed: float) -> str:
+    return f"{clock(rest * elapsed / done)} left" if done > 0.0 else f"{clock(elapsed)} so far"
+
+
+Line = Callable[[], str]
+
+
+@contextmanager
+def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | None) -> Iterator[Line]:
+    """Show a line that moves, or log it; yield what logs it where that is due. logged: seconds between log lines."""
+    mode, every = os.environ.get(MODE, "auto"), logged if fraction else None
+    every = ASKED_EVERY if mode == "lines" and fraction else every
+    last = time.monotonic()
+
+    def log() -> str:
+        nonlocal last
+        if every is not None and time.monotonic() - last >= every:
+            last = time.monotonic()
+            print(f"tailslap: {line()}", file=sys.stderr, flush=True)
+        return ""
+
+    with shown_as("none"):
+        if mode == "none":
+            yield str
+        elif sys.stderr.isatty():
+            with _moving(line, fraction):
+                yield str
+        else:
+            yield log
+
+
+@contextmanager
+def _moving(line: Line, fraction: Callable[[], float] | None) -> Iterator[None]:
+    """Show the line, with a bar, from a thread; it is erased at the end."""
+    ended = threading.Event()
+    thread = threading.Thread(target=_show, args=(line, fraction, ended), daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def _show(line: Line, fraction: Callable[[], float] | None, ended: threading.Event) -> None:
+    global _live, _last_sign
+    if ended.wait(max(0.0, _last_sign + DELAY - time.monotonic())):
+        return
+    from rich.console import Console
+    from rich.live import Live
+    from rich.progress_bar import ProgressBar
+    from rich.table import Table
+    from rich.text import Text
+
+    def row() -> Table:
+        grid = Table.grid(padding=(0, 1))
+        text = Text(line(), no_wrap=True, overflow="ellipsis")
+        if fraction is None:
+            grid.add_row(text)
+        else:
+            grid.add_row(f"{100.0 * fraction():3.0f} %", ProgressBar(1.0, fraction(), width=10), text)
+        return grid
+
+    console = Console(file=sys.stderr)
+    with Live(get_renderable=row, console=console, transient=True, refresh_per_second=10) as _live:
+        console.show_cursor(True)  # a process that is killed would leave the terminal without
+        ended.wait()
+    _live, _last_sign = None, time.monotonic()
