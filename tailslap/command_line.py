@@ -258,11 +258,10 @@ def paper(out: Path | None, as_json: bool) -> int:
     from tailslap.report.deliver import deliver
 
     def report(folder: Path) -> Report:
-        from tailslap.paper.report.report import paper_report
-        from tailslap.paper.review import review_paper
+        from tailslap.paper import page, tables
 
         with announced("Computing the paper's tables ..."):
-            return paper_report(review_paper())
+            return page.paper_report(tables.review())
 
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 

@@ -44,19 +44,8 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Finding:
-    """A finding of a review: what was checked and seen, the commands that repeat it, and what is inferred."""
-
-    title: str
-    checked: str
-    seen: tuple[str, ...]
-    repeat: tuple[str, ...]
-    inferred: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class Section:
-    """A part of a page: figures, tables, sentences, findings; what is empty is not shown.
+    """A part of a page: figures, tables, sentences; what is empty is not shown.
 
     layout: "half" sections stand side by side; figures stand "narrow", three or four in a row, "wide", two, or "tall",
     one below the other. is_folded: shown when asked for.
@@ -67,7 +56,6 @@ class Section:
     figures: Sequence[Chart | Picture] = ()
     tables: Sequence[Table] = ()
     sentences: Sequence[str] = ()
-    findings: Sequence[Finding] = ()
     layout: str = ""
     is_folded: bool = False
 
@@ -75,7 +63,7 @@ class Section:
     def is_empty(self) -> bool:
         """Whether there is nothing to show."""
         tables = any(table.rows for table in self.tables)
-        return not (self.lead or self.figures or tables or self.sentences or self.findings)
+        return not (self.lead or self.figures or tables or self.sentences)
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import shutil
 import textwrap
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain, zip_longest
 
-from postprocess.report.page import NO_BREAK, Finding, Section, glued
+from postprocess.report.page import NO_BREAK, Section, glued
 from postprocess.report.table import Table
 
 WIDEST, NARROWEST, LEAST = 100, 40, 12
@@ -16,12 +16,12 @@ WIDEST, NARROWEST, LEAST = 100, 40, 12
 
 GAP = "  "
 
-Part = Table | Finding | Section | str
+Part = Table | Section | str
 Lines = list[list[str]]
 
 
 def printed(parts: Iterable[Part]) -> str:
-    """Tables, findings, sentences and whole sections as text, one below the other; a table without rows is left out."""
+    """Tables, sentences and whole sections as text, one below the other; a table without rows is left out."""
     shown = chain.from_iterable(map(_single, parts))
     return "\n".join(chain.from_iterable(map(_lines, shown))).rstrip("\n")
 
@@ -31,14 +31,12 @@ def line_width() -> int:
     return max(NARROWEST, min(shutil.get_terminal_size().columns, WIDEST))
 
 
-def wrapped(text: str, before: str = "", behind: str = "") -> list[str]:
-    """Lines of the terminal's width, no word broken; `before` stands in front of the first, `behind` after all but the
-    last."""
-    width, indent = line_width() - len(behind), " " * len(before)
-    wrapper = textwrap.TextWrapper(width, before, indent, break_long_words=False, break_on_hyphens=False)
-    lines = wrapper.wrap(glued(text))
-    shown = [line.replace(NO_BREAK, " ") for line in lines]
-    return [line + behind for line in shown[:-1]] + shown[-1:]
+def wrapped(text: str, before: str = "") -> list[str]:
+    """Lines of the terminal's width, no word broken; `before` stands in front of the first."""
+    wrapper = textwrap.TextWrapper(
+        line_width(), before, " " * len(before), break_long_words=False, break_on_hyphens=False
+    )
+    return [line.replace(NO_BREAK, " ") for line in wrapper.wrap(glued(text))]
 
 
 def place_line(label: str, place: object) -> str:
@@ -58,31 +56,21 @@ def labelled_text(lines: Iterable[str], indent: int) -> str:
     return "\n".join(part for line in lines for part in labelled(line, indent))
 
 
-def _single(part: Part) -> Iterator[Table | Finding | str]:
-    """A section's title, tables, sentences and findings, each of these with its number; other parts as they are."""
+def _single(part: Part) -> Iterator[Table | str]:
+    """A section's title, tables and sentences; other parts as they are."""
     if not isinstance(part, Section):
         yield part
         return
     yield f"{part.title}\n{'=' * len(part.title)}"
-    numbered = (
-        replace(finding, title=f"{number}. {finding.title}")
-        for number, finding in enumerate(part.findings, 1)
-    )
-    items: tuple[Table | Finding | str, ...] = (*part.tables, *part.sentences, *numbered)
-    for item in items:
-        yield item
-        yield ""
+    for table in part.tables:
+        yield from (table, "")
+    for sentence in part.sentences:
+        yield from (sentence, "")
 
 
-def _lines(part: Table | Finding | str) -> Iterator[str]:
+def _lines(part: Table | str) -> Iterator[str]:
     if isinstance(part, str):
         yield from (line for text in part.split("\n") for line in wrapped(text) or [""])
-    elif isinstance(part, Finding):
-        yield from wrapped(part.title)
-        yield from wrapped(part.checked, "  checked  ")
-        yield from (line for sentence in part.seen for line in wrapped(sentence, "  seen     "))
-        yield from (line for sentence in part.inferred for line in wrapped(sentence, "  inferred "))
-        yield from (line for command in part.repeat for line in wrapped(command, "  repeat   ", " \\"))
     elif part.rows:
         yield from table_lines(part, line_width())
         yield from (line for note in part.notes for line in wrapped(note))

@@ -128,7 +128,6 @@ def test_rows_off_the_exact_ratio(said: dict[str, Any]) -> None:
     off = {result["printed"]["row"]: abs(result["ratio"]["difference"]) for result in said["table_4"]}
     assert [result["printed"]["row"] for result in said["table_4"] if result["rounds"]] == ["b"]
     assert {row for row, difference in off.items() if difference > 5e-3} == {"a", "e", "f"}
-    assert "Rows a, e and f" in said["findings"][5]["title"]
 
 
 def test_row_b_with_the_speed_and_angle_of_its_test(said: dict[str, Any]) -> None:

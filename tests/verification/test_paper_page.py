@@ -1,11 +1,10 @@
-"""Verification: the command `paper`: its page, its files, its exit statuses, and that its commands repeat it."""
+"""Verification: the command `paper`: its page, its files, its exit statuses."""
 
 from __future__ import annotations
 
 import html
 import json
 import re
-import shlex
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -17,14 +16,12 @@ import pytest
 from test_command_line import imported
 from test_postprocess_report import Parsed
 
-from postprocess.figures.paper_plots import LINES, MARKS, draw_figures
 from postprocess.report.page import glued, prose
 from postprocess.report.table import Column, Table
 from tailslap.command_line import _status
-from tailslap.paper.figures import FIGURES, figures, marks
-from tailslap.paper.report.findings import findings
-from tailslap.paper.report.report import sections, summary
-from tailslap.paper.review import Review, review_paper
+from tailslap.paper import tables
+from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
+from tailslap.paper.tables import FIGURES
 from tailslap.results.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
@@ -52,46 +49,19 @@ def strict(text: str) -> Any:
     return json.loads(text, parse_constant=refuse)
 
 
-def test_the_page_holds_every_cell_note_and_finding(page: Parsed) -> None:
-    result = review_paper()
-    whole = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    packed = "".join(whole.split())  # a subscript is an element of its own
-    words = [
-        text for part in sections(result) for table in part.tables for text in (table.title, *table.notes)
-    ]
-    words += [
-        column.text(row)
-        for part in sections(result)
-        for table in part.tables
-        for row in table.rows
-        for column in table.columns
-    ]
-    words += [
-        text
-        for finding in findings(result)
-        for text in (finding.title, finding.checked, *finding.seen, *finding.inferred)
-    ]
+def test_the_page_holds_every_cell_and_note(page: Parsed) -> None:
+    packed = "".join(
+        page.text.replace("\N{NO-BREAK SPACE}", " ").split()
+    )  # a subscript is an element of its own
+    shown = [table for part in sections(tables.review(), {}) for table in part.tables]
+    words = [text for table in shown for text in (table.title, *table.notes)]
+    words += [column.text(row) for table in shown for row in table.rows for column in table.columns]
     missing = [
         text
         for text in (re.sub("<[^>]+>", "", html.unescape(str(prose(word)))) for word in words)
         if "".join(text.replace("_", "").split()) not in packed.replace("_", "")
     ]
     assert missing == []
-    assert all(command in whole for finding in findings(result) for command in finding.repeat)
-
-
-def test_inference_is_told_from_evidence(
-    page: Parsed, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """On the page and on the terminal; reasons stand with what is inferred."""
-    inferred = [sentence for finding in findings(review_paper()) for sentence in finding.inferred]
-    assert page.text.count("Inferred:") == len(inferred) > 0
-    assert _status(["paper", "--out", str(folder)]) == 0
-    assert len(re.findall("^  inferred ", capsys.readouterr().out, re.MULTILINE)) == len(inferred)
-    for finding in findings(review_paper()):
-        assert not re.search(
-            r"\b(reason|because|so|may|likely|would leave)\b", " ".join(finding.seen), re.IGNORECASE
-        )
 
 
 def test_the_page_fetches_nothing(page: Parsed) -> None:
@@ -105,25 +75,19 @@ def test_the_page_fetches_nothing(page: Parsed) -> None:
 
 def test_the_figures_are_drawn_with_their_marks(folder: Path) -> None:
     """Two lines, a legend, and a mark in its own colour for each printed point."""
-    captions = {name: f"Figure {number}" for number, name in FIGURES.items()}
-    curves = draw_figures(captions, figures().courses, {name: marks(name) for name in captions})
+    courses = {reaction: tables.course(reaction) for reaction in ("drag", "none")}
+    curves = [figure(number, name, courses) for number, name in FIGURES.items()]
     assert [curve.name for curve in curves] == ["theta", "v_gy", "v_gx", "omega", "slide"]
     for curve in curves:
         said = {*" ".join(ElementTree.fromstring(curve.svg).itertext()).split()}
         assert {"drag", "none", "paper"} <= said
         assert ("ABAQUS" in said) == (curve.name != "theta")
         groups = dict(re.findall(r'<g class="(\w+)"[^>]*>(<path data-label.*?)</g>', curve.svg))
-        for points, look in zip(marks(curve.name).values(), MARKS, strict=True):
+        for points, look in zip(tables.marks(curve.name).values(), MARK_LOOKS, strict=True):
             assert groups.get(look["colour"], "").count("Z") == len(points)
-        assert {look["colour"] for look in LINES} <= set(groups)
+        assert {look["colour"] for look in MOTION_LOOKS} <= set(groups)
         assert (folder / f"{curve.name}.svg").read_text().startswith("<svg xmlns=")
     assert (folder / "paper.html").read_text().count("<svg") == 5
-
-
-def test_marks_are_the_printed_points() -> None:
-    assert marks("theta") == {"paper": ((0.0, 0.26), (0.38, 0.0)), "ABAQUS": ()}
-    assert marks("omega") == {"paper": ((0.0, 0.707), (0.383, 0.65)), "ABAQUS": ((0.37, 0.66),)}
-    assert marks("v_gx") == {"paper": ((0.383, 23.27),), "ABAQUS": ((0.37, 23.305),)}
 
 
 def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -132,7 +96,7 @@ def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp
     assert _status(["paper", "--json", "--out", str(tmp_path / "other")]) == 0
     said = strict(capsys.readouterr().out)
     assert said == strict((folder / "summary.json").read_text())
-    assert said == strict(json.dumps(summary(review_paper())))
+    assert said == strict(json.dumps(summary(tables.review())))
     rows = (folder / "figures_10_to_14_drag.csv").read_text().splitlines()
     assert rows[0] == "t,theta,v_gy,v_gx,omega,slide"
     assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)
@@ -186,45 +150,6 @@ def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path: Path) 
     (place / "notes.txt").write_text("mine")
     assert _status(["paper", "--out", str(place)]) == 0
     assert {path.name for path in place.iterdir()} == FILES | {"notes.txt"}
-
-
-@pytest.mark.parametrize("number", range(11))
-def test_the_commands_of_a_finding_repeat_it(number: int, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each runs as it is printed, and says the finding's figures, by the scene's way, not the paper's tables'."""
-    result = review_paper()
-    for command in findings(result)[number].repeat:
-        program, *arguments = shlex.split(command)
-        if program == "python":
-            exec(arguments[1], {})
-        elif arguments[0] == "rigid":
-            assert _status(arguments) == 0
-        else:
-            assert arguments == ["run", "paper-abaqus"]
-    numbers = [float(word) for word in re.findall(r"-?\d+\.\d*(?:e[-+]?\d+)?", capsys.readouterr().out)]
-    for value in expected(result)[number]:
-        assert any(said == pytest.approx(value, rel=1e-6) for said in numbers), value
-
-
-def expected(result: Review) -> tuple[tuple[float, ...], ...]:
-    """What the commands of each finding must say, in the units of `tailslap rigid`."""
-    table, starts, cases = result.table_3, result.table_1.starts, result.restitution
-    row_d, whole = result.table_4[3], result.whole_impact
-    middle = whole.cases[1]
-    return (
-        tuple(
-            cell.computed for column in (table.analytical, table.analytical_15) for cell in column.values()
-        ),
-        tuple(cell.computed for start in starts.values() for cell in (start.omega, start.corner_speed)),
-        (table.abaqus_read["slide"].computed, table.abaqus_read["v_gy"].computed),
-        (result.reaction.first,),
-        tuple(case.peak_force / 1e3 for case in cases.values()),
-        tuple(cell.computed / 1e3 for cell in row_d.peak),
-        (result.row_b[0].peak[0].computed / 1e3,),
-        (whole.nearly_rigid, *whole.omegas.values()),
-        (middle.gap,),
-        (whole.share, whole.share_friction),
-        tuple(case.rear_duration for case in whole.cases),
-    )
 
 
 def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_impact
-from tailslap.paper.printed import ROW_B_ANGLE, ROW_B_GIVEN, ROW_B_SPEED, TABLE_4, TABLE_5, ForceRow
+from tailslap.paper.data import ROW_B_ANGLE, ROW_B_GIVEN, ROW_B_SPEED, TABLE_4, TABLE_5, ForceRow
 from tailslap.scene.vary import vary
 from tailslap.studies.strike.bands import Band, Bands, conditional
 from tailslap.studies.strike.impacts import measured

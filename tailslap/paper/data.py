@@ -1,4 +1,4 @@
-"""What Chuong and Malla (2025) print, in SI, each with its place in the paper; nothing here is computed.
+"""The numbers that Chuong and Malla (2025) print, in SI, each with its place in the paper; nothing here is computed.
 
 Table 3 stands in `postprocess.comparison`, whose v_GY carries this program's sign, negative towards the wall.
 """
@@ -6,7 +6,7 @@ Table 3 stands in `postprocess.comparison`, whose v_GY carries this program's si
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from postprocess.comparison.comparison import PAPER_TABLE_3
 
@@ -14,8 +14,7 @@ PAPER = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307"
 MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6  # m/s
 
 
-@dataclass(frozen=True)
-class Input:
+class Input(NamedTuple):
     """An input of the analysis: name, symbol and words; as the paper gives it; in SI with its unit; where."""
 
     name: str
@@ -37,18 +36,7 @@ INPUTS = (
     Input("restitution", "e", "Coefficient of restitution", "0.22", 0.22, "", "Section 3.1.1"),
 )
 SPEED, ANGLE, MASS, WIDTH, LENGTH, FRICTION, RESTITUTION = (item.value for item in INPUTS)
-
-
-@dataclass(frozen=True)
-class Start:
-    """What Stage 2 starts from: theta_0 [rad], omega_0 [rad/s], v_P0 [m/s]."""
-
-    angle: float
-    omega: float
-    corner_speed: float
-
-
-START = Start(0.26, 0.707, 25.053)  # Section 3.1.1
+START = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053}  # theta_0, omega_0, v_P0, Section 3.1.1
 FEA_SPEED = 25.0  # m/s, V_x in Table 2, where Section 3.1.2 says 25,053 mm/s
 LATERAL_SPEED = 23.3 * KM_PER_HOUR  # m/s, v_0 sin(theta) in Section 3.1.1
 ANALYTICAL, ABAQUS = PAPER_TABLE_3["analytical"], PAPER_TABLE_3["abaqus"]  # Table 3
@@ -56,8 +44,7 @@ CHART_TIME, CHART_V_GY = 0.38, -3.274  # s, Figure 10 at theta = 0; m/s, Figure 
 PULSE = 0.1  # s, "a reasonable estimate ... in most cases" (Section 3.2)
 
 
-@dataclass(frozen=True)
-class ForceRow:
+class ForceRow(NamedTuple):
     """A row of Table 4 or 5; forces in N, pairs for e = 0.22 and e = 0.
 
     duration: of the second pulse [s]; measured: by crash test or finite elements; projected: 1.33 times the

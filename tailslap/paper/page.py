@@ -1,0 +1,388 @@
+"""The page of `tailslap paper`: the numbers of `tables` as tables, and the curves of Figures 10 to 14.
+
+How they are to be read stands in docs/paper.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import tailslap
+from postprocess.comparison.comparison import QUANTITIES, Quantity
+from postprocess.figures.curves import TIME, History, thinned
+from postprocess.figures.panels import COMPARED
+from postprocess.figures.svg.chart import Chart, draw_chart
+from postprocess.figures.svg.marks import Line
+from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.report.numbers import percent
+from postprocess.report.page import Page, Section
+from postprocess.report.report import Report
+from postprocess.report.table import Column, Form, Table, pairs
+from tailslap.paper import data, tables
+from tailslap.paper.tables import FIGURES, Numbers
+from tailslap.report.common import footer
+
+NAMES = {"theta": Quantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
+CAPTIONS = {
+    "theta": "Dynamic rotation angle θ",
+    "v_gy": "Linear velocity v_GY, negative towards the wall",
+    "v_gx": "Linear velocity v_GX",
+    "omega": "Angular velocity ω",
+    "slide": "Distance s",
+}
+DIFFERENCE = "In every table, diff. is computed/printed - 1."
+PLOTTED = (
+    "drag: exact motion with friction μ_k |N|, from the printed start; none: the same without friction. Marked are "
+    "the printed values: paper, the start and the analytical column of Table 3 (in Figure 10, t = 0.38 s of Section "
+    "3.1.1); ABAQUS, its column of Table 3."
+)
+AXES = " SI units; X along the wall in the driving direction, Y away from it; ω positive where it closes the angle."
+
+MOTION_LOOKS: tuple[dict[str, Any], ...] = (
+    {"colour": "rigid", "width": 3.2},
+    {"colour": "fe", "width": 1.6, "dashes": "5 3"},
+)
+MARK_LOOKS: tuple[dict[str, Any], ...] = (
+    {"colour": "ink", "width": 0.0, "dots": 3.6},
+    {"colour": "difference", "width": 0.0, "dots": 3.6},
+)
+"""Looks of the first and the second motion, or kind of mark."""
+
+
+def paper_report(found: Numbers) -> Report:
+    """Page, summary, the curves of Figures 10 to 14 for both motions, and what the terminal says."""
+    courses = {name: tables.course(name) for name in ("drag", "none")}
+    parts = sections(found, courses)
+    column = found["table_3"]["analytical"]
+    off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
+    page = Page(
+        kicker=data.PAPER,
+        title="The paper's tables and figures, computed beside printed",
+        headline=f"Velocities and slide of Table 3's analytical column are met to {100 * off:.2f} %. {DIFFERENCE}",
+        sections=parts,
+        footer=footer() + AXES,
+        contents=True,
+    )
+    curves = {f"figures_10_to_14_{name}.csv": course for name, course in courses.items()}
+    opening = f"{data.PAPER}\nComputed beside printed. {DIFFERENCE}"
+    return Report(page, summary(found), (opening, "", *parts), histories=curves)
+
+
+def summary(found: Numbers) -> dict[str, Any]:
+    """The numbers, SI. The curves of the figures are left out: they stand in files of their own."""
+    inputs = {
+        item.name: {"given": item.given, "value": item.value, "unit": item.unit} for item in data.INPUTS
+    }
+    head = {"version": tailslap.__version__, "paper": data.PAPER, "inputs": inputs, "start": data.START}
+    return head | found
+
+
+def sections(found: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
+    """The parts of the paper in its order; the earlier methods, and what its stages assume, last."""
+    curves = [figure(number, name, courses) for number, name in FIGURES.items()]
+    table_4, table_5 = ((found[f"table_{number}"], found["row_b"][number - 4]) for number in (4, 5))
+    return (
+        Section("Table 1. MASH TL-4 (SUT) impact requirements", tables=table_1(found["table_1"])),
+        Section("Table 3. Comparison of FEA and analytical results", tables=table_3(found["table_3"])),
+        Section(
+            "Figures 10 to 14. The course of the motion", PLOTTED, curves, figure_tables(found["figures"])
+        ),
+        Section(
+            "Table 4. TL-4 peak lateral impact force, 50 ms average",
+            tables=(force_table(*table_4), factor_table(*table_4)),
+        ),
+        Section(
+            "Table 5. TL-4 peak lateral impact force, SAE-filtered data",
+            tables=(force_table(*table_5, repeated=True), factor_table(*table_5)),
+        ),
+        Section(
+            "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)",
+            tables=(earlier_table(found["earlier"]),),
+        ),
+        Section("Assumptions. Restitution, the wall's pull, the mass that strikes", tables=assumed(found)),
+    )
+
+
+def printed(key: str, form: Form = "g", group: str = "") -> Column:
+    """The printed number of the cell at `key`."""
+    return Column(f"{key}.printed", "printed", form=form, style="soft", group=group)
+
+
+def computed(key: str, form: Form = "#.5g", group: str = "", decimals: int = 3) -> tuple[Column, Column]:
+    """The computed number, and its difference in per cent with so many decimals."""
+    difference = partial(percent, decimals=decimals)
+    return (
+        Column(f"{key}.computed", "computed", form=form, group=group),
+        Column(f"{key}.difference", "diff.", form=difference, style="strong", group=group),
+    )
+
+
+def scaled(factor: float, form: str) -> Callable[[float], str]:
+    """The form of a number in another unit: so many of its own."""
+    return lambda value: format(value / factor, form)
+
+
+def table_1(found: Numbers) -> tuple[Table, Table]:
+    """The inputs and what follows from them, and Stage 1 from either speed beside the printed start of Stage 2."""
+    columns = (
+        Column("title", "Input"),
+        Column("symbol", ""),
+        Column("given", "printed", form=str, style="soft"),
+        Column("value", "SI", form=".7g"),
+        Column("unit", ""),
+        Column("place", "where"),
+    )
+    its = found["derived"]
+    follows = (
+        data.Input("gamma", "γ", "Corner angle, atan(B/L)", "", its["gamma"], "rad", "Eq 63"),
+        data.Input("phi", "φ", "Angle between wall and PG, θ + γ", "", its["phi"], "rad", "Eq 63"),
+        data.Input("beta", "β", "Direction of the impulse, atan(1/μ_k)", "", its["beta"], "rad", "Eq 7"),
+        data.Input(
+            "corner_radius", "r_PG", "Corner to centre of mass", "", its["corner_radius"], "m", "Eq 15"
+        ),
+        data.Input("inertia", "I_G", "Moment of inertia", "", its["moment_of_inertia"], "kg m²", "Eq 26"),
+    )
+    starts = (
+        Column("from", "Stage 1"),
+        *computed("omega", ".6f", "ω_0 [rad/s]"),
+        *computed("corner_speed", ".6f", "v_P0 [m/s]"),
+        *computed("lateral_speed", scaled(data.KM_PER_HOUR, ".3f"), "v_0 sin θ [km/h]"),
+    )
+    rows = [{"from": name, **start} for name, start in found["starts"].items()]
+    speed = found["implied_speed"]
+    note = (
+        f"Printed: ω_0 = {data.START['omega']:g} rad/s, v_P0 = {data.START['corner_speed']:g} m/s, v_0 sin θ = "
+        f"{data.LATERAL_SPEED / data.KM_PER_HOUR:g} km/h. This v_P0 is reached from {speed:.4f} m/s, that is "
+        f"{speed / data.MPH:.3f} mph or {speed / data.KM_PER_HOUR:.3f} km/h."
+    )
+    title = "The printed start of Stage 2, computed from 56 mph and from 90 km/h"
+    inputs = Table(columns, (*data.INPUTS, *follows), "Inputs, and what follows from them")
+    return inputs, Table(starts, rows, title, (note,))
+
+
+def table_3(found: Numbers) -> tuple[Table, Table]:
+    """The analytical column beside the motion with friction from three starts; ABAQUS's beside both motions."""
+    start, force = data.START, found["peak_force"]
+    analytical = {"analytical": "as printed", "analytical_56": "from 56 mph", "analytical_15": "56 mph, 15°"}
+    abaqus = {
+        "abaqus": "none, θ = 0",
+        "abaqus_read": f"none, {found['reading']:g} s",
+        "abaqus_drag": "drag, same s",
+    }
+    notes = (
+        'Exact motion with friction μ_k |N| ("drag", Eqs 66-67) at θ = 0. As printed: from the paper\'s start, '
+        f"θ_0 = {start['angle']:g} rad, ω_0 = {start['omega']:g} rad/s, v_P0 = {start['corner_speed']:g} m/s. From 56 "
+        "mph: ω_0 and v_P0 by Stage 1, θ_0 as printed; then θ_0 = 15 deg as well, not rounded. The paper prints the "
+        "magnitude of v_GY; towards the wall it is negative.",
+        f"Peak force 2 m |v_GY|/Δt (Eqs 72-73) for Δt = 0.1 s: {force['computed'] / 1e3:.1f} kN from the printed "
+        f"start, {force['printed'] / 1e3:.1f} kN from the printed v_GY.",
+    )
+    note = (
+        'The printed start without friction ("none") at θ = 0 and at an earlier instant; last, the motion with '
+        f"friction at the instant at which its corner has slid the printed {data.ABAQUS['slide']:g} m."
+    )
+
+    def table(title: str, columns: dict[str, str], notes: tuple[str, ...]) -> Table:
+        heads = [
+            Column("quantity.label", "", below=Column("quantity.title", "")),
+            printed(next(iter(columns))),
+            *(column for name, group in columns.items() for column in computed(name, group=group)),
+        ]
+        order = ("t", "v_gy", "v_gx", "omega", "slide")
+        rows = [{"quantity": NAMES[name], **{key: found[key][name] for key in columns}} for name in order]
+        return Table(tuple(heads), rows, title, notes)
+
+    return table("Analytical column", analytical, notes), table("ABAQUS column", abaqus, (note,))
+
+
+def figure(number: int, name: str, courses: Mapping[str, History]) -> Chart:
+    """One of Figures 10 to 14: two motions at most as lines, the printed points as marks."""
+    panel = next(panel for panel in COMPARED if panel.name == name)
+    drawn = [
+        Line(label, *thinned(columns["t"], columns[name]), **look)
+        for (label, columns), look in zip(courses.items(), MOTION_LOOKS, strict=False)
+    ]
+    drawn += [
+        Line(label, *np.transpose(points), **look)
+        for (label, points), look in zip(tables.marks(name).items(), MARK_LOOKS, strict=False)
+        if points
+    ]
+    plot = Plot(tuple(drawn), Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
+    return draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
+
+
+def figure_tables(found: Numbers) -> tuple[Table, Table]:
+    """Values that the paper reads off its charts beside the exact motion, and that motion at a few instants."""
+    columns = (
+        Column("figure", "Figure"),
+        Column("quantity", "quantity", form=lambda name: NAMES[name].label),
+        Column("where", "read at", form=str),
+        printed("value"),
+        *computed("value"),
+    )
+    note = "Computed is the exact motion with friction, from the printed start."
+    decimals = {"theta": 4, "v_gy": 4, "v_gx": 3, "omega": 5, "slide": 4}
+    heads = [
+        Column(name, NAMES[name].symbol, NAMES[name].unit, f"z.{decimals[name]}f", group=f"Fig. {number}")
+        for number, name in FIGURES.items()
+    ]
+    values = tables.course("drag", np.array(found["instants"]))
+    rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+    return (
+        Table(columns, found["readings"], "What the paper reads off the charts", (note,)),
+        Table(
+            (Column("t", "t", "s", ".4f"), *heads),
+            rows,
+            "The exact motion with friction, to lay over the charts",
+        ),
+    )
+
+
+def force_table(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> Table:
+    """Peak forces of Table 4 or 5, and the ratio of those for e = 0 and e = 0.22.
+
+    known: row b with the speed and angle of its test. repeated: the notes are those of the table before.
+    """
+    lines, exact = _with_known(rows, known), f"{known['ratio']['computed']:.4f}"
+    _, ratio = computed("ratio", group="ratio", decimals=1)
+    columns = (
+        Column("printed.row", "Row"),
+        Column("printed.duration", "Δt", "s", "g"),
+        *_pair("peak", scaled(1e3, "g"), scaled(1e3, ".1f")),
+        printed("ratio", ".4f", "ratio"),
+        replace(ratio, label=f"to {exact[:5]}"),
+    )
+    notes: tuple[str, ...] = (
+        "; ".join(f"{line['printed']['row']}: {line['printed']['source']}" for line in lines) + ".",
+        "The paper gives neither mass nor speed nor length of the six vehicles. Computed are therefore the vehicle "
+        "and impact of Table 1 (9979 kg, 10 m x 2.438 m, 56 mph, 15 deg) with the row's duration Δt. What the "
+        "row's own vehicle and impact do is in the difference; nothing was adjusted to match.",
+        f"ratio: F(e = 0)/F(e = 0.22), which the method makes 1/(1 - e) = {exact} for any vehicle.",
+    )
+    if repeated:
+        notes = (
+            "Rows and computation as in Table 4, whose analytical columns the paper repeats in rows a to e.",
+        )
+    return Table(columns, lines, "Peak lateral force in kN", notes)
+
+
+def factor_table(rows: Sequence[Numbers], known: Numbers) -> Table:
+    """Adjustment factors of Table 4 or 5."""
+    columns = (
+        Column("printed.row", "Row"),
+        Column("printed.measured", "measured", "kN", scaled(1e3, "g"), style="soft"),
+        *_pair("factor", ".2f", ".3f"),
+    )
+    notes = ["φ_a is the analytical force over that of the crash test or simulation."]
+    projected = ", ".join(line["printed"]["row"] for line in rows if line["printed"]["projected"])
+    if projected:
+        notes.append(
+            f"Measured forces of rows {projected}: projected by the authors, 1.33 times the 50 ms average."
+        )
+    return Table(columns, _with_known(rows, known), "Adjustment factor φ_a", tuple(notes))
+
+
+def _pair(key: str, first: Form, second: Form) -> tuple[Column, ...]:
+    groups = {f"{key}.{i}": f"e = {e:g}" for i, e in enumerate(data.RESTITUTIONS)}
+    return tuple(
+        column
+        for cell, group in groups.items()
+        for column in (printed(cell, first, group), *computed(cell, second, group, 1))
+    )
+
+
+def _with_known(rows: Sequence[Numbers], known: Numbers) -> list[Numbers]:
+    source = f"row b, computed with the {data.ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
+    marked = known | {"printed": known["printed"] | {"row": "b*", "source": source}}
+    return [*rows[:2], marked, *rows[2:]]
+
+
+def earlier_table(found: Numbers) -> Table:
+    """The four methods on the vehicle of Table 1."""
+    columns = (
+        Column("method", "Method"),
+        Column("what", ""),
+        Column("force", "force", "kN", scaled(1e3, ".1f")),
+        Column("to_paper", "to the paper's", form=partial(percent, decimals=1), style="strong"),
+    )
+    methods = (
+        ("Olson", "Average force, Eqs 1-2", "olson"),
+        ("Hirsch", "Peak force, Eq 3", "hirsch"),
+        ("Ritter", "Peak force, Eqs 4-5", "ritter"),
+        ("Chuong and Malla", "Peak force of the tail-slap, Eqs 6-73", "paper"),
+    )
+    rows = [
+        {"method": name, "what": what, "force": found[key], "to_paper": found[key] / found["paper"] - 1.0}
+        for name, what, key in methods
+    ]
+    notes = (
+        f"At 56 mph and {math.degrees(found['angle']):g} deg, 9979 kg. Assumed, since the paper gives no numbers: "
+        f"A_L = {found['front_distance']:g} m, half the length; B = {found['half_width']:g} m, half the width, as in "
+        f"Olson's report; D = {found['deflection']:g}. The centre of mass then travels {found['travel']:.4f} m in "
+        f"t = {found['time']:.4f} s. The paper's own method: e = 0.22, Δt = 0.1 s.",
+        "The members of Eq 1 are not equal: as t follows from half the lateral speed, the first, V_I sin θ/(2 g t), "
+        f"gives {found['olson_first_member'] / 1e3:.1f} kN, the last, which is Olson's and is used here, "
+        f"{found['olson'] / 1e3:.1f} kN.",
+    )
+    return Table(columns, rows, "Lateral force", notes)
+
+
+def assumed(found: Numbers) -> tuple[Table, ...]:
+    """Both signs of restitution; the whole impact on a wall that only pushes; the stages' numbers in its place."""
+    signs = (
+        Column("sign", "Restitution"),
+        Column("corner_recoil", "corner after Stage 1", "m/s", "z.3f"),
+        Column("omega", "ω_0", "rad/s", ".4f"),
+        Column("peak_force", "peak force", "kN", scaled(1e3, ".1f")),
+        Column("change", "to the paper's", form=partial(percent, decimals=1), style="strong"),
+    )
+    names = {"paper": "paper, 1 - e", "newton": "Newton, 1 + e"}
+    rows = [{"sign": names.get(name, name), **case} for name, case in found["restitution"].items()]
+    whole, pull = found["whole_impact"], found["reaction"]
+    impact = (
+        Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
+        Column("omega", "ω", "rad/s", ".4f", group="first strike"),
+        Column("released", "end", "s", ".4f", group="first strike"),
+        Column("gap", "off by", "m", ".3f", group="front corner"),
+        Column("back", "back at", "s", ".4f", group="front corner"),
+        Column("rear_start", "start", "s", ".4f", group="rear strike"),
+        Column("rear_impulse", "impulse", "kN s", scaled(1e3, ".2f"), group="rear strike"),
+        Column("share", "of m", form=".4f", group="rear strike"),
+    )
+    durations = (
+        Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
+        Column("rear_duration", "strike", "ms", scaled(1e-3, ".1f")),
+        Column("read.mean_50ms", "50 ms mean", "ms", scaled(1e-3, ".1f")),
+        Column("read.cfc60", "CFC 60", "ms", scaled(1e-3, ".1f")),
+        Column("rear_peak", "raw peak force", "kN", scaled(1e3, ".1f")),
+    )
+    solved = "Rigid, e = 0.22, μ_k = 0.47; corners that crush, a wall that only pushes."
+    share = "of m: impulse over (1 + e) m v_E, v_E the rear corner's speed into the wall."
+    read = "By the paper's rule, valley to valley around the second peak."
+    stages = (
+        ("Stage 1, ω_0 with 1 - e", whole["omegas"]["paper"], "rad/s"),
+        ("Stage 1, ω_0 with 1 + e", whole["omegas"]["newton"], "rad/s"),
+        (f"First strike, ω for k = {tables.NEARLY_RIGID / 1e6:g} MN/m", whole["nearly_rigid"], "rad/s"),
+        ("Stage 2, the wall's reaction N at the start", pull["first"], "N"),
+        ("Stage 2, N at the tail-slap", pull["last"], "N"),
+        ("Stage 2, time of the tail-slap", whole["paper_time"], "s"),
+        ("Stage 3, impulse m v_GY", whole["paper_impulse"], "N s"),
+        ("Stage 3, impulse m v_GY for e = 0", whole["plastic_impulse"], "N s"),
+        ("Rear corner, impulse m_eff 2 v_GY for e = 0", whole["corner_impulse"], "N s"),
+        ("Rear corner, m_eff/m", whole["share"], ""),
+        ("Rear corner, m_eff/m with friction", whole["share_friction"], ""),
+    )
+    return (
+        Table(signs, rows, "Sign of restitution, at 56 mph"),
+        Table(impact, whole["cases"], "The whole impact, by crush stiffness k of a corner", (solved, share)),
+        Table(
+            durations, whole["cases"], "Duration of the rear strike, and as read off filtered forces", (read,)
+        ),
+        pairs(stages, title="The paper's stages in its place"),
+    )

@@ -1,1 +1,0 @@
-"""The review as tables, findings and a page."""
