@@ -44,7 +44,7 @@ LENGTHS = {
     "yd": 0.9144,
     "mi": 5280.0 * FOOT,
 }
-MASSES = {"kg": 1.0, "g": 0.001, "t": 1000.0, "lb": POUND, "slug": POUND_FORCE / FOOT}
+MASSES = {"kg": 1.0, "g": 0.001, "t": 1000.0, "lb": POUND, "klb": 1e3 * POUND, "slug": POUND_FORCE / FOOT}
 TIMES = {"s": 1.0, "us": 1e-6, "ms": 0.001, "min": 60.0, "h": 3600.0}
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": POUND_FORCE, "kip": 1e3 * POUND_FORCE}
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "bar": 1e5}
