@@ -15,7 +15,7 @@ from main_job import row
 from fem.explicit.simulate import Run, simulate
 from fem.modal.modes import free_modes
 from postprocess.comparison.comparison import KEYS
-from tailslap.modal_run import MODES, ModalRun, modal_run
+from tailslap.modal_analysis.run import MODES, ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene

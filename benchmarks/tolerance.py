@@ -78,7 +78,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     doubts = [check.name for check in found.checks if not check.passed]
     if not doubts:
         return found.fe, doubts
-    from tailslap.modal_run import modal_run
+    from tailslap.modal_analysis.run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
     from tailslap.scene.read import read_scene

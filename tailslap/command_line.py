@@ -170,8 +170,7 @@ def modes(
     from tailslap.results.earlier_result import demand_own
 
     def report(folder: Path) -> Report:
-        from tailslap.free_modes.plate_modes import find_modes
-        from tailslap.free_modes.report import modes_report
+        from tailslap.modal_analysis.modes import find_modes, modes_report
 
         return modes_report(find_modes(fe_plan, count))
 
@@ -199,10 +198,9 @@ def modal(
     analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, units: str, as_json: bool
 ) -> int:
     """Run a scene with a few modes of the plate."""
-    from tailslap.modal_run import modal_run
+    from tailslap.modal_analysis.run import modal_numbers, modal_run, modal_text
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.planning.plan import make_plan
-    from tailslap.report.modal_text import modal_numbers, modal_text
 
     fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
     found = modal_run(fe_plan, modes, tolerance, steps)

@@ -59,8 +59,7 @@ def compare(
     A RESULT is a result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test. Exit status 1 if
     a metric is beyond the limits of NCHRP W179.
     """
-    from tailslap.comparing.compared import compare_items
-    from tailslap.comparing.report import compare_report
+    from tailslap.comparing.report import compare_items, compare_report
     from tailslap.report.deliver import deliver
 
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())

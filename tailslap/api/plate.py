@@ -54,8 +54,7 @@ def modal(
     >>> tailslap.modal("paper-table-3", modes=2).passed
     True
     """
-    from tailslap.modal_run import modal_run
-    from tailslap.report.modal_text import modal_numbers, modal_text
+    from tailslap.modal_analysis.run import modal_numbers, modal_run, modal_text
 
     fe_plan = _fe_plan(scene, changes, allow_large)
     found = modal_run(fe_plan, modes, tolerance, steps)
@@ -102,9 +101,8 @@ def modes(
     >>> tailslap.modes("paper-table-3", count=1).summary["modes"][0]["kind"]
     'bending'
     """
-    from tailslap.free_modes.plate_modes import find_modes
-    from tailslap.free_modes.report import headline, modes_report, modes_table
-    from tailslap.free_modes.report import summary as summary_of
+    from tailslap.modal_analysis.modes import find_modes, headline, modes_report, modes_table
+    from tailslap.modal_analysis.modes import summary as summary_of
 
     found = find_modes(_fe_plan(scene, changes, allow_large), count)
     summary = plain(summary_of(found))

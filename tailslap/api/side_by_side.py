@@ -48,8 +48,7 @@ def compare(
     >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
     True
     """
-    from tailslap.comparing.compared import compare_items
-    from tailslap.comparing.report import compare_report, headline, metrics_table, summary
+    from tailslap.comparing.report import compare_items, compare_report, headline, metrics_table, summary
 
     found = compare_items((reference, *others), columns, only)
     return Result(

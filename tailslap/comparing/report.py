@@ -1,41 +1,46 @@
-"""What `tailslap compare` reports."""
+"""Results side by side, each beside the first: comparison, page, summary, terminal."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import tailslap
 from postprocess.comparison.comparison import QUANTITIES
-from postprocess.comparison.side_by_side import LIMITS, Beside
+from postprocess.comparison.side_by_side import LIMITS, Beside, beside
 from postprocess.figures.overlay import Line, Overlay, overlay_curve
 from postprocess.figures.panels import COMPARED
 from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table
+from postprocess.report.table import Column, Table, columns
 from postprocess.report.units import SI
-from tailslap.comparing.compared import Comparison
+from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
+from tailslap.errors import InputError, Verbatim
 from tailslap.report.common import footer
 
-
-def _hundredths(share: float) -> str:
-    """A share in per cent, its sign and no unit."""
-    return percent(share).removesuffix(" %")
-
+USUAL = (
+    *("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"),
+    *("x_g", "y_g", "force_normal", "force_tangential"),
+)
+"""Columns that are compared unless the caller says otherwise."""
 
 METRICS = (
-    Column("item", "Result"),
-    Column("name", "Column"),
-    Column("magnitude", "M", form=_hundredths),
-    Column("phase", "P", form=_hundredths),
-    Column("combined", "C", form=_hundredths),
-    Column("mean_residual", "Mean", form=_hundredths),
-    Column("deviation", "SD", form=_hundredths),
-    Column("largest", "Largest", form=_hundredths),
+    *columns({"item": "Result", "name": "Column"}),
+    *columns(
+        {
+            "magnitude": "M",
+            "phase": "P",
+            "combined": "C",
+            "mean_residual": "Mean",
+            "deviation": "SD",
+            "largest": "Largest",
+        },
+        form=lambda ratio: percent(ratio).removesuffix(" %"),
+    ),
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
 WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
@@ -44,7 +49,7 @@ WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
     "force_normal": ("force", "Force of the wall on the vehicle across it"),
     "force_tangential": ("force", "Force of the wall on the vehicle along it"),
 }
-"""Symbol and caption of what is drawn, by column."""
+"""Symbol and caption of the curves, by column."""
 
 NOTE = (
     "M, P, C: magnitude, phase and comprehensive metric of Sprague and Geers. Mean and standard deviation (SD) of the "
@@ -54,8 +59,59 @@ NOTE = (
 )
 
 
+@dataclass(frozen=True)
+class Comparison:
+    """The items, the first of which is the reference; pairs: label of another and a column in common with it."""
+
+    items: tuple[Item, ...]
+    pairs: tuple[tuple[str, Beside], ...]
+
+    @property
+    def reference(self) -> Item:
+        """The item that the others are compared with."""
+        return self.items[0]
+
+    @property
+    def within(self) -> bool:
+        """Whether all metrics are within their customary limits."""
+        return all(each.within for _, each in self.pairs)
+
+
+def compare_items(
+    given: Sequence[object], columns: Mapping[str, str] | str | None = None, only: Sequence[str] = ()
+) -> Comparison:
+    """Compare results, folders and files with the first of them. Raises InputError."""
+    if len(given) < 2:
+        raise InputError(
+            "RESULT", Verbatim(len(given)), "allowed are two or more, the first is the reference"
+        )
+    mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
+    items = [read_item(each, mapping) for each in given]
+    labels = [item.label for item in items]
+    items = [
+        replace(item, label=f"{item.label} ({k})") if labels.count(item.label) > 1 else item
+        for k, item in enumerate(items, 1)
+    ]
+    pairs = [(item.label, each) for item in items[1:] for each in _in_common(item, items[0], only)]
+    return Comparison(tuple(items), tuple(pairs))
+
+
+def _in_common(item: Item, reference: Item, only: Sequence[str]) -> list[Beside]:
+    common = [name for name in reference.columns if name in item.columns and name != TIME]
+    for name in only:
+        if name not in common:
+            raise InputError("--only", name, f"allowed are the columns in common, {', '.join(common)}")
+    chosen = only or [name for name in USUAL if name in common] or common
+    found = [beside(name, item.columns, reference.columns) for name in chosen]
+    known = [each for each in found if each is not None]
+    if not known:
+        allowed = f"it has no column over a common time with {reference.label}; see --columns"
+        raise InputError("RESULT", item.label, allowed)
+    return known
+
+
 def compare_report(found: Comparison) -> Report:
-    """Page, summary, and what the terminal says."""
+    """Page, summary, and the text for the terminal."""
     table, notes = metrics_table(found), [note for item in found.items for note in item.notes]
     page = Page(
         kicker="Histories side by side",
@@ -64,25 +120,26 @@ def compare_report(found: Comparison) -> Report:
         sections=(
             Section("Metrics", tables=(table,), sentences=notes),
             Section("Numbers of the results", tables=tuple(_quantities(found))),
-            Section("Curves", figures=_curves(found), layout="wide"),
-            Section("Differences from the reference", figures=_differences(found), layout="wide"),
+            Section("Curves", figures=[*_curves(found)], layout="wide"),
+            Section("Differences from the reference", figures=[*_curves(found, True)], layout="wide"),
         ),
         footer=footer("summary.json, these numbers; metrics.csv, the table"),
         passed=found.within,
     )
-    said: tuple[Table | str, ...] = (table, *notes, headline(found))
-    return Report(page, summary(found), said, tables={"metrics.csv": table})
+    return Report(page, summary(found), (table, *notes, headline(found)), tables={"metrics.csv": table})
 
 
 def headline(found: Comparison) -> str:
     """Whether all is within the limits, and what is furthest off."""
-    every = [(label, each) for label, columns in found.beside.items() for each in columns]
-    label, worst = max(every, key=lambda pair: _size(pair[1]))
-    outside = [f"{each.name} of {label}" for label, each in every if not each.within]
+    sizes = [abs(each.largest[0]) for _, each in found.pairs]
+    label, worst = found.pairs[
+        max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
+    ]
+    outside = [f"{each.name} of {label}" for label, each in found.pairs if not each.within]
     verdict = (
         f"Beyond NCHRP W179's limits: {', '.join(outside)}."
         if outside
-        else f"All {len(every)} histories are within NCHRP W179's limits."
+        else f"All {len(sizes)} histories are within NCHRP W179's limits."
     )
     return (
         f"{verdict} Against {found.reference.label}, {worst.name} of {label} differs most, by "
@@ -90,14 +147,9 @@ def headline(found: Comparison) -> str:
     )
 
 
-def _size(each: Beside) -> float:
-    size = abs(each.largest[0])
-    return size if math.isfinite(size) else math.inf
-
-
 def metrics_table(found: Comparison) -> Table:
     """A row a column of each item but the reference."""
-    rows = [{"item": label, **_numbers(each)} for label, columns in found.beside.items() for each in columns]
+    rows = [{"item": label, **_numbers(each)} for label, each in found.pairs]
     marks = {k: "failed" for k, row in enumerate(rows) if not row["within"]}
     return Table(METRICS, rows, f"Against {found.reference.label}, in %", notes=(NOTE,), marks=marks)
 
@@ -118,66 +170,49 @@ def _numbers(each: Beside) -> dict[str, Any]:
 
 def summary(found: Comparison) -> dict[str, Any]:
     """All numbers; differences are relative to the reference."""
+    compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
+    for label, each in found.pairs:
+        compared[label][each.name] = _numbers(each)
     return {
         "version": tailslap.__version__,
         "reference": found.reference.label,
         "passed": found.within,
         "limits": asdict(LIMITS),
-        "compared": {
-            label: {each.name: _numbers(each) for each in columns} for label, columns in found.beside.items()
-        },
+        "compared": compared,
         "notes": [note for item in found.items for note in item.notes],
     }
 
 
 def _quantities(found: Comparison) -> Iterator[Table]:
     """The five quantities of results with a tail-slap, side by side."""
-    items = [item for item in found.items if item.summary and "t" in item.summary.get("fe", {})]
-    if len(items) < 2:
+    numbers = {item.label: (item.summary or {}).get("fe", {}) for item in found.items}
+    results = {label: fe for label, fe in numbers.items() if "t" in fe}
+    if len(results) < 2:
         return
-    columns = (
+    heads = (
         Column("title", "At the tail-slap, FE"),
         Column("unit", "Unit", is_unit=True),
-        *(Column(str(k), item.label, form=".7g", unit_key="unit") for k, item in enumerate(items)),
+        *(Column(str(k), label, form=".7g", unit_key="unit") for k, label in enumerate(results)),
     )
     rows = [
-        {"title": q.title, "unit": q.unit}
-        | {str(k): (item.summary or {})["fe"][q.key] for k, item in enumerate(items)}
+        {"title": q.title, "unit": q.unit} | {str(k): fe[q.key] for k, fe in enumerate(results.values())}
         for q in QUANTITIES.values()
     ]
-    yield Table(columns, rows)
+    yield Table(heads, rows)
 
 
-def _curves(found: Comparison) -> list[Chart]:
-    """Each column of all results."""
-    return [
-        _curve(
-            found,
-            name,
-            [Line(i.label, i.columns["t"], i.columns[name]) for i in found.items if name in i.columns],
-        )
-        for name in found.names
-    ]
-
-
-def _differences(found: Comparison) -> list[Chart]:
-    """Each column less the reference's."""
-    every = [(label, each) for label, columns in found.beside.items() for each in columns]
-    return [
-        _curve(
-            found,
-            name,
-            [Line(label, x.t, x.difference) for label, x in every if x.name == name],
-            "difference",
-        )
-        for name in found.names
-    ]
-
-
-def _curve(found: Comparison, name: str, lines: list[Line], what: str = "") -> Chart:
-    symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
-    title = f"{what} of {symbol}" if what else symbol
-    if what:
-        caption = f"{caption.partition(',')[0]}, less that of {found.reference.label}"
-    overlay = Overlay(title, found.reference.units.get(name, ""), lines)
-    return overlay_curve(f"{what}_{name}" if what else name, overlay, caption).in_units(SI)
+def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
+    """Each column that was compared, of all items; less: less the reference's."""
+    for name in dict.fromkeys(each.name for _, each in found.pairs):
+        symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
+        if less:
+            lines = [Line(label, x.t, x.difference) for label, x in found.pairs if x.name == name]
+            file, title = f"difference_{name}", f"difference of {symbol}"
+            caption = f"{caption.partition(',')[0]}, less that of {found.reference.label}"
+        else:
+            lines = [
+                Line(i.label, i.columns[TIME], i.columns[name]) for i in found.items if name in i.columns
+            ]
+            file, title = name, symbol
+        panel = Overlay(title, found.reference.units.get(name, ""), lines)
+        yield overlay_curve(file, panel, caption).in_units(SI)

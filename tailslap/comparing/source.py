@@ -1,7 +1,12 @@
-"""What is compared: a result folder, or a file with named columns, by this program's names and in SI."""
+"""Histories to compare: of a result, or of a file with named columns, by this program's names and in SI.
+
+Files of other programs and of tests are text with a line of names, separated by commas, semicolons, tabs or blanks.
+Units stand behind a name in brackets, "VY [m/s]" or "VY (m/s)", or in a line of their own below the names.
+"""
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from postprocess.files.foreign import ForeignTable, read_foreign
 from tailslap.api.result import Result
 from tailslap.api.saved import load
 from tailslap.errors import InputError, Verbatim
@@ -19,9 +24,14 @@ from tailslap.scene.units import converted
 
 TIME = "t"
 TIMES = ("t", "time")
-"""What a column of instants is called, in small or capital letters."""
+"""Names of a column of instants, in small or capital letters."""
 
+COMMENTS = ("#", "%", "*", "$")
+NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 THEIRS = re.compile(r"(?P<minus>-?)\s*(?P<name>[^\[]+?)\s*(?:\[(?P<unit>[^\]]+)\])?")
+MAX_BYTES = 500_000_000
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -29,7 +39,7 @@ class Item:
     """One of those compared: its label, columns in SI, their units, its summary where it is a result, and notes."""
 
     label: str
-    columns: Mapping[str, np.ndarray]
+    columns: Mapping[str, Floats]
     units: Mapping[str, str]
     summary: Mapping[str, Any] | None = None
     notes: tuple[str, ...] = ()
@@ -38,77 +48,71 @@ class Item:
 def parse_mapping(text: str) -> dict[str, str]:
     """This program's names and the file's, from "time=t,v_gy=VY [mph]". Raises InputError."""
     pairs = [part.partition("=") for part in text.split(",") if part.strip()]
-    wrong = [key for key, equals, value in pairs if not equals or not key.strip() or not value.strip()]
-    if wrong or not pairs:
+    if not pairs or not all(key.strip() and value.strip() for key, _, value in pairs):
         raise InputError("--columns", text, "allowed is NAME=THEIRS,..., like time=t,v_gy=VY")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
 def read_item(given: object, mapping: Mapping[str, str]) -> Item:
     """A result, its folder, or a file. Raises InputError."""
-    found = given if isinstance(given, Result) else None
     path = Path(str(given))
-    if found is None and path.is_dir():
-        found = load(path)
-    if found is None:
-        return _item(path, _table(path), mapping)
+    if isinstance(given, Result):
+        found, label = given, given.scene
+    elif path.is_dir():
+        found, label = load(path), path.resolve().name
+    else:
+        return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()})
     if not found.histories:
         raise InputError(str(given), Verbatim(found.command), "it has no history; allowed is a run")
-    label = found.scene if isinstance(given, Result) else path.resolve().name
     return Item(label, dict(found.history), found.history.units, found.summary)
 
 
-def _table(path: Path) -> ForeignTable:
+def _time_as_t(name: str) -> str:
+    return TIME if name.lower() in TIMES else name
+
+
+def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
+    """The file's columns by this program's names: those of the mapping, and those that are called so already.
+
+    A name of the mapping that the file has not, where it has this program's own, is another file's.
+    """
     try:
-        return read_foreign(path)
+        columns, units = read_table(path)
     except OSError:
         allowed = "there is no such file or folder; allowed are result folders and files with named columns"
         raise InputError("RESULT", str(path), allowed) from None
     except ValueError as error:
         raise InputError("RESULT", str(path), f"{error}; allowed is a file with named columns") from None
-
-
-def _item(path: Path, table: ForeignTable, mapping: Mapping[str, str]) -> Item:
-    """The file's columns by this program's names: those of the mapping, and those that are called so already.
-
-    A name of the mapping that the file has not, where it has this program's own, is another file's.
-    """
-    given = {TIME if name.lower() == "time" else name: theirs for name, theirs in mapping.items()}
     wanted = {
         ours: theirs
-        for ours, theirs in given.items()
-        if ours not in table.columns or _parts(theirs, table)[1] in table.columns
+        for ours, theirs in mapping.items()
+        if ours not in columns or _parts(theirs, columns)[1] in columns
     }
-    known = column_units([*wanted, *table.columns])
-    for name in table.columns:
-        ours = TIME if name.lower() in TIMES else name
-        if ours in known or ours == TIME:
+    own = column_units(columns)
+    for name in columns:
+        ours = _time_as_t(name)
+        if ours in own or ours == TIME:
             wanted.setdefault(ours, name)
     known = column_units(wanted)
-    found = {ours: _column(ours, theirs, table, known, path) for ours, theirs in wanted.items()}
+    found, assumed = {}, []
+    for ours, theirs in wanted.items():
+        minus, name, given = _parts(theirs, columns)
+        if name not in columns:
+            allowed = f"{path.name} has no such column; allowed are {', '.join(columns)}"
+            raise InputError("--columns", theirs, allowed)
+        unit = given or units.get(name, "")
+        found[ours] = (-1.0 if minus else 1.0) * _factor(ours, unit, known.get(ours, "")) * columns[name]
+        if ours in mapping and not unit:
+            assumed.append(ours)
     _demand_rising(found, path)
-    mapped = {TIME if name.lower() == "time" else name for name in mapping}
-    assumed = [ours for ours, (_, unit) in found.items() if ours in mapped and not unit]
     notes = (f"{path.name}: no unit given for {', '.join(assumed)}; SI is assumed.",) if assumed else ()
-    return Item(path.stem, {ours: values for ours, (values, _) in found.items()}, known, None, notes)
+    return Item(path.stem, found, known, None, notes)
 
 
-def _column(
-    ours: str, theirs: str, table: ForeignTable, known: Mapping[str, str], path: Path
-) -> tuple[np.ndarray, str]:
-    """Values in SI, and the unit that the file or the mapping gives."""
-    minus, name, given = _parts(theirs, table)
-    if name not in table.columns:
-        allowed = f"{path.name} has no such column; allowed are {', '.join(table.columns)}"
-        raise InputError("--columns", theirs, allowed)
-    unit, sign = given or table.units.get(name, ""), -1.0 if minus else 1.0
-    return sign * _factor(ours, unit, known.get(ours, "")) * table.columns[name], unit
-
-
-def _parts(theirs: str, table: ForeignTable) -> tuple[str, str, str]:
-    """A minus, the column's name, and a unit, of what a mapping says."""
+def _parts(theirs: str, columns: Mapping[str, Floats]) -> tuple[str, str, str]:
+    """A minus, the column's name, and a unit, that a mapping gives."""
     match = THEIRS.fullmatch(theirs)
-    if match is None or theirs in table.columns:
+    if match is None or theirs in columns:
         return "", theirs, ""
     return match["minus"], match["name"], match["unit"] or ""
 
@@ -123,10 +127,53 @@ def _factor(ours: str, unit: str, si: str) -> float:
         raise InputError(f"unit of {ours}", unit, f"allowed is a unit that fits {si}") from None
 
 
-def _demand_rising(found: Mapping[str, tuple[np.ndarray, str]], path: Path) -> None:
+def _demand_rising(found: Mapping[str, Floats], path: Path) -> None:
     if TIME not in found:
         allowed = "it has no column of instants; allowed is one called t or time, or --columns time=THEIRS"
         raise InputError("RESULT", str(path), allowed)
-    t = found[TIME][0]
+    t = found[TIME]
     if not (np.diff(t[np.isfinite(t)]) > 0.0).all():
         raise InputError("RESULT", str(path), "its instants do not rise; allowed are rows in order of time")
+
+
+def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
+    """Columns of a file by name, shape (rows,) each, and the units that it gives; "" is the unit of those without.
+
+    Raises OSError, and ValueError, saying why, for a file that has no named columns of numbers.
+    """
+    if path.stat().st_size > MAX_BYTES:
+        raise ValueError(f"it has more than {MAX_BYTES // 1_000_000} MB")
+    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    lines = [line for line in lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
+    if len(lines) < 3:
+        raise ValueError("it has less than two rows below a line of names")
+    separator = next((mark for mark in ("\t", ";", ",") if mark in lines[0]), None)
+    if separator is None:
+        rows = [line.split() for line in lines]
+    else:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+    if all(_is_number(cell) for cell in rows[0] if cell):
+        raise ValueError("its first line has no names of columns")
+    matches = [NAME_AND_UNIT.fullmatch(cell.strip()) for cell in rows[0]]
+    names = [match[1] if match else cell.strip() for cell, match in zip(rows[0], matches, strict=True)]
+    units = [match[2] if match else "" for match in matches]
+    first = 1
+    if not any(map(_is_number, rows[1])):
+        units, first = [cell.strip("[]() ") for cell in rows[1]], 2
+    values = _numbers(rows[first:], len(names))
+    columns = {name: values[:, k] for k, name in enumerate(names) if name}
+    return columns, {name: unit for name, unit in zip(names, units, strict=False) if name}
+
+
+def _numbers(rows: list[list[str]], width: int) -> Floats:
+    """The rows as numbers; an empty or missing cell, or a word, is NaN."""
+    cells = ((row + [""] * width)[:width] for row in rows)
+    return np.array([[float(cell) if _is_number(cell) else np.nan for cell in row] for row in cells])
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

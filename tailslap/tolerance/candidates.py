@@ -78,7 +78,7 @@ def coarsest(plan: Plan, constraint: str) -> list[Candidate]:
 
 def with_modal_quantities(made: Candidate) -> Candidate:
     """The candidate with its modal quantities; without them where the modal model lacks what the scene asks for."""
-    from tailslap.modal_run import modal_run
+    from tailslap.modal_analysis.run import modal_run
 
     plan, plate = made.plan, resolved_plate(made.plan.scene, made.plan.scene.needed_plate)
     none = Growth(0.0, 0.0, 0.0)  # modes do not flutter

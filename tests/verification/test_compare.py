@@ -10,10 +10,9 @@ import pytest
 
 import tailslap
 from postprocess.comparison.side_by_side import beside
-from postprocess.files.foreign import read_foreign
 from tailslap import InputError, Result
 from tailslap.command_line import main
-from tailslap.comparing.source import parse_mapping
+from tailslap.comparing.source import parse_mapping, read_table
 
 pytestmark = pytest.mark.verification
 
@@ -188,6 +187,6 @@ def test_a_mapping_names_both(text: str) -> None:
 def test_columns_apart_by_blanks_and_gaps(tmp_path: Path) -> None:
     path = tmp_path / "blank.txt"
     path.write_text("$ LS-DYNA\ntime  vy\n0.0  1.0\n0.1\n0.2  nonsense\n")
-    table = read_foreign(path)
-    np.testing.assert_array_equal(table.columns["time"], [0.0, 0.1, 0.2])
-    np.testing.assert_array_equal(table.columns["vy"], [1.0, np.nan, np.nan])
+    columns, _ = read_table(path)
+    np.testing.assert_array_equal(columns["time"], [0.0, 0.1, 0.2])
+    np.testing.assert_array_equal(columns["vy"], [1.0, np.nan, np.nan])

@@ -23,7 +23,7 @@ from fem.start.rigid_state import RigidStart, to_global
 from postprocess.comparison.comparison import KEYS
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
-from tailslap.modal_run import ModalRun, modal_run
+from tailslap.modal_analysis.run import ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene

@@ -68,7 +68,7 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
 
 def _modal(plan: Plan, setting: Setting) -> Record:
     """Integration and set-up, of which meshing and assembling are a part; not the runs of its own estimate."""
-    from tailslap.modal_run import modal_run
+    from tailslap.modal_analysis.run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
 
     setups: list[float] = []

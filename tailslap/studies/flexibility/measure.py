@@ -123,7 +123,7 @@ def stored_share(outcome: Outcome) -> float:
 
 def modal_opinion(base: Source, changes: Changes) -> Record:
     """The same plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
-    from tailslap.modal_run import modal_run
+    from tailslap.modal_analysis.run import modal_run
 
     try:
         found = modal_run(make_fe_plan(make_plan(*vary(base, changes))), tolerance=1.0)

@@ -1,15 +1,19 @@
-"""The modal run: the plate as a floating frame with a few elastic modes, and how far its result can be trusted."""
+"""The modal run: the plate as a floating frame with a few elastic modes, how far to trust its result, its text."""
 
 from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from postprocess.comparison.comparison import KEYS, largest_relative, relative_difference
+from postprocess.comparison.comparison import KEYS, comparison_rows, largest_relative, relative_difference
+from postprocess.report.report import shown_in
+from postprocess.report.table import Column, Table
+from postprocess.report.terminal import printed
+from postprocess.report.units import SYSTEMS
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.rigid import stage_two_numbers
@@ -24,9 +28,16 @@ MODES, STEPS, TOLERANCE = 4, 100, 1e-5
 MORE_MODES = 4
 """The result is compared with that of twice as many modes and so many more."""
 
+COLUMNS = (
+    Column("quantity.symbol", "at the tail-slap"),
+    Column("quantity.unit", "unit", is_unit=True),
+    Column("fe", "modal", form=".7g", unit_key="quantity.unit"),
+    Column("rigid", "rigid, exact", form=".7g", unit_key="quantity.unit"),
+    Column("difference", "modal/rigid - 1", form="+.1e"),
+)
 
-@dataclass(frozen=True)
-class Estimate:
+
+class ModalEstimate(NamedTuple):
     """How far the five quantities may be from the finite-element run's, relatively, and why.
 
     modes: how far they move, at any time of the run, with twice as many modes and four more. linear: what the
@@ -56,7 +67,7 @@ class ModalRun:
     difference: dict[str, float]
     history: dict[str, np.ndarray]
     frequencies: np.ndarray
-    estimate: Estimate
+    estimate: ModalEstimate
     checks: tuple[Check, ...]
     steps: int
     iterations: int
@@ -132,7 +143,7 @@ def _admit(fe_plan: FePlan, modes: int) -> None:
 
 def _estimate(
     fe_plan: FePlan, lowest: float, motion: ModalMotion, finer: ModalMotion, coarser: ModalMotion
-) -> Estimate:
+) -> ModalEstimate:
     """The estimate; lowest: frequency of the first mode [rad/s].
 
     Inertia relief solves here the linear equations of an elastic state that moves the corner by the deflection ratio d
@@ -140,7 +151,7 @@ def _estimate(
     d^2, and a velocity larger by frequency times duration.
     """
     if not (motion.strike and finer.strike and coarser.strike):
-        return Estimate(math.nan, math.nan, math.nan)
+        return ModalEstimate(math.nan, math.nan, math.nan)
     size = min(motion.history["t"].size, finer.history["t"].size) - 1
     moved = max(
         np.abs(motion.history[name][:size] - finer.history[name][:size]).max() / abs(motion.strike[name])
@@ -148,10 +159,10 @@ def _estimate(
     )
     modes, steps = (largest_relative(run.strike or {}, motion.strike) for run in (finer, coarser))
     cycles = max(1.0, lowest * fe_plan.plan.motion.strike.t)
-    return Estimate(float(max(moved, modes)), fe_plan.deflection_ratio**2 * cycles, steps)
+    return ModalEstimate(float(max(moved, modes)), fe_plan.deflection_ratio**2 * cycles, steps)
 
 
-def _checks(motion: ModalMotion, estimate: Estimate, tolerance: float) -> tuple[Check, ...]:
+def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> tuple[Check, ...]:
     angle = 0.0 if motion.strike else float(motion.history["theta"][-1])
     more = "how far the result moves with more of them; --modes takes a larger number"
     linear = "what their linear strain leaves out; the plate is too soft for modes, `tailslap run` is not"
@@ -162,3 +173,44 @@ def _checks(motion: ModalMotion, estimate: Estimate, tolerance: float) -> tuple[
         Check.at_most("linear modes", estimate.linear, tolerance, linear),
         Check.at_most("time steps", estimate.steps, tolerance, half),
     )
+
+
+def modal_text(fe_plan: FePlan, run: ModalRun, units: str = "si") -> str:
+    """The results as a person reads them, in units "si" or "us"."""
+    scene, estimate = fe_plan.plan.scene, run.estimate
+    kept = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies) or "none"
+    estimated = (
+        f"Estimate of its error: {estimate.total:.1e}, of that {estimate.modes:.1e} by the modes left out, "
+        f"{estimate.linear:.1e} by linear strain, {estimate.steps:.1e} by the time steps"
+    )
+    failed = (
+        f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})"
+        for check in run.checks
+        if not check.passed
+    )
+    compared = Table(COLUMNS, comparison_rows(run.values, run.rigid, None)) if run.values else None
+    parts = (
+        f"{scene.name}: modal model, reaction {scene.corner.reaction}, modes kept [Hz]: {kept}",
+        *((compared, estimated) if compared else ()),
+        *failed,
+        f"Cost:   {run.steps} steps in {1e3 * run.integration_s:.2f} ms, set-up {1e3 * run.setup_s:.1f} ms, "
+        f"estimate {1e3 * run.estimate_s:.2f} ms",
+    )
+    return printed(parts if units == "si" else [shown_in(part, SYSTEMS[units]) for part in parts])
+
+
+def modal_numbers(fe_plan: FePlan, run: ModalRun) -> dict[str, Any]:
+    """The numbers for other programs, SI; what was not reached is None."""
+    unknown = dict.fromkeys(run.rigid)
+    cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")
+    return {
+        "scene": fe_plan.plan.scene.name,
+        "passed": run.passed,
+        "modal": run.values or unknown,
+        "rigid": run.rigid,
+        "difference": run.difference or unknown,
+        "estimate": run.estimate._asdict() | {"total": run.estimate.total},
+        "frequencies_hz": run.frequencies,
+        "checks": [asdict(check) for check in run.checks],
+        "cost": {"modes": run.frequencies.size} | {name: getattr(run, name) for name in cost},
+    }
