@@ -14,8 +14,8 @@ import numpy as np
 from main_job import outcome, row, timed, worst
 
 from fem.explicit.simulate import Stepper, simulate
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome
 
@@ -110,7 +110,7 @@ def steps() -> None:
 def loop_time() -> None:
     """The time loop of the shipped scene."""
     fe_plan = outcome("paper-table-3").fe_plan
-    duration = fe_plan.plan.motion.strike.t
+    duration = fe_plan.case.motion.strike.t
     row(
         "time loop of paper-table-3, one core",
         "0.05 s",
@@ -148,7 +148,7 @@ def best_loop(result: Outcome) -> float:
     fe_plan, best = result.fe_plan, math.inf
     for _ in range(5):
         began = time.perf_counter()
-        simulate(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t)
+        simulate(fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t)
         best = min(best, time.perf_counter() - began)
     return best
 
@@ -171,7 +171,7 @@ def run_scene_give(*changes: str) -> float:
     """Give of the plate without a run."""
     from tailslap.planning.fe_plan import make_fe_plan
 
-    return make_fe_plan(make_plan(*read_scene("paper-abaqus", changes))).deflection_ratio
+    return make_fe_plan(CornerCase(*read_scene("paper-abaqus", changes))).deflection_ratio
 
 
 if __name__ == "__main__":

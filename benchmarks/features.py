@@ -43,9 +43,9 @@ from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import LoopParameters, State, advance, copy_state, drift
 from fem.machine_code.kernel import Kernel
 from fem.machine_code.numba_code import compile_for, make_dispatcher
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import varied
@@ -112,7 +112,7 @@ def models_of(scene: Scene) -> dict[str, FePlan]:
     found = {}
     for name, its in changes.items():
         try:
-            found[name] = make_fe_plan(make_plan(varied(plain, its)))
+            found[name] = make_fe_plan(CornerCase(varied(plain, its)))
         except InputError as error:
             print(f"omitted: {name}. {error}", file=sys.stderr)
     return found
@@ -401,7 +401,7 @@ def _process(command: list[str]) -> subprocess.CompletedProcess[str]:
 
 def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
     """A line a part, and the bare loop; whether both loops without parts compute the same and cost the same."""
-    models = models_of(with_elements(make_plan(*read_scene(scene, changes))).scene)
+    models = models_of(with_elements(CornerCase(*read_scene(scene, changes))).scene)
     codes = {name: program_code(model) for name, model in models.items()} | {BARE: bare_code(models[PLAIN])}
     updates = time_loops(models, turns)
     print(f"{'loop':<20}{'instructions':>13}{'on vectors':>12}{'update [ns]':>13}  times the plain loop")
@@ -422,7 +422,7 @@ def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
 def difference(fe_plan: FePlan, steps: int) -> float:
     """Largest distance between the positions of the two loops after so many steps, over the plate's length."""
     ours, bare = (run(fe_plan, steps)[1] for run in (run_program, run_bare))
-    return float(np.abs(ours - bare).max() / fe_plan.plan.body.length)
+    return float(np.abs(ours - bare).max() / fe_plan.case.body.length)
 
 
 def print_commands(scene: str, changes: tuple[str, ...]) -> None:

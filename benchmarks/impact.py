@@ -17,9 +17,9 @@ from fem.explicit.impact_run import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 from postprocess.report.table import pairs
 from postprocess.report.terminal import printed
+from tailslap.case.impact.case import ImpactCase
 from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import COMPARED
-from tailslap.impact.plan import make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run
 from tailslap.scene.read import read_scene
 
@@ -126,7 +126,7 @@ def against_rigid() -> Iterator[Row]:
     """FE against the rigid vehicle, and the limit of stiff plates; conservation; time of the loop."""
     outcomes = []
     for modulus in ("2e11", "8e11", "3.2e12"):
-        plan = make_impact_plan(*read_scene(SCENE, (f"plate.youngs_modulus={modulus}",)))
+        plan = ImpactCase(*read_scene(SCENE, (f"plate.youngs_modulus={modulus}",)))
         outcomes.append(plain_run(make_fe_plan_timed(plan)))
     first, four, sixteen = (outcome.difference for outcome in outcomes)
     for k in (1, 2):
@@ -135,7 +135,7 @@ def against_rigid() -> Iterator[Row]:
         limit = [(4.0 * sixteen[n] - four[n]) / 3.0 for n in (f"strike_{k}.{name}" for name in COMPARED)]
         yield "the same, extrapolated to a rigid plate", ", ".join(f"{value:+.1e}" for value in limit)
     outcome = outcomes[0]
-    h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.plan.touch
+    h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.case.touch
     across = np.abs(mass * (h["v_gy"] - touch.v_gy) - h["normal_impulse"]).max() / (mass * 25.0)
     along = np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() / (mass * 25.0)
     turned = h["angular_momentum"] - h["moment_impulse"]
@@ -150,7 +150,7 @@ def against_rigid() -> Iterator[Row]:
 
 def loop_time() -> Iterator[Row]:
     """FE impact of 0.7 s on 120 elements: the compiled loop with its records, one core."""
-    plan = make_impact_plan(*read_scene(SCENE, ("time.end=0.7",)))
+    plan = ImpactCase(*read_scene(SCENE, ("time.end=0.7",)))
     made = make_fe_plan_timed(plan)
     times = [plain_run(made).run.time_loop_s for _ in range(9)]
     spread = f"{statistics.median(times):.3f} s ({min(times):.3f} to {max(times):.3f}, 9 runs)"
@@ -164,7 +164,7 @@ def meshes() -> Iterator[Row]:
         rows = []
         for mesh in ("[20, 6]", "[40, 12]", "[80, 24]"):
             given = (*changes, "contact.patch_length=1", f"plate.elements={mesh}", "time.end=0.46")
-            outcome = plain_run(make_fe_plan_timed(make_impact_plan(*read_scene(SCENE, given))))
+            outcome = plain_run(make_fe_plan_timed(ImpactCase(*read_scene(SCENE, given))))
             rows.append([v for s in outcome.fe.strikes[:2] for v in (s.peak_force, s.impulse)])
         coarse, middle, fine = np.array(rows)
         orders = np.log2(np.abs(coarse - middle) / np.abs(middle - fine))

@@ -22,7 +22,7 @@ import numpy as np
 from fem.explicit.simulate import Stepper, simulate
 from fem.start.rigid_state import RigidStart, to_global
 from fem.start.start import start_fields
-from tailslap.planning.plan import make_plan
+from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene
 
@@ -34,7 +34,7 @@ COMMAND = [sys.executable, "-m", "tailslap.command_line"]
 
 def outcome(name: str, *changes: str) -> Outcome:
     """Run a scene with changes."""
-    return run_scene(make_plan(*read_scene(name, changes)))
+    return run_scene(CornerCase(*read_scene(name, changes)))
 
 
 def worst(result: Outcome) -> float:
@@ -90,7 +90,7 @@ def robustness() -> None:
 
 def exactness() -> None:
     """Rigid motions of the plate: forces against E t L, kinetic energy against the closed form."""
-    plan = make_plan(*read_scene("paper-abaqus"))
+    plan = CornerCase(*read_scene("paper-abaqus"))
     model = run_scene(plan).fe_plan.model
     body = model.discretisation.positions
     stepper = Stepper(model)
@@ -127,7 +127,7 @@ def timed(function: Callable[[], object], repeats: int) -> str:
 def cost() -> None:
     """The time loop, and whole processes."""
     fe_plan = outcome("paper-table-3").fe_plan
-    duration = fe_plan.plan.motion.strike.t
+    duration = fe_plan.case.motion.strike.t
     loop = timed(lambda: simulate(fe_plan.model, fe_plan.start, duration), 15)
     row("time loop of paper-table-3, one core", "0.15 s", loop)
     with tempfile.TemporaryDirectory() as folder:

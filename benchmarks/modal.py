@@ -15,9 +15,9 @@ from main_job import row
 from fem.explicit.simulate import Run, simulate
 from fem.modal.modes import free_modes
 from postprocess.comparison.comparison import KEYS
+from tailslap.case.corner.case import CornerCase
 from tailslap.modal_analysis.run import MODES, ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}
@@ -27,13 +27,13 @@ REPEATS = 15
 
 def fe_plan_of(name: str, *changes: str) -> FePlan:
     """Plan of a shipped scene with changes."""
-    return make_fe_plan(make_plan(*read_scene(name, changes)))
+    return make_fe_plan(CornerCase(*read_scene(name, changes)))
 
 
 def whole(fe_plan: FePlan) -> Run:
     """The finite-element run."""
     return simulate(
-        fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t, rows=fe_plan.plan.scene.time.rows
+        fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t, rows=fe_plan.case.scene.time.rows
     )
 
 

@@ -13,9 +13,8 @@ import numpy as np
 
 from fem.explicit.simulate import Run, Stepper, simulate
 from postprocess.comparison.comparison import KEYS, relative_difference
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.single import SingleStepper
 
@@ -26,7 +25,7 @@ ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")
 
 def run(fe_plan: FePlan, stepper: Any) -> Run:
     """The scene's run by this kind of stepper."""
-    return simulate(fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t, make_stepper=stepper)
+    return simulate(fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t, make_stepper=stepper)
 
 
 def row(what: str, fe_plan: FePlan, result: Run) -> str:
@@ -34,7 +33,7 @@ def row(what: str, fe_plan: FePlan, result: Run) -> str:
     if result.strike is None:
         return f"{what:<8} no tail-slap: the run left the finite or its time"
     values = {name: result.strike.values[name] for name in KEYS}
-    difference = relative_difference(values, stage_two_numbers(fe_plan.plan))
+    difference = relative_difference(values, fe_plan.case.tail_slap)
     energy = np.sum([result.history[name] for name in ENERGIES], axis=0)
     drift = np.abs(energy / energy[0] - 1.0).max()
     numbers = "".join(f"{value:>+12.1e}" for value in difference.values())
@@ -45,7 +44,7 @@ def row(what: str, fe_plan: FePlan, result: Run) -> str:
 
 def main() -> None:
     """Run both and print."""
-    fe_plan = make_fe_plan(make_plan(*read_scene(SCENE)))
+    fe_plan = make_fe_plan(CornerCase(*read_scene(SCENE)))
     names = "".join(f"{name:>12}" for name in KEYS)
     print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}{'updates/s':>12}")
     for what, stepper in (("double", Stepper), ("single", SingleStepper)):

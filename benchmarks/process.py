@@ -53,10 +53,10 @@ READY = """
 import resource, time
 began = time.perf_counter()
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
-from tailslap.scene.files import read_scene
+from tailslap.case.corner.case import CornerCase
+from tailslap.scene.read import read_scene
 from fem.explicit.simulate import Stepper
-plan = make_fe_plan(make_plan(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))))
+plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))))
 Stepper(plan.model).start(plan.start, plan.plate.start)
 print(time.perf_counter() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
 """

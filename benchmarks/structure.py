@@ -118,11 +118,11 @@ def flat(root: Path = ROOT) -> Counter[str]:
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
     from fem.kept import forget
-    from tailslap.planning.plan import make_plan
+    from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
     from tailslap.scene_run import run_scene
 
-    plan, calls = make_plan(*read_scene(scene)), []
+    plan, calls = CornerCase(*read_scene(scene)), []
 
     def note(frame: FrameType, event: str, _: object) -> None:
         path = Path(frame.f_code.co_filename)

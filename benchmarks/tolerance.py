@@ -51,11 +51,11 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
 
 def run(changes: tuple[str, ...]) -> Any:
     """The scene's outcome."""
-    from tailslap.planning.plan import make_plan
+    from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
     from tailslap.scene_run import run_scene
 
-    return run_scene(make_plan(*read_scene(SCENE, changes)))
+    return run_scene(CornerCase(*read_scene(SCENE, changes)))
 
 
 def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], list[str]]:
@@ -65,7 +65,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     keeps the finer mesh from fluttering, more of it if it is not enough; slow motion does not feel it. Where no damping
     is enough the modal model of that mesh stands in, which does not flutter.
     """
-    plate, plan = outcome.fe_plan.plate, outcome.fe_plan.plan
+    plate, plan = outcome.fe_plan.plate, outcome.fe_plan.case
     vehicle = plan.scene.vehicle
     across = min(max(MIN_ACROSS, 2 * plate.elements[1]), MAX_ACROSS)
     along = max(2, round(across * vehicle.length / (1.2 * vehicle.width)))
@@ -78,25 +78,25 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     doubts = [check.name for check in found.checks if not check.passed]
     if not doubts:
         return found.fe, doubts
+    from tailslap.case.corner.case import CornerCase
     from tailslap.modal_analysis.run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
-    from tailslap.planning.plan import make_plan
     from tailslap.scene.read import read_scene
 
-    undamped = make_fe_plan(make_plan(*read_scene(SCENE, (*changes, *mesh))))
+    undamped = make_fe_plan(CornerCase(*read_scene(SCENE, (*changes, *mesh))))
     return modal_run(undamped, tolerance=1.0).values, doubts
 
 
 def judge(seed: int, number: int) -> dict[str, Any]:
     """One scene: how it ended, and the error over the tolerance."""
+    from tailslap.case.corner.case import CornerCase
     from tailslap.errors import InputError
-    from tailslap.planning.plan import make_plan
     from tailslap.scene.read import read_scene
     from tailslap.tolerance import run_to_tolerance
 
     changes, tolerance = draw(seed, number)
     try:
-        outcome = run_to_tolerance(make_plan(*read_scene(SCENE, changes)), tolerance)
+        outcome = run_to_tolerance(CornerCase(*read_scene(SCENE, changes)), tolerance)
     except InputError as error:
         return {"end": "refused", "why": error.key}
     choice = outcome.choice
@@ -130,7 +130,7 @@ def sensitivity(seed: int, number: int) -> dict[str, Any]:
     if not outcome.passed:
         return {}
     worst = max(map(abs, outcome.difference.values()))
-    return {"angle": outcome.fe_plan.plan.start.angle, "ratio": worst / outcome.fe_plan.deflection_ratio}
+    return {"angle": outcome.fe_plan.case.start.angle, "ratio": worst / outcome.fe_plan.deflection_ratio}
 
 
 def all_of(function: Any, seed: int, scenes: int) -> list[dict[str, Any]]:

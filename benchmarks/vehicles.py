@@ -34,10 +34,10 @@ Record = dict[str, Any]
 
 def plan_of(changes: tuple[str, ...]) -> Any:
     """The plan of the scene with these changes, its wall long enough."""
-    from tailslap.planning.plan import make_plan
+    from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
 
-    return make_plan(*read_scene(SCENE, ("wall=", *changes)))
+    return CornerCase(*read_scene(SCENE, ("wall=", *changes)))
 
 
 def realistic_changes(seed: int, number: int) -> tuple[str, ...]:
@@ -83,7 +83,7 @@ def beyond(outcome: Any) -> float:
     from tailslap.planning.flexibility import sensitivity
 
     fe_plan = outcome.fe_plan
-    explained = sensitivity(fe_plan.plan.start.angle) * max(
+    explained = sensitivity(fe_plan.case.start.angle) * max(
         fe_plan.deflection_ratio, fe_plan.other_deflection_ratio
     )
     return max(0.0, largest(outcome.difference) - explained) if outcome.fe else math.inf

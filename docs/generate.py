@@ -168,18 +168,17 @@ element. `elastic_displacement` is what is left of the displacement beside the r
 
 
 def _sweep_columns() -> Iterator[str]:
-    from tailslap.impact.columns import impact_column_kinds
+
+    from tailslap.case import kind_of
     from tailslap.scene.read import read_scene
-    from tailslap.sweeps.corner_columns import corner_column_kinds
 
     yield "## sweep.parquet"
     yield ""
     yield "A row a run: `run`, `status`, `reason`, the keys that vary, a column `check.NAME` for each check, and:"
     yield ""
-    kinds = {
-        "constrained corner": corner_column_kinds(read_scene("mash-tl4-sut")[0]),
-        "whole impact": impact_column_kinds(read_scene("impact-mash-tl4-sut")[0]),
-    }
+    examples = {"constrained corner": "mash-tl4-sut", "whole impact": "impact-mash-tl4-sut"}
+    scenes = {what: read_scene(name)[0] for what, name in examples.items()}
+    kinds = {what: kind_of(scene).columns(scene) for what, scene in scenes.items()}
     rows = [(f"`{n}`", k.__name__, what) for what, known in kinds.items() for n, k in known.items()]
     yield table(("column", "type", "of a"), rows)
 

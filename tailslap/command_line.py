@@ -42,7 +42,7 @@ from tailslap.sweeps.command import sweep
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
-    from tailslap.analysis import Analysis
+    from tailslap.case.case import Case
 
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
@@ -54,15 +54,15 @@ HELP = {"help_option_names": ["-h", "--help"]}
 
 
 def fe_scene(function: Callable[..., int]) -> Callable[..., int]:
-    """SCENE, --set and --allow-large of a command that takes the calculation of a scene with a plate, and its plan."""
+    """SCENE, --set and --allow-large of a command that takes the case of a scene with a plate."""
 
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], allow_large: bool, **options: Any) -> int:
         from tailslap.planning.affordable import demand_run
 
-        analysis, plan = _planned(name, changes)
-        demand_run(plan.scene, analysis.duration(plan), allow_large)
-        return function(analysis, plan, **options)
+        case = _case(name, changes)
+        demand_run(case.scene, case.duration, allow_large)
+        return function(case, **options)
 
     return with_options(SCENE, SET, ALLOW_LARGE)(command)
 
@@ -88,8 +88,7 @@ def commands() -> None:
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
 @with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
 def run(
-    analysis: Analysis,
-    plan: Any,
+    case: Case,
     out: Path | None,
     no_pictures: bool,
     tolerance: float | None,
@@ -105,16 +104,16 @@ def run(
     from tailslap.results.earlier_result import demand_own
     from tailslap.results.result_folder import demand_place
 
-    place = out or Path("results") / plan.scene.name
-    demand_own(place, plan.scene.name, force)
+    place = out or Path("results") / case.scene.name
+    demand_own(place, case.scene.name, force)
     demand_place(place)
-    with checkpointed(place, {"scene": plan.source.given, "tolerance": tolerance}, resume):
-        outcome = analysis.outcome(plan, tolerance)
+    with checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
+        outcome = case.run(tolerance)
         if not no_pictures:  # what was computed is there, whatever becomes of the pictures
-            leave(place, lambda folder: analysis.report(outcome, folder, False), units=units)
+            leave(place, lambda folder: case.report(outcome, folder, False), units=units)
 
         def report(folder: Path) -> Report:
-            return analysis.report(outcome, folder, not no_pictures, SYSTEMS[units])
+            return case.report(outcome, folder, not no_pictures, SYSTEMS[units])
 
         return deliver(place, report, as_json=as_json, units=units)
 
@@ -127,10 +126,10 @@ def rigid(name: str, changes: tuple[str, ...], as_json: bool, units: str) -> int
 
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
-    analysis, plan = _planned(name, changes)
+    case = _case(name, changes)
     if as_json:
-        return tell(analysis.rigid_numbers(plan), "", True)
-    return tell({}, labelled_text(analysis.rigid_lines(plan, units), 19), False)
+        return tell(case.rigid_numbers(), "", True)
+    return tell({}, labelled_text(case.rigid_text(units), 19), False)
 
 
 commands.add_command(study)
@@ -147,10 +146,10 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as
     from postprocess.report.units import US
     from tailslap.report.check_text import LABEL, as_numbers
 
-    analysis, plan = _planned(name, changes)
-    lines = analysis.checked(plan, allow_large)
+    case = _case(name, changes)
+    lines = case.check_text(allow_large)
     text = labelled_text(lines if units == "si" else [US.said(line) for line in lines], LABEL)
-    return tell(as_numbers(plan.scene.name, lines), text, as_json)
+    return tell(as_numbers(case.scene.name, lines), text, as_json)
 
 
 @commands.command()
@@ -160,12 +159,9 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as
 )
 @click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-modes]")
 @with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
-def modes(
-    analysis: Analysis, plan: Any, count: int, out: Path | None, force: bool, units: str, as_json: bool
-) -> int:
+def modes(case: Case, count: int, out: Path | None, force: bool, units: str, as_json: bool) -> int:
     """Natural frequencies of the plate, with pictures."""
-    from tailslap.planning.fe_plan import make_fe_plan
-    from tailslap.planning.plan import make_plan
+    from tailslap.case.corner.case import CornerCase
     from tailslap.report.deliver import deliver
     from tailslap.results.earlier_result import demand_own
 
@@ -174,9 +170,9 @@ def modes(
 
         return modes_report(find_modes(fe_plan, count))
 
-    fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
-    place = out or Path("results") / f"{plan.scene.name}-modes"
-    demand_own(place, plan.scene.name, force)
+    fe_plan = CornerCase(case.scene, case.source).plan()
+    place = out or Path("results") / f"{case.scene.name}-modes"
+    demand_own(place, case.scene.name, force)
     return deliver(place, report, as_json=as_json, units=units)
 
 
@@ -194,15 +190,12 @@ def modes(
     help="Relative error allowed.",
 )
 @with_options(UNITS, JSON, QUIET)
-def modal(
-    analysis: Analysis, plan: Any, modes: int, steps: int, tolerance: float, units: str, as_json: bool
-) -> int:
+def modal(case: Case, modes: int, steps: int, tolerance: float, units: str, as_json: bool) -> int:
     """Run a scene with a few modes of the plate."""
+    from tailslap.case.corner.case import CornerCase
     from tailslap.modal_analysis.run import modal_numbers, modal_run, modal_text
-    from tailslap.planning.fe_plan import make_fe_plan
-    from tailslap.planning.plan import make_plan
 
-    fe_plan = make_fe_plan(make_plan(plan.scene, plan.source))
+    fe_plan = CornerCase(case.scene, case.source).plan()
     found = modal_run(fe_plan, modes, tolerance, steps)
     tell(modal_numbers(fe_plan, found), modal_text(fe_plan, found, units), as_json)
     return DONE if found.passed else CHECK_FAILED
@@ -264,16 +257,15 @@ def paper(out: Path | None, as_json: bool) -> int:
     return deliver(out or Path("results") / "paper", report, "paper.html", as_json)
 
 
-def _planned(name: str, changes: tuple[str, ...]) -> tuple[Analysis, Any]:
-    """The calculation that the scene asks for, and its plan."""
-    from tailslap.analysis import analysis_of
+def _case(name: str, changes: tuple[str, ...]) -> Case:
+    """The case of a scene as it was asked for; what is not plausible is remarked."""
+    from tailslap.case import case_of
     from tailslap.scene.read import read_scene, remarks
 
     scene, source = read_scene(name, changes)
     for remark in remarks(source):
         click.echo(f"tailslap: remark: {remark}", err=True)
-    analysis = analysis_of(scene)
-    return analysis, analysis.make_plan(scene, source)
+    return case_of(scene, source)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -11,12 +11,11 @@ import numpy as np
 
 from postprocess.comparison.comparison import KEYS, relative_difference
 from postprocess.comparison.metrics import Metrics
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.execution.checkpoints import next_checkpoint
 from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import Plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.verification.check import Check, history_metrics
 from tailslap.verification.checks import error_of, ringing_checks, run_checks
@@ -101,15 +100,15 @@ class Outcome:
         return {"history.csv": self.fe_history, "rigid.csv": self.rigid_history}
 
 
-def run_scene(plan: Plan) -> Outcome:
+def run_scene(plan: RigidStages) -> Outcome:
     """Run the scene's finite-element model and compare it with the rigid motion; writes nothing.
 
     A run that rings where the program may choose the damping is made once more, with more of it.
 
     Parameters
     ----------
-    plan : Plan
-        Of `make_plan`, with [plate].
+    plan : RigidStages
+        With [plate].
 
     Returns
     -------
@@ -124,7 +123,7 @@ def run_scene(plan: Plan) -> Outcome:
     return confirmed(settled(plan))
 
 
-def settled(plan: Plan) -> Outcome:
+def settled(plan: RigidStages) -> Outcome:
     """The outcome without a second run: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(plan)
     if not (rings(outcome) and damping_is_open(plan.scene)):
@@ -133,13 +132,13 @@ def settled(plan: Plan) -> Outcome:
     return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
 
 
-def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
+def attempt(plan: RigidStages, more_damping: float = 1.0) -> Outcome:
     """A single run, compared with the rigid motion.
 
     Parameters
     ----------
-    plan : Plan
-        Of `make_plan`, with [plate].
+    plan : RigidStages
+        With [plate].
     more_damping : float
         Factor on the damping that the program chooses [-].
 
@@ -158,7 +157,7 @@ def attempt(plan: Plan, more_damping: float = 1.0) -> Outcome:
         from fem.explicit.simulate import compile_loop
 
         fe_plan = make_fe_plan(plan, more_damping)
-    compile_loop(fe_plan.model, fe_plan.start, fe_plan.plan.scene.time.threads, told=compiling)
+    compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, told=compiling)
     setup = time.perf_counter() - began
     return compare(fe_plan, _simulated(fe_plan), setup)
 
@@ -168,13 +167,13 @@ def _simulated(fe_plan: FePlan) -> Run:
     from fem.explicit.simulate import simulate
     from fem.start.inertia_relief import TooSoftError
 
-    scene, start = fe_plan.plan.scene, fe_plan.plate.start
+    scene, start = fe_plan.case.scene, fe_plan.plate.start
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
             return simulate(
                 fe_plan.model,
                 fe_plan.start,
-                fe_plan.plan.motion.strike.t,
+                fe_plan.case.motion.strike.t,
                 kind=start,
                 rows=scene.time.rows,
                 threads=scene.time.threads,
@@ -196,7 +195,7 @@ def rings(outcome: Outcome) -> bool:
 
 def compare(fe_plan: FePlan, run: Run, setup: float, second: SecondRun | None = None) -> Outcome:
     """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
-    rigid = stage_two_numbers(fe_plan.plan)
+    rigid = fe_plan.case.tail_slap
     fe = {name: run.strike.values[name] for name in KEYS} if run.strike else {}
     difference = relative_difference(fe, rigid) if fe else {}
     rigid_history = rigid_columns(fe_plan, run.history)
@@ -264,7 +263,7 @@ def rigid_columns(fe_plan: FePlan, history: dict[str, np.ndarray]) -> dict[str, 
     Instants past the end of the rigid motion are NaN. A rigid body has no elastic energy and no damping.
     """
     mass = fe_plan.model.mass
-    motion, instants = fe_plan.plan.motion_of_mass(mass), history["t"]
+    motion, instants = fe_plan.case.motion_of_mass(mass), history["t"]
     known = instants <= motion.latest
     state = motion.at(instants[known])
     columns = {}

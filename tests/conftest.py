@@ -19,7 +19,7 @@ from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.model import PlateModel, build_model
 from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
-from tailslap.planning.plan import make_plan
+from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene
 
@@ -35,7 +35,7 @@ def pytest_configure() -> None:
 
 @functools.cache
 def _outcome(name: str, changes: tuple[str, ...]) -> Outcome:
-    return run_scene(make_plan(*read_scene(name, changes)))
+    return run_scene(CornerCase(*read_scene(name, changes)))
 
 
 @pytest.fixture(scope="session")

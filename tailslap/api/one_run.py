@@ -11,11 +11,11 @@ import numpy as np
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
 from postprocess.report.terminal import labelled_text
-from tailslap.analysis import Analysis
 from tailslap.api.columns import Columns
 from tailslap.api.result import FE, RIGID, Result, filled_by
 from tailslap.api.run_tables import run_headline, run_tables
 from tailslap.api.scenes import Changes, Scene, planned, planned_plate
+from tailslap.case.case import Case
 from tailslap.results.columns import column_units
 
 
@@ -57,14 +57,14 @@ def run(
     >>> result.passed, round(result.summary["fe"]["t"], 4)
     (True, 0.3867)
     """
-    analysis, plan = planned_plate(scene, changes, allow_large)
-    return run_result(analysis, analysis.outcome(plan, tolerance))
+    case = planned_plate(scene, changes, allow_large)
+    return run_result(case, case.run(tolerance))
 
 
-def run_result(analysis: Analysis, outcome: Any) -> Result:
+def run_result(case: Case, outcome: Any) -> Result:
     """The record of a finished run."""
-    summary = plain(analysis.summary(outcome, True))
-    histories = analysis.histories(outcome)
+    summary = plain(case.summary(outcome, True))
+    histories = case.histories(outcome)
 
     def fields() -> Any:
         from tailslap.report.fields import field_series
@@ -79,7 +79,7 @@ def run_result(analysis: Analysis, outcome: Any) -> Result:
         summary["passed"],
         run_tables(summary),
         {FE: history(histories["history.csv"]), RIGID: history(histories["rigid.csv"])},
-        fill=filled_by(partial(analysis.report, outcome)),
+        fill=filled_by(partial(case.report, outcome)),
         make_fields=None if outcome.run.snapshots is None else fields,
     )
 
@@ -115,8 +115,8 @@ def rigid(scene: Scene, changes: Changes | None = None) -> Result:
     >>> round(tailslap.rigid("mash-tl4-sut").summary["stage3"]["peak_force"] / 1e3)
     653
     """
-    analysis, plan = planned(scene, changes)
-    summary, columns = plain(analysis.rigid_numbers(plan)), analysis.rigid_history(plan)
+    case = planned(scene, changes)
+    summary, columns = plain(case.rigid_numbers()), case.rigid_history()
 
     def fill(folder: Path, pictures: bool) -> None:
         write_summary(folder / "summary.json", summary)
@@ -127,7 +127,7 @@ def rigid(scene: Scene, changes: Changes | None = None) -> Result:
         summary["scene"],
         summary,
         histories={RIGID: history(columns)},
-        text=labelled_text(analysis.rigid_lines(plan, "si"), 19),
+        text=labelled_text(case.rigid_text(), 19),
         fill=fill,
     )
 
@@ -162,6 +162,6 @@ def check(scene: Scene, changes: Changes | None = None, *, allow_large: bool = F
     """
     from tailslap.report.check_text import LABEL, as_numbers
 
-    analysis, plan = planned(scene, changes)
-    name, lines = plan.scene.name, analysis.checked(plan, allow_large)
+    case = planned(scene, changes)
+    name, lines = case.scene.name, case.check_text(allow_large)
     return Result("check", name, as_numbers(name, lines), text=labelled_text(lines, LABEL))

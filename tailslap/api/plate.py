@@ -114,8 +114,7 @@ def modes(
 
 
 def _fe_plan(scene: Scene, changes: Changes | None, allow_large: bool) -> Any:
-    from tailslap.planning.fe_plan import make_fe_plan
-    from tailslap.planning.plan import make_plan
+    from tailslap.case.corner.case import CornerCase
 
-    plan = planned_plate(scene, changes, allow_large)[1]
-    return make_fe_plan(make_plan(plan.scene, plan.source))
+    case = planned_plate(scene, changes, allow_large)
+    return CornerCase(case.scene, case.source).plan()

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.analysis import Analysis, analysis_of
 from tailslap.api.laws import named
+from tailslap.case import case_of
+from tailslap.case.case import Case
+from tailslap.case.cost import demand_run
 from tailslap.errors import InputError
-from tailslap.planning.affordable import demand_run
 from tailslap.scene.read import read_source, remarks
 from tailslap.scene.vary import Source, vary
 
@@ -23,20 +24,19 @@ Changes = Mapping[str, Any]
 """Values by dotted key: numbers in SI, texts with their unit, objects; None takes the key out."""
 
 
-def planned(scene: Scene, changes: Changes | None) -> tuple[Analysis, Any]:
-    """The calculation that the scene asks for, and its plan. Raises InputError."""
+def planned(scene: Scene, changes: Changes | None) -> Case:
+    """The case of a scene with these changes. Raises InputError."""
     varied, source = vary(_source(scene), named({k: _plain(v) for k, v in (changes or {}).items()}))
     for remark in remarks(source):
         warnings.warn(remark, stacklevel=3)
-    analysis = analysis_of(varied)
-    return analysis, analysis.make_plan(varied, source)
+    return case_of(varied, source)
 
 
-def planned_plate(scene: Scene, changes: Changes | None, allow_large: bool) -> tuple[Analysis, Any]:
+def planned_plate(scene: Scene, changes: Changes | None, allow_large: bool) -> Case:
     """The same for a scene with a plate that this machine can carry. Raises InputError."""
-    analysis, plan = planned(scene, changes)
-    demand_run(plan.scene, analysis.duration(plan), allow_large)
-    return analysis, plan
+    case = planned(scene, changes)
+    demand_run(case.scene, case.duration, allow_large)
+    return case
 
 
 def _source(scene: Scene) -> Source:

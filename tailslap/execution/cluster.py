@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import tailslap
+from tailslap.case.cost import available_cores
 from tailslap.errors import InputError, Verbatim
 from tailslap.execution.worker import make_ready
-from tailslap.machine import available_cores
 from tailslap.progress import announced
 
 if TYPE_CHECKING:

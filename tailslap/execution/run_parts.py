@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import tailslap
+from tailslap.case.cost import available_cores
 from tailslap.execution.cluster import connected
 from tailslap.execution.dispatch import Dispatcher, Work
 from tailslap.execution.journal import Journal
 from tailslap.execution.record_file import Key
 from tailslap.execution.worker import Part, run_batch
-from tailslap.machine import available_cores
 from tailslap.progress import counted
 
 

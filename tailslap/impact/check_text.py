@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from tailslap.case.cost import loop_seconds
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.impact.fe_plan import ImpactFePlan, make_impact_fe_plan
-from tailslap.impact.plan import ImpactPlan
-from tailslap.planning.cost import loop_seconds
 from tailslap.report.check_text import chosen_lines
 from tailslap.scene.schema import Contact, Scene
 
@@ -46,12 +46,12 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return parts
 
 
-def check_lines(plan: ImpactPlan) -> list[str]:
+def check_lines(plan: RigidImpact) -> list[str]:
     """All lines; of a scene without [plate] those that need no mesh."""
     return rigid_part(plan) + (fe_part(make_impact_fe_plan(plan)) if plan.scene.plate else [])
 
 
-def rigid_part(plan: ImpactPlan) -> list[str]:
+def rigid_part(plan: RigidImpact) -> list[str]:
     """Lines that need no mesh."""
     motion, touch = plan.motion, plan.touch
     strikes = ", ".join(f"{s.corner} at {s.start:.4g} s for {s.duration:.3g} s" for s in motion.strikes)
@@ -71,8 +71,8 @@ def rigid_part(plan: ImpactPlan) -> list[str]:
 def fe_part(fe_plan: ImpactFePlan) -> list[str]:
     """Lines on the finite-element run."""
     model, plate, steps = fe_plan.model, fe_plan.plate, fe_plan.expected_steps
-    elements, rows = model.loop.table.connectivity.shape[1], round(fe_plan.plan.motion.t_end / fe_plan.sample)
-    seconds = loop_seconds(fe_plan.plan.scene, plate.element, plate.counts, steps, rows)
+    elements, rows = model.loop.table.connectivity.shape[1], round(fe_plan.case.motion.t_end / fe_plan.sample)
+    seconds = loop_seconds(fe_plan.case.scene, plate.element, plate.counts, steps, rows)
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
         f"{plate.lumping} masses",

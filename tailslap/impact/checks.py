@@ -45,7 +45,7 @@ def energy_error(outcome: ImpactOutcome) -> np.ndarray:
 
 
 def _initial_energy(outcome: ImpactOutcome) -> float:
-    plan = outcome.fe_plan.plan
+    plan = outcome.fe_plan.case
     return 0.5 * plan.vehicle.mass * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
@@ -77,12 +77,12 @@ def _gain(outcome: ImpactOutcome) -> Evaluation:
 
 
 def _is_exact(outcome: ImpactOutcome) -> bool:
-    contact = outcome.fe_plan.plan.scene.needed_contact
+    contact = outcome.fe_plan.case.scene.needed_contact
     return not contact.crushes and contact.enforcement == "exact"
 
 
 def _momentum(outcome: ImpactOutcome) -> Evaluation:
-    h, plan, mass = outcome.run.history, outcome.fe_plan.plan, outcome.fe_plan.model.mass
+    h, plan, mass = outcome.run.history, outcome.fe_plan.case, outcome.fe_plan.model.mass
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
     across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
     along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
@@ -127,7 +127,7 @@ def _largest(found: Mapping[str, float], quantities: tuple[str, ...], without: f
 
 
 def _point(outcome: ImpactOutcome) -> Evaluation:
-    plan, plate = outcome.fe_plan.plan, outcome.fe_plan.plate
+    plan, plate = outcome.fe_plan.case, outcome.fe_plan.plate
     contact = plan.scene.needed_contact
     stiffness = 0.0 if contact.patch_length else contact.stiffness or 0.0
     softened = stiffness * WEDGE * math.log(2.0) / (plate.modulus * plate.thickness)

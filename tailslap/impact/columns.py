@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from solver.impact import Strike
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.impact.answers import END, ImpactAnswer, strike_numbers
-from tailslap.impact.outcome import COMPARED
-from tailslap.impact.plan import ImpactPlan
+from tailslap.impact.outcome import COMPARED, ImpactOutcome
 from tailslap.impact.rigid_text import CURVES, rigid_impact
 from tailslap.report.common import run_cost
 from tailslap.scene.schema import Scene
@@ -53,13 +53,10 @@ def _mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
     return float(mean[during].max())
 
 
-def impact_columns(plan: ImpactPlan) -> dict[str, Any]:
+def impact_row(plan: RigidImpact, outcome: ImpactOutcome | None) -> dict[str, Any]:
     """The run of a scene with [plate], both models; of one without, the rigid vehicle alone."""
-    if plan.scene.plate is None:
+    if outcome is None:
         return {"status": "passed", "reason": "", **answer_columns("rigid", rigid_impact(plan))}
-    from tailslap.impact.run import run_impact
-
-    outcome = run_impact(plan)
     return {
         **check_columns(outcome.checks),
         **answer_columns("rigid", outcome.rigid),

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.errors import InputError
-from tailslap.impact.plan import ImpactPlan
 from tailslap.impact.rigid_text import sample_interval
 from tailslap.planning.decide_threads import one_thread
 from tailslap.planning.decisions import Decision
@@ -37,7 +37,7 @@ class ImpactFePlan:
 
     Attributes
     ----------
-    plan : ImpactPlan
+    case : RigidImpact
         As given.
     plate : Plate
         The scene's, without open ends.
@@ -51,7 +51,7 @@ class ImpactFePlan:
         Time between rows of the history [s].
     """
 
-    plan: ImpactPlan
+    case: RigidImpact
     plate: Plate
     decisions: tuple[Decision, ...]
     model: PlateModel
@@ -61,7 +61,7 @@ class ImpactFePlan:
     @property
     def expected_steps(self) -> int:
         """Steps to the rigid vehicle's end."""
-        return math.ceil(self.plan.motion.t_end / self.model.loop.time_step)
+        return math.ceil(self.case.motion.t_end / self.model.loop.time_step)
 
     @cached_property
     def first_frequency(self) -> float:
@@ -71,12 +71,12 @@ class ImpactFePlan:
         return lowest_frequency(self.model.elastic)
 
 
-def make_impact_fe_plan(plan: ImpactPlan) -> ImpactFePlan:
+def make_impact_fe_plan(plan: RigidImpact) -> ImpactFePlan:
     """Decide what the scene leaves open, mesh and assemble.
 
     Parameters
     ----------
-    plan : ImpactPlan
+    plan : RigidImpact
         With [plate].
 
     Returns
@@ -115,7 +115,7 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
     return plate.model_copy(update={"elements": chosen.value}), (chosen,)
 
 
-def impact_model(plan: ImpactPlan, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
+def impact_model(plan: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
     from fem.discretisation.impact_model import build_impact_model
     from fem.discretisation.properties import Inertia, ModelError
@@ -134,7 +134,7 @@ def impact_model(plan: ImpactPlan, plate: Plate, longest_step: float) -> tuple[P
     return model, plate
 
 
-def wall_properties(plan: ImpactPlan, wall: Wall) -> WallProperties:
+def wall_properties(plan: RigidImpact, wall: Wall) -> WallProperties:
     """A wall that gives, its middle where the rigid vehicle's strikes have theirs."""
     from fem.discretisation.properties import WallProperties
     from meshes import wall_mesh

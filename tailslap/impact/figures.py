@@ -54,7 +54,7 @@ def outlines(outcome: ImpactOutcome) -> np.ndarray:
     """Corners of the vehicle at every row, shape (rows, 4, 2) [m]."""
     from postprocess.figures.impact.positions import vehicle_outlines
 
-    h, vehicle = outcome.run.history, outcome.fe_plan.plan.vehicle
+    h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
     return vehicle_outlines(
         h["x_g"], h["y_g"], h["theta"], vehicle.length, vehicle.width, vehicle.front_distance
     )
@@ -104,7 +104,7 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     from postprocess.figures.impact.forces import draw_loops
     from postprocess.figures.impact.side_force import draw_side_force
 
-    run, length = outcome.run, outcome.fe_plan.plan.vehicle.length
+    run, length = outcome.run, outcome.fe_plan.case.vehicle.length
     corner = nearest_corner(run.points, length)
     loops = {}
     for i, name in enumerate(CORNERS):

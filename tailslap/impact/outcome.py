@@ -61,7 +61,7 @@ class ImpactOutcome:
     @cached_property
     def paper_method(self) -> PaperMethod | None:
         """The paper's method beside the rigid vehicle's impact."""
-        return paper_method(self.fe_plan.plan.scene, self.rigid)
+        return paper_method(self.fe_plan.case.scene, self.rigid)
 
 
 def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:

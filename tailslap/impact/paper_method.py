@@ -9,7 +9,7 @@ from tailslap.impact.answers import ImpactAnswer
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
-    from tailslap.planning.plan import Plan
+    pass
 
 OF_A_WHOLE_IMPACT = (
     "contact",
@@ -57,15 +57,15 @@ class PaperMethod:
 def paper_method(scene: Scene, answer: ImpactAnswer) -> PaperMethod | None:
     """The paper's method beside an impact; None where [impact] does not give its friction and restitution, or where it
     has no answer."""
+    from tailslap.case.corner.case import CornerCase
     from tailslap.errors import InputError
-    from tailslap.planning.plan import make_plan
-    from tailslap.scene.vary import varied
+    from tailslap.scene.vary import Source, vary
 
     impact = scene.impact
     if impact is None or impact.friction is None or impact.restitution is None:
         return None
     try:
-        plan: Plan = make_plan(varied(scene, dict.fromkeys(OF_A_WHOLE_IMPACT)))
+        plan = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))
     except InputError:
         return None
     read = answer.second_strike.get("mean_50ms", {}).get("duration")

@@ -64,7 +64,7 @@ DURATIONS_NOTE = (
 def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units: of it."""
     keep_fields(outcome, folder)
-    plan = outcome.fe_plan.plan
+    plan = outcome.fe_plan.case
     page = Page(
         kicker=KICKER,
         title=plan.scene.name,
@@ -87,7 +87,7 @@ def headline(outcome: ImpactOutcome) -> str:
     impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
     if not impulses:
         return "The checks hold; plate and rigid vehicle do not strike in the same order."
-    of_wall = " and the wall's" if outcome.fe_plan.plan.scene.wall else ""
+    of_wall = " and the wall's" if outcome.fe_plan.case.scene.wall else ""
     error = max(map(abs, outcome.mesh_error.values()), default=float("nan"))
     return (
         f"The plate's{of_wall} flexibility moves the impulses of the rigid vehicle by up to "
@@ -112,7 +112,7 @@ def peak_table(outcome: ImpactOutcome) -> Table:
 
 def _design(outcome: ImpactOutcome) -> Table:
     """Design forces beside the 50 ms mean."""
-    return design_table(outcome.fe_plan.plan.scene, outcome.fe.peaks["mean_50ms"])
+    return design_table(outcome.fe_plan.case.scene, outcome.fe.peaks["mean_50ms"])
 
 
 def _strikes(outcome: ImpactOutcome) -> Table:
@@ -142,7 +142,7 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
-    fe_plan, plan = outcome.fe_plan, outcome.fe_plan.plan
+    fe_plan, plan = outcome.fe_plan, outcome.fe_plan.case
     design = _design(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
     chosen = frozenset(decision.key for decision in fe_plan.decisions)
@@ -218,7 +218,7 @@ def _paper(outcome: ImpactOutcome) -> list[Table]:
 
 
 def _statements(outcome: ImpactOutcome) -> list[str]:
-    plan = outcome.fe_plan.plan
+    plan = outcome.fe_plan.case
     return [
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
         "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
@@ -230,7 +230,7 @@ def _statements(outcome: ImpactOutcome) -> list[str]:
 def _terminal(outcome: ImpactOutcome) -> list[Table | str]:
     run, design = outcome.run, _design(outcome)
     return [
-        f"{outcome.fe_plan.plan.scene.name}: {headline(outcome)}",
+        f"{outcome.fe_plan.case.scene.name}: {headline(outcome)}",
         "",
         peak_table(outcome),
         short(design),

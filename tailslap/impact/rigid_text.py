@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.impact.answers import ImpactAnswer, rigid_answer
 from tailslap.impact.paper_method import PaperMethod, paper_method
-from tailslap.impact.plan import ImpactPlan
 from tailslap.scene.units import shown, value_line
 
 if TYPE_CHECKING:
@@ -32,26 +32,26 @@ MOST_ROWS = 200_000
 """Of a history, at most."""
 
 
-def rigid_impact(plan: ImpactPlan) -> ImpactAnswer:
+def rigid_impact(plan: RigidImpact) -> ImpactAnswer:
     """The rigid vehicle's impact, sampled."""
     motion = plan.motion
     rows = max(2, int(np.ceil(motion.t_end / sample_interval(motion))))
     return rigid_answer(motion, np.linspace(0.0, motion.t_end, rows + 1))
 
 
-def rigid_history(plan: ImpactPlan) -> dict[str, np.ndarray]:
+def rigid_history(plan: RigidImpact) -> dict[str, np.ndarray]:
     """Columns of the rigid vehicle's impact by name, SI."""
     return dict(rigid_impact(plan).history)
 
 
-def rigid_numbers(plan: ImpactPlan) -> dict[str, Any]:
+def rigid_numbers(plan: RigidImpact) -> dict[str, Any]:
     """Strikes, peaks and end, SI."""
     answer = rigid_impact(plan)
     beside = paper_method(plan.scene, answer)
     return {"scene": plan.scene.name, **answer.numbers(), "paper_method": beside and asdict(beside)}
 
 
-def rigid_lines(plan: ImpactPlan, units: str = "si") -> list[str]:
+def rigid_lines(plan: RigidImpact, units: str = "si") -> list[str]:
     """The same as a person reads it, in SI or, with units "us", in ft, mph and kip."""
     answer = rigid_impact(plan)
     lines = [f"{plan.scene.name}: whole impact of the rigid vehicle"]

@@ -6,13 +6,13 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
 from tailslap.errors import InputError
 from tailslap.execution.checkpoints import next_checkpoint
 from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
 from tailslap.impact.checks import impact_checks
 from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan
 from tailslap.impact.outcome import ImpactOutcome, differences
-from tailslap.impact.plan import AFTER_SECOND, LONGEST, ImpactPlan
 from tailslap.planning.fe_model import refusal
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
@@ -24,12 +24,12 @@ BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
 
 
-def run_impact(plan: ImpactPlan) -> ImpactOutcome:
+def run_impact(plan: RigidImpact) -> ImpactOutcome:
     """Run the plate, the same with richer elements beside it, and set it beside the rigid vehicle; writes nothing.
 
     Parameters
     ----------
-    plan : ImpactPlan
+    plan : RigidImpact
         With [plate].
 
     Returns
@@ -47,7 +47,7 @@ def run_impact(plan: ImpactPlan) -> ImpactOutcome:
     return replace(outcome, checks=impact_checks(outcome))
 
 
-def make_fe_plan_timed(plan: ImpactPlan) -> tuple[ImpactFePlan, float]:
+def make_fe_plan_timed(plan: RigidImpact) -> tuple[ImpactFePlan, float]:
     """The FE plan with its loop compiled, and the time that took [s]."""
     began = time.perf_counter()
     with announced("Building the model ..."):
@@ -61,16 +61,16 @@ def make_fe_plan_timed(plan: ImpactPlan) -> tuple[ImpactFePlan, float]:
 def plain_run(made: tuple[ImpactFePlan, float]) -> ImpactOutcome:
     """A single run beside the rigid vehicle, without a second run and checks."""
     fe_plan, setup = made
-    run = simulated(fe_plan, fe_plan.plan.scene.kept_fields)
+    run = simulated(fe_plan, fe_plan.case.scene.kept_fields)
     return replace(compared(fe_plan, run), setup_s=setup)
 
 
 def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
     """A run beside the rigid vehicle at the same instants."""
     fe = _answer(fe_plan, run)
-    motion, last = fe_plan.plan.motion, float(run.history["t"][-1])
+    motion, last = fe_plan.case.motion, float(run.history["t"][-1])
     if last > motion.t_end:
-        motion = fe_plan.plan.motion_until(last)
+        motion = fe_plan.case.motion_until(last)
     rigid = rigid_answer(motion, run.history["t"])
     return ImpactOutcome(fe_plan, run, rigid, fe, differences(fe, rigid), {}, 0.0)
 
@@ -84,7 +84,7 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
     from fem.explicit.impact_run import simulate_impact
     from fem.explicit.snapshots import SnapshotKeeper
 
-    scene, until = fe_plan.plan.scene, fe_plan.plan.motion.t_end
+    scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
     end = scene.time.end
 
     def finished(run: ImpactRun) -> bool:
@@ -111,7 +111,7 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
 
 
 def _answer(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactAnswer:
-    length = fe_plan.plan.vehicle.length
+    length = fe_plan.case.vehicle.length
     return sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
 
 
@@ -120,7 +120,7 @@ def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     fe_plan = outcome.fe_plan
     for plate in _richer(fe_plan.plate):
         try:
-            model, _ = impact_model(fe_plan.plan, plate, fe_plan.sample)
+            model, _ = impact_model(fe_plan.case, plate, fe_plan.sample)
         except InputError:
             continue
         from fem.explicit.impact_run import compile_impact_loop

@@ -18,7 +18,7 @@ FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "f
 
 def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
-    plan, beside = outcome.fe_plan.plan, outcome.paper_method
+    plan, beside = outcome.fe_plan.case, outcome.paper_method
     return {
         **run_summary(outcome, omitted_parts(plan.scene, pictures)),
         "rigid": outcome.rigid.numbers(),
@@ -37,7 +37,7 @@ def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
 def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
     """Largest deflection of a wall that gives, where and when, and the foundation's largest force beside the contact's;
     None for a rigid wall."""
-    if outcome.fe_plan.plan.scene.wall is None:
+    if outcome.fe_plan.case.scene.wall is None:
         return None
     from postprocess.signals.filters import moving_mean
 

@@ -40,7 +40,7 @@ def _velocity(outcome: ImpactOutcome, first: Strike, second: Strike) -> float:
 
 def _approach(outcome: ImpactOutcome, second: Strike) -> float:
     """Speed towards the wall of the corner that strikes, as of a rigid vehicle [m/s]."""
-    h, vehicle = outcome.run.history, outcome.fe_plan.plan.vehicle
+    h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
     k = int(np.searchsorted(h["t"], second.start)) - 1
     ahead = vehicle.front_distance - (vehicle.length if second.corner.startswith("rear") else 0.0)
     return abs(float(h["v_gy"][k] + h["omega"][k] * ahead * math.cos(h["theta"][k])))

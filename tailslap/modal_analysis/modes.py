@@ -62,12 +62,12 @@ class PlateModes:
 
 def find_modes(fe_plan: FePlan, count: int) -> PlateModes:
     """The lowest `count` elastic modes. Raises InputError for a number that the mesh does not have."""
-    model, plate, vehicle = fe_plan.model, fe_plan.plate, fe_plan.plan.scene.vehicle
+    model, plate, vehicle = fe_plan.model, fe_plan.plate, fe_plan.case.scene.vehicle
     most = most_modes(model.loop.mass.size)
     if not 1 <= count <= most:
         raise InputError("--count", count, f"allowed with this mesh is a whole number from 1 to {most}")
     found = free_modes(model, count)
-    density = plate_density(fe_plan.plan.scene, plate)
+    density = plate_density(fe_plan.case.scene, plate)
     beam = Beam(vehicle.length, vehicle.width, plate.modulus, plate.poissons_ratio, density)
     return PlateModes(fe_plan, found, tuple(_modes(fe_plan, found, beam)), beam)
 
@@ -102,7 +102,7 @@ def _modes(fe_plan: FePlan, found: FreeModes, beam: Beam) -> Iterator[dict[str, 
 
 def modes_report(found: PlateModes) -> Report:
     """Page, summary, and what the terminal says."""
-    plan, table, said = found.fe_plan.plan, modes_table(found), headline(found)
+    plan, table, said = found.fe_plan.case, modes_table(found), headline(found)
     page = study_page(
         plan,
         "Natural frequencies of the free plate in its plane",
@@ -135,7 +135,7 @@ def headline(found: PlateModes) -> str:
 
 def summary(found: PlateModes) -> dict[str, Any]:
     """The numbers, SI; frequencies in Hz."""
-    plan, plate, model = found.fe_plan.plan, found.fe_plan.plate, found.fe_plan.model
+    plan, plate, model = found.fe_plan.case, found.fe_plan.plate, found.fe_plan.model
     return {
         "scene": plan.scene.name,
         "version": tailslap.__version__,

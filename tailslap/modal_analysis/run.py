@@ -16,7 +16,6 @@ from postprocess.report.terminal import printed
 from postprocess.report.units import SYSTEMS
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
@@ -93,7 +92,7 @@ def modal_run(
     from fem.start.inertia_relief import relieved_fields
 
     _admit(fe_plan, modes)
-    model, start, duration = fe_plan.model, fe_plan.start, fe_plan.plan.motion.strike.t
+    model, start, duration = fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t
     began = time.perf_counter()
     finer = modal_plate(model, 2 * modes + MORE_MODES)
     plate, relieved = with_fewer_modes(finer, modes), relieved_fields(model, start)
@@ -105,7 +104,7 @@ def modal_run(
         integrate(plate, state, duration, max(1, steps // 2)),
     )
     estimate = _estimate(fe_plan, float(finer.frequencies[0]), motion, *others)
-    rigid = stage_two_numbers(fe_plan.plan)
+    rigid = fe_plan.case.tail_slap
     values = {name: motion.strike[name] for name in KEYS} if motion.strike else {}
     return ModalRun(
         values=values,
@@ -127,7 +126,7 @@ def _admit(fe_plan: FePlan, modes: int) -> None:
     """InputError for what the modal model does not have."""
     from fem.modal.modes import most_modes
 
-    scene, plate = fe_plan.plan.scene, fe_plan.plate
+    scene, plate = fe_plan.case.scene, fe_plan.plate
     most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
     if not 0 <= modes <= most:
         raise InputError("--modes", modes, f"allowed with this mesh is a whole number from 0 to {most}")
@@ -158,7 +157,7 @@ def _estimate(
         for name in KEYS
     )
     modes, steps = (largest_relative(run.strike or {}, motion.strike) for run in (finer, coarser))
-    cycles = max(1.0, lowest * fe_plan.plan.motion.strike.t)
+    cycles = max(1.0, lowest * fe_plan.case.motion.strike.t)
     return ModalEstimate(float(max(moved, modes)), fe_plan.deflection_ratio**2 * cycles, steps)
 
 
@@ -177,7 +176,7 @@ def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> t
 
 def modal_text(fe_plan: FePlan, run: ModalRun, units: str = "si") -> str:
     """The results as a person reads them, in units "si" or "us"."""
-    scene, estimate = fe_plan.plan.scene, run.estimate
+    scene, estimate = fe_plan.case.scene, run.estimate
     kept = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies) or "none"
     estimated = (
         f"Estimate of its error: {estimate.total:.1e}, of that {estimate.modes:.1e} by the modes left out, "
@@ -204,7 +203,7 @@ def modal_numbers(fe_plan: FePlan, run: ModalRun) -> dict[str, Any]:
     unknown = dict.fromkeys(run.rigid)
     cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")
     return {
-        "scene": fe_plan.plan.scene.name,
+        "scene": fe_plan.case.scene.name,
         "passed": run.passed,
         "modal": run.values or unknown,
         "rigid": run.rigid,

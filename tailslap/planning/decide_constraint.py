@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.planning.decisions import Decision
-from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate
 
 SOFTEST = 0.01
@@ -14,7 +14,9 @@ UNSEEN = 1e-5
 changes."""
 
 
-def decide_constraint(plan: Plan, plate: Plate, spring_share: float) -> tuple[Plan, tuple[Decision, ...]]:
+def decide_constraint(
+    plan: RigidStages, plate: Plate, spring_share: float
+) -> tuple[RigidStages, tuple[Decision, ...]]:
     """The plan with its constraint: exact where a spring would ring, or be seen beside the plate's flexibility."""
     corner = plan.scene.corner
     if not corner.constraint_is_open:
@@ -28,7 +30,7 @@ def decide_constraint(plan: Plan, plate: Plate, spring_share: float) -> tuple[Pl
     return _decided(plan, Decision("corner.constraint", "exact", why))
 
 
-def softened_constraint(plan: Plan, spring_share: float) -> tuple[Plan, tuple[Decision, ...]]:
+def softened_constraint(plan: RigidStages, spring_share: float) -> tuple[RigidStages, tuple[Decision, ...]]:
     """The plan with the softest spring that is not seen: friction then feeds high modes less. As it is where the scene
     gives the constraint, or the exact one was chosen."""
     corner = plan.scene.corner
@@ -39,5 +41,5 @@ def softened_constraint(plan: Plan, spring_share: float) -> tuple[Plan, tuple[De
     return _decided(plan, Decision("corner.penalty_scale", scale, why))
 
 
-def _decided(plan: Plan, decision: Decision) -> tuple[Plan, tuple[Decision, ...]]:
-    return with_changes(plan, {decision.key: decision.value}), (decision,)
+def _decided(plan: RigidStages, decision: Decision) -> tuple[RigidStages, tuple[Decision, ...]]:
+    return plan.with_changes({decision.key: decision.value}), (decision,)

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import make_static_model
 from tailslap.planning.flexibility import friction_lost, oscillation_lost, rigid_start
-from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate, Scene
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Growth:
         return self.harmless > 0.0
 
 
-def predict_growth(plan: Plan, plate: Plate, model: PlateModel, normal: float) -> Growth:
+def predict_growth(plan: RigidStages, plate: Plate, model: PlateModel, normal: float) -> Growth:
     """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding.
 
     normal: the rigid body's reaction at the start [N].
@@ -107,7 +107,7 @@ def _growth(found: Flutter, harmless: float) -> Growth:
     return Growth(rate, found.growth, harmless, lowest=found.lowest)
 
 
-def _coarser_models(plan: Plan, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:
+def _coarser_models(plan: RigidStages, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:
     """The finest coarser meshes of the same element that make a model and can be analysed."""
     (along, across), found = plate.counts, 0
     while found < STAND_INS and max(along, across) > 2:
@@ -135,7 +135,9 @@ def damping_is_open(scene: Scene) -> bool:
     return scene.damping is None or scene.damping.kind is None
 
 
-def harms(plan: Plan, plate: Plate, model: PlateModel, growth: Growth, deflection_ratio: float) -> bool:
+def harms(
+    plan: RigidStages, plate: Plate, model: PlateModel, growth: Growth, deflection_ratio: float
+) -> bool:
     """Whether damping against this growth would be seen in the result: it keeps a soft plate from following its loads,
     and takes an unstressed one's oscillation off."""
     from fem.start.statics import elastic_energy
@@ -149,8 +151,8 @@ def harms(plan: Plan, plate: Plate, model: PlateModel, growth: Growth, deflectio
 
 
 def decide_damping(
-    plan: Plan, growth: Growth, factor: float = 1.0, harmful: bool = False
-) -> tuple[Plan, tuple[Decision, ...]]:
+    plan: RigidStages, growth: Growth, factor: float = 1.0, harmful: bool = False
+) -> tuple[RigidStages, tuple[Decision, ...]]:
     """The plan with damping for this growth, times `factor`; as it is where the scene says what it wants.
 
     A plate that this would harm is run without it at first (factor 1): what is predicted is the worst that may come,
@@ -166,23 +168,23 @@ def decide_damping(
     return _damped(plan, rate, _why(growth) + again)
 
 
-def _undamped(plan: Plan, growth: Growth) -> tuple[Plan, tuple[Decision, ...]]:
+def _undamped(plan: RigidStages, growth: Growth) -> tuple[RigidStages, tuple[Decision, ...]]:
     """Without damping against friction; that against rounding stays, and what the scene gives."""
     if growth.ripple_rate or plan.scene.damping:
         return _damped(plan, growth.ripple_rate, _why_rounding(growth))
     why = f"{_why(growth)}, but damping enough against that would be seen in the result"
     decision = Decision("damping.kind", "none", why)
-    return with_changes(plan, {decision.key: decision.value}), (decision,)
+    return plan.with_changes({decision.key: decision.value}), (decision,)
 
 
-def _damped(plan: Plan, rate: float, why: str) -> tuple[Plan, tuple[Decision, ...]]:
+def _damped(plan: RigidStages, rate: float, why: str) -> tuple[RigidStages, tuple[Decision, ...]]:
     if not rate > 0.0:
         return plan, ()
     decisions = (
         Decision("damping.kind", "elastic-velocity", why),
         Decision("damping.rate", rate, "1/s, as much as that takes"),
     )
-    return with_changes(plan, {decision.key: decision.value for decision in decisions}), decisions
+    return plan.with_changes({decision.key: decision.value for decision in decisions}), decisions
 
 
 def _why(growth: Growth) -> str:

@@ -8,18 +8,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem.discretisation.lumpings import LUMPINGS
+from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.cost import ELEMENTS
 from tailslap.errors import InputError
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import fe_input, fe_mesh, refusal, resolved_plate, same_mesh
 from tailslap.planning.flexibility import centre_travel, comparable_plate, rigid_start
-from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
 
-ELEMENTS, STRETCH = 120, 1.23
-"""Elements in all, and length over height of one, of the first mesh that is tried: the paper's 20 x 6."""
+STRETCH = 1.23
+"""Length over height of an element of the first mesh that is tried: the paper's 20 x 6."""
 
 MESH_SHARE, MESH_FLOOR = 0.1, 2e-5
 """Share of the plate's flexibility that may be the mesh's doing before richer elements are tried, and what is always
@@ -51,7 +52,7 @@ class Mesh:
         return abs(self.deflection_ratio - self.other_deflection_ratio) <= allowed
 
 
-def decide_mesh(plan: Plan, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
+def decide_mesh(plan: RigidStages, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
     """The plate with its elements; what was left open is chosen by statics, without a run. Raises InputError."""
     open_keys = [key for key in ("elements", "element") if key not in plate.model_fields_set]
     chosen: Mesh | None = None
@@ -74,7 +75,7 @@ def decide_mesh(plan: Plan, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
     )
 
 
-def make_mesh(plan: Plan, plate: Plate) -> Mesh:
+def make_mesh(plan: RigidStages, plate: Plate) -> Mesh:
     """The plate's static model, its deflection and its gap, and the comparable plate's deflection. Raises InputError.
 
     The two models share a mesh where only their elements differ.
@@ -102,7 +103,7 @@ def make_mesh(plan: Plan, plate: Plate) -> Mesh:
     return Mesh(plate, model, model.mass, deflection_ratio, other_deflection_ratio, gap)
 
 
-def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:
+def _candidates(plan: RigidStages, plate: Plate) -> Iterator[Plate]:
     """From cheap to dear: the element as it is, quadratic ones, and where the counts are open, more of them."""
     counts = plate.elements or _first_counts(plan)
     chosen = "element" in plate.model_fields_set or LUMPINGS[plate.lumping].row_sums
@@ -115,7 +116,7 @@ def _candidates(plan: Plan, plate: Plate) -> Iterator[Plate]:
             return
 
 
-def _first_counts(plan: Plan) -> tuple[int, int]:
+def _first_counts(plan: RigidStages) -> tuple[int, int]:
     length, width = plan.body.length, plan.body.width
     height = math.sqrt(length * width / (ELEMENTS * STRETCH))
     patch = plan.scene.corner.patch_length or length

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.planning.decisions import Decision
-from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate
 
 ELEMENTS_A_THREAD = 10_000
@@ -13,7 +13,7 @@ ELEMENTS_A_THREAD = 10_000
 where a core is busy, in which another computes a thousand elements."""
 
 
-def decide_threads(plan: Plan, plate: Plate) -> tuple[Plan, tuple[Decision, ...]]:
+def decide_threads(plan: RigidStages, plate: Plate) -> tuple[RigidStages, tuple[Decision, ...]]:
     """The plan with as many threads as its mesh has work for; as it is where that is what was asked for."""
     asked, elements = plan.scene.time.threads, math.prod(plate.counts)
     most = max(1, elements // ELEMENTS_A_THREAD)
@@ -21,7 +21,7 @@ def decide_threads(plan: Plan, plate: Plate) -> tuple[Plan, tuple[Decision, ...]
         return plan, ()
     needed = f"a thread needs {ELEMENTS_A_THREAD} elements to be worth it, and there are {elements}"
     decision = Decision("time.threads", most, f"{asked} were asked for; {needed}")
-    return with_changes(plan, {decision.key: decision.value}), (decision,)
+    return plan.with_changes({decision.key: decision.value}), (decision,)
 
 
 def one_thread(asked: int) -> tuple[Decision, ...]:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from fem.contact.friction import FRICTION_LAWS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.kept import kept
+from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.cost import costly_key
 from tailslap.errors import InputError
-from tailslap.planning.cost import costly_key
-from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Plate, Scene
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class FeInput:
     step: StepProperties
 
 
-def fe_input(plan: Plan, plate: Plate) -> FeInput:
+def fe_input(plan: RigidStages, plate: Plate) -> FeInput:
     """Properties of the plate, its corner and the time step; the plate has a modulus."""
     return FeInput(
         plate_properties(plan.scene, plate),
@@ -58,7 +58,7 @@ def fe_input(plan: Plan, plate: Plate) -> FeInput:
     )
 
 
-def make_model(plan: Plan, plate: Plate) -> PlateModel:
+def make_model(plan: RigidStages, plate: Plate) -> PlateModel:
     """Mesh and assemble. Raises InputError for keys that make no model."""
     from fem.discretisation.model import finished_model
 
@@ -70,7 +70,7 @@ def make_model(plan: Plan, plate: Plate) -> PlateModel:
     return model
 
 
-def make_static_model(plan: Plan, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
+def make_static_model(plan: RigidStages, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
     """The model without what needs its frequencies, on this mesh or its own. Raises as `make_model`."""
     from fem.discretisation.model import static_model
     from fem.discretisation.properties import ModelError
@@ -138,7 +138,7 @@ def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
     return InputError(*given[error.wrong], str(error))
 
 
-def demand_steps(plan: Plan, plate: Plate, model: PlateModel) -> None:
+def demand_steps(plan: RigidStages, plate: Plate, model: PlateModel) -> None:
     """Raise InputError where a run of the model would never end."""
     if model.loop.time_step * MAX_STEPS > plan.motion.strike.t:
         return
@@ -172,7 +172,7 @@ def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None)
     )
 
 
-def _corner(plan: Plan) -> CornerProperties:
+def _corner(plan: RigidStages) -> CornerProperties:
     from fem.discretisation.properties import CornerProperties
 
     corner, angle = plan.scene.corner, plan.start.angle

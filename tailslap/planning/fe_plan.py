@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.planning.decide_constraint import decide_constraint, softened_constraint
 from tailslap.planning.decide_damping import Growth, decide_damping, harms, predict_growth
@@ -15,7 +16,6 @@ from tailslap.planning.decide_threads import decide_threads
 from tailslap.planning.decisions import Decision
 from tailslap.planning.fe_model import demand_steps, fe_input
 from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
-from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
@@ -31,9 +31,9 @@ class FePlan:
 
     Attributes
     ----------
-    asked : Plan
+    asked : RigidStages
         As given.
-    plan : Plan
+    case : RigidStages
         Its scene has no open ends any more.
     decisions : tuple of Decision
         What the program filled in, and why.
@@ -55,8 +55,8 @@ class FePlan:
         Whether a run with less damping rang.
     """
 
-    asked: Plan
-    plan: Plan
+    asked: RigidStages
+    case: RigidStages
     decisions: tuple[Decision, ...]
     growth: Growth
     plate: Plate
@@ -81,7 +81,7 @@ class FePlan:
         """The wall's mesh, with the middle of the corner's path in its middle: for pictures, the wall is rigid."""
         from meshes import wall_mesh
 
-        wall, slide = self.plan.scene.wall, self.plan.motion.strike.slide
+        wall, slide = self.case.scene.wall, self.case.motion.strike.slide
         if wall is None:
             return None
         return wall_mesh(0.5 * (slide - wall.length), wall.length, wall.depth, wall.elements)
@@ -104,22 +104,22 @@ class FePlan:
     def spring_share(self) -> float:
         """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
         stiffness = self.model.loop.corner.stiffness
-        normal = self.plan.motion_of_mass(self.model.mass).at(0.0).reaction_normal
+        normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
         return abs(float(normal)) / stiffness / self.travel
 
     @property
     def expected_steps(self) -> int:
         """Steps to the rigid body's tail-slap."""
-        return math.ceil(self.plan.motion.strike.t / self.model.loop.time_step)
+        return math.ceil(self.case.motion.strike.t / self.model.loop.time_step)
 
 
-def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
+def make_fe_plan(plan: RigidStages, more_damping: float = 1.0) -> FePlan:
     """Decide what the scene leaves open, mesh and assemble.
 
     Parameters
     ----------
-    plan : Plan
-        Of `make_plan`, with [plate].
+    plan : RigidStages
+        With [plate].
     more_damping : float
         Factor on the damping that is predicted to be needed [-]; above 1 the first run rang, see `decide_damping`.
 
@@ -138,7 +138,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     asked, given = plan, plan.scene.needed_plate
     mesh, mesh_decisions = decide_mesh(plan, given)
     plate, start, travel = mesh.plate, rigid_start(plan), centre_travel(plan)
-    plan = with_changes(plan, {"plate.elements": plate.elements, "plate.element": plate.element})
+    plan = plan.with_changes({"plate.elements": plate.elements, "plate.element": plate.element})
     plan, thread_decisions = decide_threads(plan, plate)
     plan, constraint_decisions = decide_constraint(plan, plate, mesh.spring_share)
     normal = float(plan.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
@@ -156,7 +156,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     _demand_wall(plan)
     return FePlan(
         asked=asked,
-        plan=plan,
+        case=plan,
         decisions=(*mesh_decisions, *thread_decisions, *constraint_decisions, *damping_decisions),
         growth=growth,
         plate=plate,
@@ -169,7 +169,7 @@ def make_fe_plan(plan: Plan, more_damping: float = 1.0) -> FePlan:
     )
 
 
-def _completed(plan: Plan, mesh: Mesh, normal: float) -> tuple[PlateModel, Growth]:
+def _completed(plan: RigidStages, mesh: Mesh, normal: float) -> tuple[PlateModel, Growth]:
     """The model with the plan's constraint and all that a run needs, and what is predicted to grow in it."""
     from fem.discretisation.model import finished_model, with_constraint
 
@@ -180,7 +180,7 @@ def _completed(plan: Plan, mesh: Mesh, normal: float) -> tuple[PlateModel, Growt
     return model, predict_growth(plan, mesh.plate, model, normal)
 
 
-def _demand_wall(plan: Plan) -> None:
+def _demand_wall(plan: RigidStages) -> None:
     """Raise InputError where the corner slides beyond the wall."""
     wall, slide = plan.scene.wall, plan.motion.strike.slide
     if wall is not None and wall.length < abs(slide):

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 from fem.contact.friction import FRICTION_LAWS
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest, relative_difference
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
-from tailslap.planning.plan import Plan, make_plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.schema import Plate
-from tailslap.scene.vary import vary
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
@@ -39,47 +37,45 @@ def sensitivity(angle: float) -> float:
     return FLAT + STEEP * angle
 
 
-def oscillation_lost(plan: Plan, energy: float, mass: float, rate: float) -> float:
+def oscillation_lost(plan: RigidStages, energy: float, mass: float, rate: float) -> float:
     """What damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share of the
     speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts without."""
     swing = math.sqrt(2.0 * energy / mass) / abs(plan.motion.strike.v_gy)
     return SWINGS * swing * _decayed(plan, rate)
 
 
-def friction_lost(plan: Plan, rate: float) -> float:
+def friction_lost(plan: RigidStages, rate: float) -> float:
     """Largest relative change of the five quantities by the friction that goes with that oscillation."""
     scene = plan.scene
     if FRICTION_LAWS[scene.corner.reaction].impulse != "normal_impulse_magnitude":
         return 0.0
     try:
-        more = make_plan(*vary(plan.source, {"corner.friction": (1.0 + RECTIFIED) * scene.corner_friction}))
+        more = plan.varied({"corner.friction": (1.0 + RECTIFIED) * scene.corner_friction})
     except InputError:  # so much friction the theory has no solution for
         return math.inf
-    return largest(relative_difference(stage_two_numbers(more), stage_two_numbers(plan))) * _decayed(
-        plan, rate
-    )
+    return largest(relative_difference(more.tail_slap, plan.tail_slap)) * _decayed(plan, rate)
 
 
-def _decayed(plan: Plan, rate: float) -> float:
+def _decayed(plan: RigidStages, rate: float) -> float:
     """Share of an oscillation's amplitude that damping at this rate [1/s] takes off until the strike."""
     return -math.expm1(-0.5 * rate * plan.motion.strike.t)
 
 
-def rigid_start(plan: Plan) -> RigidStart:
+def rigid_start(plan: RigidStages) -> RigidStart:
     """What the plate starts from."""
     from fem.start.rigid_state import RigidStart
 
     return RigidStart(plan.start.angle, float(plan.start.omega), float(plan.start.corner_speed))
 
 
-def deflection_ratio(plan: Plan, model: PlateModel) -> float:
+def deflection_ratio(plan: RigidStages, model: PlateModel) -> float:
     """Static deflection of the plate's centre at the start, over its travel to the wall."""
     from fem.start.statics import static_deflection
 
     return abs(static_deflection(model, rigid_start(plan))) / centre_travel(plan)
 
 
-def centre_travel(plan: Plan) -> float:
+def centre_travel(plan: RigidStages) -> float:
     """Way [m] of the centre of mass towards the wall until the tail-slap."""
     corner_angle = plan.body.corner_angle
     return plan.body.corner_radius * (math.sin(plan.start.angle + corner_angle) - math.sin(corner_angle))

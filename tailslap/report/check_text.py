@@ -7,29 +7,26 @@ from typing import Any
 
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
-from tailslap.planning.affordable import expected_memory, expected_nodes
-from tailslap.planning.cost import loop_seconds
+from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.cost import loop_seconds
 from tailslap.planning.decisions import Decision
-from tailslap.planning.effort import expected_effort
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import Plan
 from tailslap.report.omitted_parts import omitted_parts
-from tailslap.scene.schema import Scene
 from tailslap.verification.verdict import flutter_sentence
 
 LABEL = 13
 """Columns of a label."""
 
 
-def check_lines(plan: Plan) -> list[str]:
+def check_lines(plan: RigidStages) -> list[str]:
     """All lines; of a scene without [plate] those that need no mesh."""
     if plan.scene.plate is None:
         return rigid_part(plan)
     fe_plan = make_fe_plan(plan)
-    return rigid_part(fe_plan.plan) + fe_part(fe_plan)
+    return rigid_part(fe_plan.case) + fe_part(fe_plan)
 
 
-def rigid_part(plan: Plan) -> list[str]:
+def rigid_part(plan: RigidStages) -> list[str]:
     """Lines of `tailslap check` that need no mesh."""
     start, strike = plan.start, plan.motion.strike
     lines = [
@@ -48,8 +45,8 @@ def fe_part(fe_plan: FePlan) -> list[str]:
     """Lines of `tailslap check` on the finite-element run."""
     model, steps = fe_plan.model, fe_plan.expected_steps
     elements = model.loop.table.connectivity.shape[1]
-    rows = fe_plan.plan.scene.time.rows
-    seconds = loop_seconds(fe_plan.plan.scene, fe_plan.plate.element, fe_plan.plate.counts, steps, rows)
+    rows = fe_plan.case.scene.time.rows
+    seconds = loop_seconds(fe_plan.case.scene, fe_plan.plate.element, fe_plan.plate.counts, steps, rows)
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, "
         f"{fe_plan.plate.element}, {fe_plan.plate.lumping} masses, {fe_plan.plate.start} start",
@@ -63,19 +60,6 @@ def fe_part(fe_plan: FePlan) -> list[str]:
         "share of its way to the wall; expect differences of that size",
         *chosen_lines(fe_plan.decisions),
         f"flutter      {flutter_sentence(fe_plan)}",
-    ]
-
-
-def estimate_part(scene: Scene, duration: float) -> list[str]:
-    """Lines in place of the model's where the mesh is large."""
-    plate, effort = scene.needed_plate, expected_effort(scene, duration)
-    along, across = plate.counts
-    return [
-        f"{scene.name}: the scene is valid",
-        f"plate        {along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}",
-        f"memory       about {expected_memory(scene) / 1e9:.2g} GB",
-        f"steps        about {effort.steps:.2g}, about {effort.seconds:.2g} s in the time loop",
-        "model        not made: of so many elements this is an estimate from the scene alone",
     ]
 
 

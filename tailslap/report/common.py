@@ -10,8 +10,7 @@ import tailslap
 from postprocess.report.page import Page, Section
 
 if TYPE_CHECKING:
-    from tailslap.impact.plan import ImpactPlan
-    from tailslap.planning.plan import Plan
+    from tailslap.case.case import Case
 
 
 def footer(files: str = "") -> str:
@@ -31,7 +30,7 @@ def run_summary(outcome: Any, omitted: Sequence[tuple[str, str]]) -> dict[str, A
     """What the summaries of both calculations' runs have alike, SI; omitted: parts left out, and why."""
     fe_plan, model = outcome.fe_plan, outcome.fe_plan.model
     return {
-        "scene": fe_plan.plan.scene.name,
+        "scene": fe_plan.case.scene.name,
         "version": tailslap.__version__,
         "passed": outcome.passed,
         "checks": [asdict(check) for check in outcome.checks],
@@ -61,6 +60,6 @@ def run_cost(outcome: Any) -> dict[str, float | int]:
     }
 
 
-def study_summary(study: str, plan: Plan | ImpactPlan) -> dict[str, Any]:
+def study_summary(study: str, plan: Case) -> dict[str, Any]:
     """How the summary of a study begins."""
     return {"study": study, "scene": plan.scene.name, "version": tailslap.__version__}

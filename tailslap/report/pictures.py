@@ -38,7 +38,7 @@ def draw_pictures(outcome: Outcome, folder: Path, units: Units = SI) -> Outcome:
             wall_quads=None if wall is None else wall.cells_dict["quad"],
             corner=strike.positions[:, discretisation.corner].tolist(),
             centroid=(strike.positions @ masses / masses.sum()).tolist(),
-            scene=fe_plan.plan.scene.name,
+            scene=fe_plan.case.scene.name,
             time=strike.values["t"],
         )
         pictures = draw_contours(setting, fields, folder, units)

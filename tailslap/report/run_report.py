@@ -14,7 +14,6 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.report.units import SI, Units
 from solver.strike import strike_force
-from tailslap.planning.rigid import rigid_answer
 from tailslap.report.common import footer
 from tailslap.report.fields import keep_fields
 from tailslap.report.omitted_parts import omitted_parts
@@ -89,7 +88,7 @@ def report_in_folder(outcome: Outcome, folder: Path, pictures: bool, units: Unit
 
 def run_report(outcome: Outcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
-    plan = outcome.fe_plan.plan
+    plan = outcome.fe_plan.case
     page = Page(
         kicker=KICKER,
         title=plan.scene.name,
@@ -105,7 +104,7 @@ def run_report(outcome: Outcome, pictures: bool) -> Report:
 
 def peak_table(outcome: Outcome) -> Table:
     """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
-    plan, fe = outcome.fe_plan.plan, outcome.fe
+    plan, fe = outcome.fe_plan.case, outcome.fe
     mass, duration = plan.scene.vehicle.mass, plan.scene.strike.duration
     found = strike_force(mass, fe["v_gy"], duration).peak_force if fe else None
     what = f"Tail-slap, triangle of {1e3 * duration:g} ms"
@@ -114,7 +113,7 @@ def peak_table(outcome: Outcome) -> Table:
 
 def comparison(outcome: Outcome, title: str = "") -> Table:
     """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's."""
-    of_paper = is_paper_case(outcome.fe_plan.plan)
+    of_paper = is_paper_case(outcome.fe_plan.case)
     paper = PAPER_TABLE_3 if of_paper else None
     rows = comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
     columns = (
@@ -133,7 +132,7 @@ def headline(outcome: Outcome) -> str:
 
 def sections(outcome: Outcome, pictures: bool) -> list[Section]:
     """The parts of the page, those without content included."""
-    plan, answer = outcome.fe_plan.plan, rigid_answer(outcome.fe_plan.plan)
+    plan, answer = outcome.fe_plan.case, outcome.fe_plan.case.rigid_numbers()
     chosen = frozenset(decision.key for decision in outcome.fe_plan.decisions)
     inputs = resolved_inputs(plan.scene, plan.source, outcome.fe_plan.plate, chosen)
     metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
@@ -169,7 +168,7 @@ def sections(outcome: Outcome, pictures: bool) -> list[Section]:
 def _forces(outcome: Outcome) -> list[Table]:
     peaks = peak_table(outcome)
     (row,) = peaks.rows
-    return [peaks, design_table(outcome.fe_plan.plan.scene, row["fe"] or row["rigid"])]
+    return [peaks, design_table(outcome.fe_plan.case.scene, row["fe"] or row["rigid"])]
 
 
 def _cure(name: str) -> str:
@@ -188,7 +187,7 @@ def _terminal(outcome: Outcome) -> list[Table | str]:
     picked = choice and f"Picked: {', '.join(choice.changes)}; expected error {choice.expected_error:.1e}"
     peaks, design = _forces(outcome)
     return [
-        f"{outcome.fe_plan.plan.scene.name}: {verdict_sentence(outcome)}",
+        f"{outcome.fe_plan.case.scene.name}: {verdict_sentence(outcome)}",
         "",
         peaks,
         short(design),

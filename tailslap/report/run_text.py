@@ -8,14 +8,14 @@ from fem.constitutive.materials import MATERIALS
 from fem.contact.constraints import CONSTRAINTS
 from fem.contact.friction import FRICTION_LAWS
 from fem.start.start_kinds import START_KINDS
-from tailslap.planning.plan import Plan, other_convention
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.scene_run import Outcome
 from tailslap.verification.verdict import flutter_sentence
 
 
 def statements(outcome: Outcome) -> tuple[str, ...]:
     """What a reader must know beside the numbers."""
-    plan = outcome.fe_plan.plan
+    plan = outcome.fe_plan.case
     made = [
         _picked(outcome),
         _constraint(plan),
@@ -42,7 +42,7 @@ def prediction(outcome: Outcome) -> str:
     return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
 
-def is_paper_case(plan: Plan) -> bool:
+def is_paper_case(plan: RigidStages) -> bool:
     """Whether vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
     pairs = (
         (plan.body.length, 10.0, 0.0),
@@ -68,7 +68,7 @@ def _picked(outcome: Outcome) -> str:
     )
 
 
-def _constraint(plan: Plan) -> str:
+def _constraint(plan: RigidStages) -> str:
     law, constraint = FRICTION_LAWS[plan.scene.corner.reaction], CONSTRAINTS[plan.scene.corner.constraint]
     return (
         f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
@@ -76,7 +76,7 @@ def _constraint(plan: Plan) -> str:
     )
 
 
-def _material(plan: Plan) -> str:
+def _material(plan: RigidStages) -> str:
     material = plan.scene.material
     return f"The plate's material: {MATERIALS[material.law].text}." if material else ""
 
@@ -91,7 +91,7 @@ def _pull(outcome: Outcome) -> str:
 
 
 def _plate_mass(outcome: Outcome) -> str:
-    plate, vehicle = outcome.fe_plan.model.mass, outcome.fe_plan.plan.scene.vehicle.mass
+    plate, vehicle = outcome.fe_plan.model.mass, outcome.fe_plan.case.scene.vehicle.mass
     if abs(plate / vehicle - 1.0) < 1e-9:
         return ""
     return (
@@ -132,8 +132,8 @@ def _error(outcome: Outcome) -> str:
     return f"Numerical error of the five quantities at most {error.total:.1e}: {parts}."
 
 
-def _convention(plan: Plan) -> str:
-    other, impact = other_convention(plan), plan.scene.impact
+def _convention(plan: RigidStages) -> str:
+    other, impact = plan.other_convention(), plan.scene.impact
     if impact is None:
         return ""
     if other is None:

@@ -6,7 +6,6 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import KEYS
-from tailslap.planning.rigid import rigid_answer
 from tailslap.report.common import run_cost, run_summary
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.scene_run import Outcome
@@ -19,9 +18,9 @@ if TYPE_CHECKING:
 def summary(outcome: Outcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
-    alike = run_summary(outcome, omitted_parts(fe_plan.plan.scene, pictures))
+    alike = run_summary(outcome, omitted_parts(fe_plan.case.scene, pictures))
     nothing = dict.fromkeys(KEYS, float("nan"))
-    answer = rigid_answer(fe_plan.plan)
+    answer = fe_plan.case.rigid_numbers()
     return {
         **alike,
         "rigid": outcome.rigid,

@@ -16,7 +16,7 @@ from tailslap.errors import InputError
 from tailslap.studies.study import Study, study_command
 
 if TYPE_CHECKING:
-    from tailslap.planning.plan import Plan
+    from tailslap.case.corner.case import CornerCase
 
 
 _registered: dict[str, Study] = {}
@@ -39,18 +39,16 @@ def study_names() -> list[str]:
     return sorted([*(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg), *_registered])
 
 
-def with_elements(plan: Plan) -> Plan:
+def with_elements(plan: CornerCase) -> CornerCase:
     """The plan with the elements that the program chooses where the scene leaves them out."""
     from tailslap.planning.decide_mesh import decide_mesh
-    from tailslap.planning.plan import make_plan
-    from tailslap.scene.vary import vary
 
     plate = plan.scene.needed_plate
     if plate.elements is not None:
         return plan
     chosen = decide_mesh(plan, plate)[0].plate
     changes = {"plate.elements": chosen.elements, "plate.element": chosen.element}
-    return make_plan(*vary(plan.source, changes))
+    return plan.varied(changes)
 
 
 def find_study(name: str) -> Study:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,17 +10,29 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from tailslap.analysis import CORNER, Analysis, analysis_of
+from tailslap.case import case_of, kind_of
+from tailslap.case.case import CORNER
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.options import ALLOW_LARGE, FORCE, JSON, PROGRESS, QUIET, SCENE, SET, UNITS, Folder
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
+    from tailslap.scene.schema import Scene
+
+
+def later(name: str) -> Callable[..., Any]:
+    """The function of this name, "module:function", whose module is imported when it is called."""
+    module, _, function = name.partition(":")
+
+    def called(*arguments: Any, **options: Any) -> Any:
+        return getattr(importlib.import_module(module), function)(*arguments, **options)
+
+    return called
 
 
 @dataclass(frozen=True)
 class Call:
-    """A study as it was asked for: the scene's name and changes, its analysis' plan, the result folder's place."""
+    """A study as it was asked for: the scene's name and changes, its case, the result folder's place."""
 
     name: str
     changes: tuple[str, ...]
@@ -112,17 +125,16 @@ def compute_study(
     force: bool = True,
 ) -> tuple[Path, Any]:
     """The place of the result folder, and what was found; the journal is kept beside that place. Raises InputError."""
-    from tailslap.planning.affordable import demand_run
+    from tailslap.case.cost import demand_run
     from tailslap.results.earlier_result import demand_own
     from tailslap.results.result_folder import demand_place
     from tailslap.scene.read import read_scene
 
     scene, source = read_scene(name, changes)
-    analysis = analysis_of(scene)
-    _demand_analysis(study, analysis)
-    plan = analysis.make_plan(scene, source)
+    _demand_kind(study, scene)
+    plan = case_of(scene, source)
     if study.needs_plate:
-        demand_run(plan.scene, analysis.duration(plan), allow_large)
+        demand_run(plan.scene, plan.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name
     place = out or Path("results") / f"{plan.scene.name}-{ending}"
     demand_place(place)
@@ -130,12 +142,11 @@ def compute_study(
     return place, study.compute(Call(name, changes, plan, place), **options)
 
 
-def _demand_analysis(study: Study, analysis: Analysis) -> None:
+def _demand_kind(study: Study, scene: Scene) -> None:
     """Raise InputError where the study makes no sense for the scene."""
-    if analysis.name in study.analyses:
+    name = kind_of(scene).name
+    if name in study.analyses:
         return
-    given, allowed = (Missing, "with") if analysis.name == CORNER else (Verbatim("a table"), "without")
-    wanted = (
-        f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {analysis.name}"
-    )
+    given, allowed = (Missing, "with") if name == CORNER else (Verbatim("a table"), "without")
+    wanted = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {name}"
     raise InputError("contact", given, f"{wanted}; allowed is a scene {allowed} this table")

@@ -14,7 +14,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.comparison import TAIL_SLAP, Compared
-from tailslap.analysis import analysis_of
+from tailslap.case import kind_of
 from tailslap.errors import InputError
 from tailslap.scene.read import scene_text, source_of_text
 from tailslap.scene.schema import Scene
@@ -31,7 +31,7 @@ Given = tuple[str, Span | Choices]
 class Definition:
     """A sweep of a scene's text; `changes` and `given` are the --set and --vary options as typed, `source` is the
     scene with the former put in, `sample` the number of samples, None for a grid; `kinds` and `compared` are what its
-    calculation tells of a run, see `tailslap.analysis`."""
+    case tells of a run, see `Case`."""
 
     scene: str
     text: str
@@ -93,8 +93,7 @@ def make_definition(
     _refuse_too_many(given)
     first = {key: parse_value(_first(values)) for key, values in given}
     scene = _scene(source, first)
-    analysis = analysis_of(scene)
-    kinds = analysis.column_kinds(scene)
+    kind = kind_of(scene)
 
     def read(key: str, value: str) -> tuple[Any, str]:
         scene = _scene(source, {**first, key: parse_value(value)})
@@ -112,7 +111,7 @@ def make_definition(
             sample_variation(*item, *rest) for item, *rest in zip(given, readers, shares, strict=True)
         ]
     fixed = (scene.name, text, changes, source, varied, tuple(variations), sample, seed)
-    return Definition(*fixed, kinds, analysis.compared)
+    return Definition(*fixed, kind.columns(scene), kind.compared)
 
 
 def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:

@@ -10,9 +10,9 @@ from typing import Any
 
 import tailslap
 from fem import kept
-from tailslap.analysis import analysis_of
+from tailslap.case import case_of
+from tailslap.case.cost import demand_affordable
 from tailslap.errors import InputError
-from tailslap.planning.affordable import demand_affordable
 from tailslap.scene.vary import Changes, Source, vary
 
 PASSED, FAILED, REFUSED, ERROR = STATUSES = ("passed", "failed", "refused", "error")
@@ -50,11 +50,9 @@ def killing_row(run: Any) -> dict[str, Any]:
 
 def _columns(source: Source, changes: Changes) -> dict[str, Any]:
     """What the calculation that the scene asks for tells of its run."""
-    scene, given = vary(source, changes)
-    analysis = analysis_of(scene)
-    plan = analysis.make_plan(scene, given)
-    demand_affordable(scene, analysis.duration(plan))
-    return analysis.columns(plan)
+    case = case_of(*vary(source, changes))
+    demand_affordable(case.scene, case.duration)
+    return case.row(case.run() if case.scene.plate else None)
 
 
 @functools.cache

@@ -5,17 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tailslap.planning.plan import Plan
+    from tailslap.case.corner.rigid import RigidStages
     from tailslap.scene_run import Outcome
 
 
-def run_to_tolerance(plan: Plan, tolerance: float) -> Outcome:
+def run_to_tolerance(plan: RigidStages, tolerance: float) -> Outcome:
     """Pick a setting for the plan's scene, run it, and judge the result. Raises InputError."""
-    from tailslap.planning.plan import make_plan
-    from tailslap.scene.vary import vary
     from tailslap.scene_run import run_scene
     from tailslap.tolerance.choose import choose
     from tailslap.tolerance.verify import verified
 
     choice = choose(plan, tolerance)
-    return verified(run_scene(make_plan(*vary(plan.source, choice.level.changes))), choice, plan)
+    return verified(run_scene(plan.varied(choice.level.changes)), choice, plan)

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from postprocess.comparison.comparison import largest_relative
+from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError, Verbatim
-from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import Growth
 from tailslap.planning.fe_model import make_model, resolved_plate
 from tailslap.planning.fe_plan import FePlan
 from tailslap.planning.flexibility import centre_travel, deflection_ratio, rigid_start
-from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Scene
 from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
 
@@ -30,7 +30,7 @@ class Candidate:
     """
 
     level: RefinementLevel
-    plan: Plan
+    plan: RigidStages
     model: PlateModel
     deflection_ratio: float
     seconds: float
@@ -52,10 +52,10 @@ def constraints(scene: Scene) -> tuple[str, ...]:
     return ("penalty", "exact") if scene.corner.constraint_is_open else (scene.corner.constraint,)
 
 
-def candidate(plan: Plan, level: RefinementLevel) -> Candidate | None:
+def candidate(plan: RigidStages, level: RefinementLevel) -> Candidate | None:
     """The level's candidate, or None where the mesh cannot carry the inertia or the patch."""
     try:
-        plan = with_changes(plan, level.changes)
+        plan = plan.with_changes(level.changes)
         model = make_model(plan, plan.scene.needed_plate)
     except InputError:
         return None
@@ -64,7 +64,7 @@ def candidate(plan: Plan, level: RefinementLevel) -> Candidate | None:
     return Candidate(level, plan, model, deflection_ratio(plan, model), seconds)
 
 
-def coarsest(plan: Plan, constraint: str) -> list[Candidate]:
+def coarsest(plan: RigidStages, constraint: str) -> list[Candidate]:
     """The coarsest mesh that makes a model, with linear elements and with quadratic ones, which do not lock."""
     levels = refinement_levels(plan.scene, constraint)
     for linear, quadratic in zip(levels, levels, strict=True):

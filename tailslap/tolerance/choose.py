@@ -11,9 +11,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError, Verbatim
 from tailslap.planning.flexibility import sensitivity
-from tailslap.planning.plan import Plan
 from tailslap.scene.vary import shown
 from tailslap.tolerance.candidates import Candidate, candidate, coarsest, constraints, with_modal_quantities
 from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
@@ -54,7 +54,7 @@ class Choice:
         return shown({key: value for key, value in self.level.changes.items() if value is not None})
 
 
-def choose(plan: Plan, tolerance: float) -> Choice:
+def choose(plan: RigidStages, tolerance: float) -> Choice:
     """The cheapest setting expected to meet the tolerance. Raises InputError where there is none."""
     if not LEAST <= tolerance < 1.0:
         raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), f"allowed is from {LEAST:g} to below 1")
@@ -68,7 +68,7 @@ def choose(plan: Plan, tolerance: float) -> Choice:
     return _towards_the_limit(plan, tolerance, flexibility)
 
 
-def _towards_the_limit(plan: Plan, tolerance: float, flexibility: float) -> Choice:
+def _towards_the_limit(plan: RigidStages, tolerance: float, flexibility: float) -> Choice:
     """The cheapest mesh that is near enough to ever finer ones."""
     if plan.scene.corner.patch_length is None:
         allowed = (
@@ -99,7 +99,7 @@ def _at_least(other: Candidate, made: Candidate) -> bool:
     return other.level.element == made.level.element and other.level.fineness >= made.level.fineness
 
 
-def _until_settled(plan: Plan, tolerance: float, factor: float) -> list[Candidate]:
+def _until_settled(plan: RigidStages, tolerance: float, factor: float) -> list[Candidate]:
     """Candidates from coarse to fine, until three quadratic meshes agree to a share of the tolerance."""
     found: list[Candidate] = []
     for level in refinement_levels(plan.scene, constraints(plan.scene)[-1]):

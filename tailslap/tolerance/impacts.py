@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.errors import InputError
 from tailslap.impact.outcome import ImpactOutcome
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import run_impact
-from tailslap.scene.vary import vary
 from tailslap.verification.check import Check
 
 MOST_ELEMENTS = 20_000
 """Of the finest mesh that is tried."""
 
 
-def run_impact_to_tolerance(plan: ImpactPlan, tolerance: float) -> ImpactOutcome:
+def run_impact_to_tolerance(plan: RigidImpact, tolerance: float) -> ImpactOutcome:
     """Run with meshes twice as fine each time until richer elements change impulse, peak and duration of the first two
     strikes by less than the tolerance; the last outcome has a check that says whether they do. Raises InputError."""
     if not 1e-6 <= tolerance < 1.0:
@@ -27,6 +26,6 @@ def run_impact_to_tolerance(plan: ImpactPlan, tolerance: float) -> ImpactOutcome
         finest = 4 * along * across > MOST_ELEMENTS
         if error <= tolerance or not outcome.mesh_error or finest:
             break
-        plan = make_impact_plan(*vary(plan.source, {"plate.elements": (2 * along, 2 * across)}))
+        plan = plan.varied({"plate.elements": (2 * along, 2 * across)})
     meaning = f"mesh error on {along} x {across} elements; the tolerance that was asked for"
     return replace(outcome, checks=(*outcome.checks, Check.at_most("tolerance", error, tolerance, meaning)))

@@ -6,9 +6,8 @@ import math
 from dataclasses import replace
 
 from postprocess.comparison.comparison import largest, largest_relative
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
-from tailslap.planning.plan import Plan, make_plan
-from tailslap.scene.vary import vary
 from tailslap.scene_run import Outcome, run_scene
 from tailslap.tolerance.candidates import candidate, with_modal_quantities
 from tailslap.tolerance.choose import RIGID, Choice
@@ -22,7 +21,7 @@ COARSER_SHARE, FINER_SHARE = 1.0 / 3.0, 1.0
 """Least error over the change between two meshes, where the other mesh is half, and twice, as fine: order two."""
 
 
-def verified(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
+def verified(outcome: Outcome, choice: Choice, plan: RigidStages) -> Outcome:
     """The outcome with the check "tolerance"; plan: of the scene as the user gave it."""
     if choice.against == RIGID:
         value, how = largest(outcome.difference), "difference from the exact rigid motion"
@@ -32,7 +31,7 @@ def verified(outcome: Outcome, choice: Choice, plan: Plan) -> Outcome:
     return replace(outcome, checks=(*outcome.checks, check), choice=choice)
 
 
-def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, str]:
+def _from_limit(outcome: Outcome, choice: Choice, plan: RigidStages) -> tuple[float, str]:
     """Estimated distance from the limit of fine meshes, by a second run on another mesh."""
     if not outcome.fe:
         return math.nan, "there is no result to judge"
@@ -47,7 +46,7 @@ def _from_limit(outcome: Outcome, choice: Choice, plan: Plan) -> tuple[float, st
     return math.nan, "no second mesh made a model to judge by"
 
 
-def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Plan) -> float:
+def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: RigidStages) -> float:
     """Distance from the limit over that between the two meshes: of modal results, else of deflection ratios."""
     levels = (choice.level, replace(choice.level, elements=other.fe_plan.plate.counts))
     made = [candidate(plan, level) for level in levels]
@@ -59,8 +58,8 @@ def _left_over_moved(outcome: Outcome, other: Outcome, choice: Choice, plan: Pla
     return abs(ratios[0] - choice.limit_deflection_ratio) / max(abs(ratios[0] - ratios[1]), TINY)
 
 
-def _run(plan: Plan, level: RefinementLevel) -> Outcome | None:
-    changed = make_plan(*vary(plan.source, level.changes))
+def _run(plan: RigidStages, level: RefinementLevel) -> Outcome | None:
+    changed = plan.varied(level.changes)
     try:
         return run_scene(changed)
     except InputError:

@@ -88,7 +88,7 @@ class Evidence:
         """The friction law of the scene."""
         from fem.contact.friction import FRICTION_LAWS
 
-        return FRICTION_LAWS[self.fe_plan.plan.scene.corner.reaction]
+        return FRICTION_LAWS[self.fe_plan.case.scene.corner.reaction]
 
     @cached_property
     def ringing(self) -> float:

@@ -48,7 +48,7 @@ def _friction(given: Evidence) -> Evaluation | None:
     if not given.friction.impulse:
         return None
     history = given.history
-    work = -given.fe_plan.plan.scene.corner_friction * _work(history["v_p"], history[given.friction.impulse])
+    work = -given.fe_plan.case.scene.corner_friction * _work(history["v_p"], history[given.friction.impulse])
     off = np.abs(history["friction_work"] - history["friction_work"][0] - work).max()
     meaning = (
         "work of friction in the ledger less coefficient x impulse x speed of the corner, over its largest"
@@ -74,14 +74,14 @@ def _against_rigid(given: Evidence) -> Evaluation | None:
     ringing = 0.0 * history["v_p"]
     if given.friction.impulse == "normal_impulse_magnitude":
         rectified = history["normal_impulse_magnitude"] - np.abs(history["normal_impulse"])
-        ringing = -given.fe_plan.plan.scene.corner_friction * _work(history["v_p"], rectified)
+        ringing = -given.fe_plan.case.scene.corner_friction * _work(history["v_p"], rectified)
     known = np.isfinite(expected)
     off = np.abs(history["friction_work"] - ringing - expected)[known].max()
     meaning = (
         "work of friction, but for what a ringing reaction adds, less the rigid solution's, over its largest"
     )
     value = _share(off, np.abs(expected[known]).max())
-    flexible = sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.deflection_ratio
+    flexible = sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio
     return Evaluation(value, 0.05 + 2.0 * flexible, meaning)
 
 

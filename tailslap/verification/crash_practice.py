@@ -62,8 +62,8 @@ def _hourglass_of_total(given: Evidence) -> Evaluation:
 
 
 def _added_mass(given: Evidence) -> Evaluation:
-    vehicle, plate = given.fe_plan.plan.scene.vehicle, given.fe_plan.plate
-    body = plate_density(given.fe_plan.plan.scene, plate) * plate.thickness * vehicle.length * vehicle.width
+    vehicle, plate = given.fe_plan.case.scene.vehicle, given.fe_plan.plate
+    body = plate_density(given.fe_plan.case.scene, plate) * plate.thickness * vehicle.length * vehicle.width
     meaning = (
         "mass of the model over density x volume, less 1; no mass is scaled here, and the exact inertia moves mass "
         f"between nodes but adds none, so the limit is rounding; {NCHRP}, would be 0.05"
@@ -77,7 +77,7 @@ def _metric(metric: str, customary: float, what: str, given: Evidence) -> Evalua
     sizes = np.abs([getattr(given.metrics[name], metric) for name in names])
     worst = int(np.argmax(sizes))  # the first NaN, where there is one
     meaning = f"{what}, largest for {names[worst]}; {NCHRP}"
-    limit = max(customary, 2.0 * sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.deflection_ratio)
+    limit = max(customary, 2.0 * sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio)
     if limit > customary:
         meaning += f" {customary:g}, here twice what the flexibility of this soft plate changes"
     return Evaluation(sizes[worst], limit, meaning)

@@ -9,7 +9,6 @@ import numpy as np
 
 from postprocess.comparison.comparison import largest
 from tailslap.planning.flexibility import sensitivity
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.verification.check import (
     FINER,
     MORE_DAMPING,
@@ -46,8 +45,8 @@ def _reached(given: Evidence) -> Evaluation:
 
 
 def _finite(given: Evidence) -> Evaluation:
-    force = given.fe_plan.plan.force
-    theory = (*stage_two_numbers(given.fe_plan.plan).values(), force.impulse, force.peak_force)
+    force = given.fe_plan.case.force
+    theory = (*given.fe_plan.case.tail_slap.values(), force.impulse, force.peak_force)
     results = [*given.history.values(), np.array([*theory, *given.differences.values()], dtype=float)]
     bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
     return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
@@ -75,14 +74,14 @@ def _momentum(given: Evidence) -> Evaluation:
 
 
 def _penetration(given: Evidence) -> Evaluation:
-    gap = np.abs(given.history["gap"]).max() / given.fe_plan.plan.body.width
+    gap = np.abs(given.history["gap"]).max() / given.fe_plan.case.body.width
     return Evaluation(gap, 0.01, "largest distance of the corner from the wall's line over the plate's width")
 
 
 def _ringing(given: Evidence) -> Evaluation | None:
     if not given.relieved:
         return None
-    limit = max(RINGING, SHARE * sensitivity(given.fe_plan.plan.start.angle) * given.fe_plan.deflection_ratio)
+    limit = max(RINGING, SHARE * sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio)
     return Evaluation(
         given.ringing, limit, "friction added by a ringing reaction, as its share of v_GX or omega"
     )
@@ -148,7 +147,7 @@ def _numerical_error(given: Evidence) -> Evaluation:
 
 def _agreement(given: Evidence) -> Evaluation | None:
     """Only where the scene demands it: a flexible plate that is right need not agree."""
-    verify = given.fe_plan.plan.scene.verify
+    verify = given.fe_plan.case.scene.verify
     if verify is None:
         return None
     meaning = "largest difference from the rigid motion; the scene demands it by verify.tolerance"

@@ -104,7 +104,7 @@ def numerical_error(
     fe_plan: FePlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
 ) -> NumericalError:
     """The estimate; differences: from the rigid motion, empty if there is no result; ringing: friction by ringing."""
-    factor, relieved = sensitivity(fe_plan.plan.start.angle), fe_plan.plate.relieved
+    factor, relieved = sensitivity(fe_plan.case.start.angle), fe_plan.plate.relieved
     by_statics = factor * max(fe_plan.deflection_ratio, fe_plan.other_deflection_ratio)
     return NumericalError(
         time_step=(1.0 / fe_plan.expected_steps) ** 2,
@@ -131,8 +131,8 @@ def _oscillation_lost(fe_plan: FePlan) -> float:
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
-    lost = oscillation_lost(fe_plan.plan, fe_plan.elastic_energy, mass, damping.rate)
-    return lost if fe_plan.rang else lost + friction_lost(fe_plan.plan, damping.rate)
+    lost = oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
+    return lost if fe_plan.rang else lost + friction_lost(fe_plan.case, damping.rate)
 
 
 def _distance(differences: Mapping[str, float], second: SecondRun) -> float:

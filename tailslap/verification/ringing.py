@@ -19,6 +19,6 @@ def friction_by_ringing(fe_plan: FePlan, row: Mapping[str, float]) -> float:
     row: of the history. The share of v_GX or omega, whichever is more, that this has taken off by then.
     """
     rectified = row["normal_impulse_magnitude"] - abs(row["normal_impulse"])
-    speed = fe_plan.plan.scene.corner_friction * rectified / fe_plan.model.mass
-    radius, strike = fe_plan.plan.body.corner_radius, fe_plan.plan.motion.strike
+    speed = fe_plan.case.scene.corner_friction * rectified / fe_plan.model.mass
+    radius, strike = fe_plan.case.body.corner_radius, fe_plan.case.motion.strike
     return max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / (radius * strike.omega))

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.plan import Plan, with_changes
 from tailslap.scene.schema import Plate
 
 FINER_UP_TO = 400
@@ -28,7 +28,7 @@ def second_meshes(fe_plan: FePlan) -> Iterator[Plate]:
         yield plate.model_copy(update={"elements": elements, "element": richer or plate.element})
 
 
-def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
+def on_mesh(fe_plan: FePlan, plate: Plate) -> RigidStages:
     """The plan as asked for on the mesh of this plate, the exact constraint in place of a spring that is given."""
     changes: dict[str, Any] = {"plate.elements": plate.elements, "plate.element": plate.element}
     changes |= {"plate.distortion": 0.0, "plate.lumping": "exact", "output": None}
@@ -38,21 +38,21 @@ def on_mesh(fe_plan: FePlan, plate: Plate) -> Plan:
             "corner.penalty_scale": None,
             "corner.damping_ratio": None,
         }
-    return with_changes(fe_plan.asked, changes)
+    return fe_plan.asked.with_changes(changes)
 
 
-def damped_alike(plan: Plan, fe_plan: FePlan) -> Plan:
+def damped_alike(plan: RigidStages, fe_plan: FePlan) -> RigidStages:
     """The plan with the elastic velocities damped as in this run."""
     damping = fe_plan.model.loop.elastic_damping
     if damping is not None:
-        return with_changes(plan, {"damping.kind": "elastic-velocity", "damping.rate": damping.rate})
-    return plan if plan.scene.damping else with_changes(plan, {"damping.kind": "none"})
+        return plan.with_changes({"damping.kind": "elastic-velocity", "damping.rate": damping.rate})
+    return plan if plan.scene.damping else plan.with_changes({"damping.kind": "none"})
 
 
-def damped_freely(plan: Plan) -> Plan:
+def damped_freely(plan: RigidStages) -> RigidStages:
     """The plan with its damping left to the program, but for what is in proportion to the stiffness."""
     damping = plan.scene.damping
     if damping is None or damping.kind is None:
         return plan
     own = {"damping.kind": None, "damping.rate": None}
-    return with_changes(plan, own if damping.ratio or damping.bulk_viscosity else {"damping": None})
+    return plan.with_changes(own if damping.ratio or damping.bulk_viscosity else {"damping": None})

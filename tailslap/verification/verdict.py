@@ -44,7 +44,7 @@ def _comparison(outcome: Outcome) -> str:
 
 def flutter_sentence(fe_plan: FePlan) -> str:
     """What is predicted of a plate that rings, by friction or by rounding, and what is done against it."""
-    growth, damping = fe_plan.growth, fe_plan.plan.scene.damping
+    growth, damping = fe_plan.growth, fe_plan.case.scene.damping
     judged = ", judged on coarser meshes" if growth.stand_in else ""
     needed = suppressing_rate(growth)
     if math.isnan(growth.rate):

@@ -11,7 +11,7 @@ from tailslap.verification.checks import CHECKS
 def rise(given: Evidence) -> Evaluation | None:
     if "height" not in given.history:
         return None
-    risen = float(np.diff(given.history["height"]).max()) / given.fe_plan.plan.body.width
+    risen = float(np.diff(given.history["height"]).max()) / given.fe_plan.case.body.width
     return Evaluation(risen, 0.0, "largest rise of the plate between two rows over its width")
 
 

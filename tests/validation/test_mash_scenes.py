@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tailslap.planning.plan import make_plan
+from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene, shipped_scenes, title
 
 pytestmark = pytest.mark.validation
@@ -84,7 +84,7 @@ def test_scenes_say_what_is_assumed(name: str) -> None:
 @pytest.mark.parametrize("vehicle", ["car", "pickup"])
 def test_a_level_changes_the_speed_alone(level: str, vehicle: str) -> None:
     """The same vehicle at every level; velocities after the impact go with the speed before it."""
-    plan, fastest = (make_plan(*read_scene(f"mash-{tl}-{vehicle}")) for tl in (level, "tl3"))
+    plan, fastest = (CornerCase(*read_scene(f"mash-{tl}-{vehicle}")) for tl in (level, "tl3"))
     assert plan.scene.vehicle == fastest.scene.vehicle
     speeds = [p.scene.impact.speed for p in (plan, fastest) if p.scene.impact]
     assert plan.force.peak_force / fastest.force.peak_force == pytest.approx(speeds[0] / speeds[1], rel=1e-12)
@@ -95,4 +95,4 @@ def test_the_plate_runs_and_passes_its_checks(outcome: Callable[..., Any], name:
     result = outcome(name)
     assert [check.name for check in result.checks if not check.passed] == []
     assert max(map(abs, result.difference.values())) < 5e-5
-    assert result.fe_plan.model.mass == pytest.approx(result.fe_plan.plan.scene.vehicle.mass, rel=1e-12)
+    assert result.fe_plan.model.mass == pytest.approx(result.fe_plan.case.scene.vehicle.mass, rel=1e-12)

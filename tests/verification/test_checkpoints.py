@@ -18,14 +18,14 @@ import pytest
 from fem.explicit.checkpoint import Arrays
 from fem.explicit.impact_run import simulate_impact
 from fem.explicit.simulate import simulate
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import _status
 from tailslap.errors import Interrupted
 from tailslap.execution import checkpoints
 from tailslap.execution.checkpoints import checkpointed, next_checkpoint
 from tailslap.impact.fe_plan import make_impact_fe_plan
-from tailslap.impact.plan import make_impact_plan
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -59,10 +59,10 @@ def same(a: Any, b: Any) -> None:
 
 @pytest.mark.parametrize("at", [1, 20, 45])
 def test_the_loop_goes_on_with_the_same_bits(at: int) -> None:
-    fe_plan = make_fe_plan(make_plan(*read_scene("paper-table-3")))
+    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3")))
 
     def run(keeper: Any) -> Any:
-        duration = fe_plan.plan.motion.strike.t
+        duration = fe_plan.case.motion.strike.t
         return simulate(fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper)
 
     stopping = Stopping(at)
@@ -86,7 +86,7 @@ WALL_THAT_GIVES = (
 @pytest.mark.parametrize("wall", [(), WALL_THAT_GIVES], ids=["rigid wall", "wall that gives"])
 def test_a_whole_impact_goes_on_with_the_same_bits(wall: tuple[str, ...]) -> None:
     scene = ("time.end=0.4", "plate.elements=[8,3]", *wall)
-    fe_plan = make_impact_fe_plan(make_impact_plan(*read_scene("impact-mash-tl4-sut", scene)))
+    fe_plan = make_impact_fe_plan(ImpactCase(*read_scene("impact-mash-tl4-sut", scene)))
 
     def run(keeper: Any) -> Any:
         return simulate_impact(fe_plan.model, fe_plan.touch, fe_plan.sample, 0.4, checkpoint=keeper)

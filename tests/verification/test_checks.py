@@ -90,7 +90,7 @@ def test_a_difference_that_the_scene_does_not_allow(outcome: Callable[..., Any])
 
 def test_a_result_of_the_theory_that_is_not_finite(outcome: Callable[..., Any]) -> None:
     result = outcome("paper-table-3")
-    plan = result.fe_plan.plan
+    plan = result.fe_plan.case
     endless = replace(plan, force=replace(plan.force, peak_force=math.inf))
     assert failed(replace(result, fe_plan=replace(result.fe_plan, plan=endless))) == {"finite numbers"}
 
@@ -177,10 +177,10 @@ def test_work_that_friction_did_not_do(outcome: Callable[..., Any], reaction: st
 def test_friction_work_that_is_another_body_s(outcome: Callable[..., Any]) -> None:
     """Work, impulse and energy agree with each other, and with a friction 10 % higher than the scene's."""
     result = outcome("paper-table-3")
-    work, law = result.run.history["friction_work"], result.fe_plan.plan.scene.corner
-    corner = law.model_copy(update={"friction": 1.1 * result.fe_plan.plan.scene.corner_friction})
-    scene = result.fe_plan.plan.scene.model_copy(update={"corner": corner})
-    fe_plan = replace(result.fe_plan, plan=replace(result.fe_plan.plan, scene=scene))
+    work, law = result.run.history["friction_work"], result.fe_plan.case.scene.corner
+    corner = law.model_copy(update={"friction": 1.1 * result.fe_plan.case.scene.corner_friction})
+    scene = result.fe_plan.case.scene.model_copy(update={"corner": corner})
+    fe_plan = replace(result.fe_plan, plan=replace(result.fe_plan.case, scene=scene))
     columns = {"friction_work": lambda w: 1.1 * w, "kinetic_energy": lambda e: e + 0.1 * work}
     assert failed(replace(result, fe_plan=fe_plan), **columns) == {"friction work against rigid"}
 

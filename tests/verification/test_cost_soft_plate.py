@@ -11,8 +11,8 @@ import pytest
 
 from postprocess.comparison.comparison import largest_relative
 from postprocess.report.report import write_report
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.cost.campaign import ROUNDING, summed_up
@@ -43,7 +43,7 @@ def made_records(todo: list[Setting], order: float = 2.0) -> dict[str, Any]:
 
 @pytest.mark.long
 def test_page_and_summary(tmp_path: Path) -> None:
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     todo = [*settings(plan.scene), *soft_settings(plan.scene)]
     found = summed_up(plan, todo, made_records(todo), ("plate.start=inertia-relief",), TRUTH, 1.0)
     report = cost_report(found)
@@ -59,7 +59,7 @@ def test_page_and_summary(tmp_path: Path) -> None:
 
 
 def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known() -> None:
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     todo = [*settings(plan.scene), *soft_settings(plan.scene)]
     found = summed_up(plan, todo, made_records(todo), (), {k: 1.01 * v for k, v in TRUTH.items()}, 1.0)
     assert found.limit.values == pytest.approx(TRUTH, rel=1e-9)
@@ -89,9 +89,9 @@ def test_limit_without_convergence_is_the_finest_and_little_known() -> None:
 )
 def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None:
     """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
-    plan = make_plan(*read_scene("paper-table-3", changes))
+    plan = CornerCase(*read_scene("paper-table-3", changes))
     soft, source = vary(plan.source, {**soft_changes(plan), "plate.element": "quad9"})
-    fe_plan = make_fe_plan(make_plan(soft, source))
+    fe_plan = make_fe_plan(CornerCase(soft, source))
     assert soft.plate is not None
     assert soft.plate.first_frequency is None
     frequency, patch = (5.0, 1.0) if "corner.patch_length=1" in changes else (8.0, 2.0)
@@ -103,7 +103,7 @@ def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None
 @pytest.mark.long
 def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> None:
     """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     soft, todo = vary(plan.source, soft_changes(plan))[1], soft_settings(plan.scene)
     by_key = {setting.key.removeprefix("soft plate, "): setting for setting in todo}
     wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")

@@ -10,8 +10,7 @@ import pytest
 
 from postprocess.comparison.comparison import largest_relative
 from postprocess.comparison.grid_convergence import grid_convergence
-from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import stage_two_numbers
+from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, vary
 from tailslap.scene_run import run_scene
@@ -86,11 +85,11 @@ def test_settings_have_names_of_their_own() -> None:
 
 
 def test_rigid_methods_are_as_good_as_they_say() -> None:
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     exact = measure(plan.source, Setting(EXACT, "exact", "closed form"))
-    assert largest_relative(exact["values"], stage_two_numbers(plan)) == 0.0
+    assert largest_relative(exact["values"], plan.tail_slap) == 0.0
     tight = measure(plan.source, Setting(ODE, "DOP853", "tight", rtol=1e-11))
-    assert largest_relative(tight["values"], stage_two_numbers(plan)) < 1e-12
+    assert largest_relative(tight["values"], plan.tail_slap) < 1e-12
     assert len(tight["loop"]) > 3
 
 
@@ -99,7 +98,7 @@ def test_finite_elements_are_measured_and_refusals_noted() -> None:
     found = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
     assert len(found["loop"]) == len(found["setup"]) >= 2
     assert found["failed"] == []
-    own = run_scene(make_plan(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))))
+    own = run_scene(CornerCase(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))))
     assert found["values"] == own.fe
     exact = vary(base, {"corner.constraint": "exact"})[1]
     refused = measure(exact, Setting(FE, "p", "p", {"corner.penalty_scale": 3.0}))
@@ -111,7 +110,7 @@ def test_time_step_converges_with_order_two() -> None:
     values = []
     for factor in (0.225, 0.45, 0.9):
         changes = ("plate.elements=[6,2]", f"time.safety_factor={factor}")
-        values.append(run_scene(make_plan(*read_scene("paper-abaqus", changes))).fe)
+        values.append(run_scene(CornerCase(*read_scene("paper-abaqus", changes))).fe)
     for name in ("t", "slide"):
         found = grid_convergence(tuple(v[name] for v in values), (2.0, 2.0))  # type: ignore[arg-type]
         assert found.order == pytest.approx(2.0, abs=0.1)
@@ -124,7 +123,7 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ..
     values = []
     for n in (80, 40, 20):
         changes = (*soft, f"plate.elements=[{n},{3 * n // 10}]")
-        values.append(run_scene(make_plan(*read_scene("paper-abaqus", changes))).fe["v_gy"])
+        values.append(run_scene(CornerCase(*read_scene("paper-abaqus", changes))).fe["v_gy"])
     found = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
     assert (found.behaviour == "converging") == converges
     if converges:
@@ -137,7 +136,7 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ..
 def test_interrupted_study_measures_only_what_is_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     done: list[str] = []
 
     def noted(source: Source, setting: Setting) -> dict[str, Any]:

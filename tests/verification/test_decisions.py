@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
-from tailslap.planning.cost import loop_seconds
 from tailslap.planning.decide_damping import decide_damping, harms, suppressing_rate
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.planning.flexibility import RECTIFIED, friction_lost
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import run_scene
 from tailslap.verification.numerical_error import numerical_error
@@ -29,7 +29,7 @@ FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")
 
 
 def fe_plan(*changes: str) -> FePlan:
-    return make_fe_plan(make_plan(*read_scene("mash-tl4-sut", ("wall=", *changes))))
+    return make_fe_plan(CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))))
 
 
 def decided(*changes: str) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def test_shipped_scene_leaves_nothing_to_decide() -> None:
 def test_elements_left_out_are_of_one_proportion(length: str, width: str) -> None:
     plan = fe_plan("plate.elements=", f"vehicle.length={length}", f"vehicle.width={width}")
     along, across = plan.plate.counts
-    body = plan.plan.body
+    body = plan.case.body
     assert 0.8 < (body.length / along) / (body.width / across) < 1.8
     assert 90 <= along * across <= 150
 
@@ -93,7 +93,7 @@ SLENDER = ("vehicle.width=0.6", "plate.youngs_modulus=1e10", "plate.elements=[20
 
 
 def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without() -> None:
-    plan = make_plan(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
+    plan = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
     first, again = make_fe_plan(plan), make_fe_plan(plan, more_damping=4.0)
     assert first.growth.overdamps
     assert first.model.loop.elastic_damping is None
@@ -142,7 +142,7 @@ def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome: Calla
     fe_plan = damped.fe_plan
     assert fe_plan.rang
     told = numerical_error(replace(fe_plan, rang=False), damped.difference, 0.0, damped.second).damping
-    added = friction_lost(fe_plan.plan, fe_plan.model.loop.elastic_damping.rate)
+    added = friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
     assert told == pytest.approx(damped.error.damping + added)
     assert added > 3e-4
 
@@ -152,7 +152,7 @@ def test_only_friction_on_the_magnitude_is_added_to(law: str, adds: bool) -> Non
     """Halved as the friction is, as long as that is little."""
     friction = () if law == "none" else ("corner.friction=0.02",)
     plan, less = (
-        make_plan(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
+        CornerCase(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
         for given in (friction, ("corner.friction=0.01",) if friction else ())
     )
     assert (friction_lost(plan, 1e9) > 0.0) is adds
@@ -252,12 +252,12 @@ H66 = (
 )
 def test_spring_that_rings_with_the_plate_does_not_pass(scene: tuple[str, ...], spring: str) -> None:
     """Unstressed plates whose penalty spring moved omega by 1e-2, and which once passed every check."""
-    plan = make_plan(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
-    exact = make_plan(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
+    plan = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
+    exact = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
     ringing, right = run_scene(plan), run_scene(exact)
     off = max(abs(value / right.fe[name] - 1.0) for name, value in ringing.fe.items())
     stated = ringing.error.total
-    assert right.fe_plan.plan.scene.corner.constraint == "exact"
+    assert right.fe_plan.case.scene.corner.constraint == "exact"
     assert not ringing.passed or off < 1.5 * stated
     assert math.isfinite(stated)
 

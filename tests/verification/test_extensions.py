@@ -21,8 +21,8 @@ from fem.registry import Registry
 from fem.start.statics import statics
 from postprocess.report.report import write_report
 from solver import REACTIONS
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
 from tailslap.report.run_report import run_report
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene
@@ -68,13 +68,13 @@ def registered() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def result(registered: None) -> Outcome:
-    return run_scene(make_plan(*read_scene("paper-table-3", SCENE)))
+    return run_scene(CornerCase(*read_scene("paper-table-3", SCENE)))
 
 
 @pytest.fixture(scope="module")
 def plate_result(registered: None) -> Outcome:
     """Of what may be added to the plate alone."""
-    return run_scene(make_plan(*read_scene("paper-table-3", PLATE)))
+    return run_scene(CornerCase(*read_scene("paper-table-3", PLATE)))
 
 
 @pytest.fixture(scope="module")

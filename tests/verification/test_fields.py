@@ -15,11 +15,11 @@ from fem.explicit.checkpoint import Arrays
 from fem.explicit.simulate import simulate
 from fem.explicit.snapshots import SnapshotKeeper
 from postprocess.fields.series import FieldSeries, read_fields, write_fields
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
-from tailslap.impact.plan import make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.report.fields import field_series
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import attempt
@@ -31,12 +31,12 @@ KEPT = "output.fields=6"
 
 @functools.cache
 def corner(*changes: str) -> Any:
-    return attempt(make_plan(*read_scene("paper-table-3", changes)))
+    return attempt(CornerCase(*read_scene("paper-table-3", changes)))
 
 
 @functools.cache
 def impact(*changes: str) -> Any:
-    return plain_run(make_fe_plan_timed(make_impact_plan(*read_scene("impact-mash-tl4-sut", changes))))
+    return plain_run(make_fe_plan_timed(ImpactCase(*read_scene("impact-mash-tl4-sut", changes))))
 
 
 class Stopping:
@@ -157,8 +157,8 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(
 
 
 def test_snapshots_survive_a_stop() -> None:
-    fe_plan = make_fe_plan(make_plan(*read_scene("paper-table-3", (KEPT,))))
-    duration = fe_plan.plan.motion.strike.t
+    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", (KEPT,))))
+    duration = fe_plan.case.motion.strike.t
     whole = simulate(fe_plan.model, fe_plan.start, duration, snapshots=6)
     stopping = Stopping(100)
     with pytest.raises(KeyboardInterrupt):

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import DONE, _status
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene.validate import validate
 from tailslap.scene.write import resolved_inputs
@@ -44,7 +44,7 @@ def dense_frequencies(model: Any) -> np.ndarray:
     ],
 )
 def test_the_model_has_it(change: tuple[str, ...]) -> None:
-    fe_plan = make_fe_plan(make_plan(*read_scene("paper-table-3", (*EIGHT, *change))))
+    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", (*EIGHT, *change))))
     frequencies = dense_frequencies(fe_plan.model)
     assert frequencies[:3].max() < 1e-4
     assert frequencies[3] == pytest.approx(8.0, rel=1e-10)
@@ -115,7 +115,7 @@ def test_reports_say_what_was_resolved(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def test_inputs_of_a_scene_with_its_modulus_are_as_before() -> None:
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     assert plan.scene.plate
     rows = {row.key: row for row in resolved_inputs(plan.scene, plan.source, plan.scene.plate)}
     assert rows["plate.youngs_modulus"].origin == "scene"
@@ -123,7 +123,7 @@ def test_inputs_of_a_scene_with_its_modulus_are_as_before() -> None:
 
 
 def test_too_stiff_names_the_key() -> None:
-    plan = make_plan(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e9")))
+    plan = CornerCase(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e9")))
     with pytest.raises(InputError) as caught:
         make_fe_plan(plan)
     assert caught.value.key == "plate.first_frequency"
@@ -131,5 +131,5 @@ def test_too_stiff_names_the_key() -> None:
 
 def test_rigid_method_needs_no_modulus_to_be_resolved() -> None:
     scene, source = read_scene("paper-table-3", EIGHT)
-    assert dataclasses.is_dataclass(make_plan(scene, source))
+    assert dataclasses.is_dataclass(CornerCase(scene, source))
     assert validate(source.given) == scene

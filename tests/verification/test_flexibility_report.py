@@ -15,9 +15,8 @@ import pytest
 
 from postprocess.comparison.comparison import KEYS
 from postprocess.report.report import report_text, write_report
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import CHECK_FAILED, _status
-from tailslap.planning.plan import Plan, make_plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.read import read_scene
 from tailslap.studies.flexibility import campaign as survey_module
 from tailslap.studies.flexibility.campaign import (
@@ -76,17 +75,17 @@ def main_meshes(record: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def plan() -> Plan:
-    return make_plan(*read_scene("paper-table-3", SMALL))
+def plan() -> CornerCase:
+    return CornerCase(*read_scene("paper-table-3", SMALL))
 
 
 @pytest.fixture(scope="module")
-def synthetic(plan: Plan) -> Callable[..., FlexibilityResults]:
+def synthetic(plan: CornerCase) -> Callable[..., FlexibilityResults]:
     """The campaign of a synthetic power law; changes: records by the place of the point."""
     sweep = replace(define(plan, SWEEP)[0], own_frequency=100.0)
 
     def build(changes: Mapping[int, dict[str, Any]] = {}) -> FlexibilityResults:
-        rigid = stage_two_numbers(plan)
+        rigid = plan.tail_slap
         records = [point_record(f, rigid) for f in SWEEP]
         points = tuple(
             make_point(f, changes.get(i, record), rigid)
@@ -109,8 +108,8 @@ def test_points_carry_difference_and_error(synthetic: Callable[..., FlexibilityR
         assert point.passed
 
 
-def test_what_meshes_do_not_show_is_added_to_the_error(plan: Plan) -> None:
-    rigid = stage_two_numbers(plan)
+def test_what_meshes_do_not_show_is_added_to_the_error(plan: CornerCase) -> None:
+    rigid = plan.tail_slap
     plain, damped = (make_point(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
     for name in ("v_gy", "reaction"):
         assert damped.errors[name] - plain.errors[name] == pytest.approx(1e-4, rel=1e-6)
@@ -119,7 +118,7 @@ def test_what_meshes_do_not_show_is_added_to_the_error(plan: Plan) -> None:
 
 
 def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., FlexibilityResults]) -> None:
-    rigid = stage_two_numbers(synthetic().sweep.plan)
+    rigid = synthetic().sweep.plan.tail_slap
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
     points: tuple[Point, ...] = synthetic({5: record}).points
@@ -140,7 +139,7 @@ def said(found: FlexibilityResults, tmp_path: Path) -> tuple[str, str]:
 def test_what_half_the_patch_changes_is_said(
     synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:
-    rigid = stage_two_numbers(synthetic().sweep.plan)
+    rigid = synthetic().sweep.plan.tail_slap
     record = point_record(SWEEP[4], rigid)
     longer = main_meshes(record)[-1]["values"]
     half = {name: rigid[name] + 1.1 * (longer[name] - rigid[name]) for name in rigid}
@@ -176,7 +175,7 @@ def test_what_the_starts_depart_from_is_said(
     synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:
     """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
-    rigid = stage_two_numbers(synthetic().sweep.plan)
+    rigid = synthetic().sweep.plan.tail_slap
     found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
     page = said(found, tmp_path)[1]
     rows = page[page.index("What each start departs from") :].split("<tr>")
@@ -203,7 +202,7 @@ def test_headline_of_what_is_not_known(synthetic: Callable[..., FlexibilityResul
     runs = {name: 3 * [refused] for name in STARTS}
     nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
     assert "no run passed its checks" in headline(nothing)
-    rigid = stage_two_numbers(nothing.sweep.plan)
+    rigid = nothing.sweep.plan.tail_slap
 
     def words(found: FlexibilityResults) -> str:
         return headline(found).replace("\N{NO-BREAK SPACE}", " ")
@@ -226,7 +225,7 @@ def test_headline_of_what_is_not_known(synthetic: Callable[..., FlexibilityResul
 def test_points_that_fail_are_shown_as_such(
     synthetic: Callable[..., FlexibilityResults], tmp_path: Path
 ) -> None:
-    rigid = stage_two_numbers(synthetic().sweep.plan)
+    rigid = synthetic().sweep.plan.tail_slap
     fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
     lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
     refused = point_record(SWEEP[0], rigid)
@@ -255,8 +254,8 @@ def test_points_that_fail_are_shown_as_such(
     assert len((tmp_path / "points.csv").read_text().splitlines()) == 10
 
 
-def test_interrupted_study_goes_on(plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rigid, done = stage_two_numbers(plan), []
+def test_interrupted_study_goes_on(plan: CornerCase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rigid, done = plan.tail_slap, []
 
     def one_at_a_time(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
         for key in parts:
@@ -277,10 +276,10 @@ def test_interrupted_study_goes_on(plan: Plan, tmp_path: Path, monkeypatch: pyte
 
 
 def test_exit_status_where_nothing_passed(
-    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    plan: CornerCase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def all_fail(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
-        rigid = stage_two_numbers(plan)
+        rigid = plan.tail_slap
         for key in parts:
             if key not in journal.records:
                 journal.add(key, point_record(5.0, rigid, values={}, failed=["finite numbers"]))

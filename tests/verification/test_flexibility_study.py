@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.comparison import largest_relative, relative_difference
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene
@@ -43,7 +42,7 @@ SMALL = ("plate.elements=[8,4]",)
 
 
 def small_sweep(scene: str, *given: float) -> Sweep:
-    return define(make_plan(*read_scene(scene, SMALL)), given)[0]
+    return define(CornerCase(*read_scene(scene, SMALL)), given)[0]
 
 
 @pytest.mark.parametrize(
@@ -66,7 +65,7 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency() -> None
     sweep = small_sweep("paper-abaqus", *given)
     runs = [one_run(sweep.plan.source, run_changes(sweep, hertz, (8, 4))) for hertz in given]
     assert not any(run["failed"] for run in runs)
-    rigid = stage_two_numbers(sweep.plan)
+    rigid = sweep.plan.tail_slap
     sizes = {
         "v_gy": [relative_difference(run["values"], rigid)["v_gy"] for run in runs],
         "v_gx": [relative_difference(run["values"], rigid)["v_gx"] for run in runs],
@@ -83,7 +82,7 @@ def test_the_modal_model_is_of_the_same_opinion() -> None:
     sweep = small_sweep("paper-table-3", 20.0)
     base, changes = sweep.plan.source, run_changes(sweep, 20.0, (8, 4))
     whole, modal = one_run(base, changes), modal_opinion(base, changes)
-    flexible = largest_relative(whole["values"], stage_two_numbers(sweep.plan))
+    flexible = largest_relative(whole["values"], sweep.plan.tail_slap)
     assert largest_relative(modal["values"], whole["values"]) < 1e-2 * flexible
     assert modal["estimate"] < 0.1 * flexible
     assert "unstressed" in modal_opinion(base, {**changes, "plate.start": "unstressed"})["refused"]
@@ -104,7 +103,7 @@ def test_the_largest_difference_is_seen_in_any_phase() -> None:
     """An oscillating plate strikes close to the rigid velocity here, and was ten times as far off before."""
     sweep = small_sweep("mash-tl4-sut", 25.0)
     changes = run_changes(sweep, 25.0, (8, 4), "unstressed")
-    outcome = run_scene(make_plan(*vary(sweep.plan.source, changes)))
+    outcome = run_scene(sweep.plan.varied(changes))
     largest, at_strike = largest_difference(outcome), abs(outcome.difference["v_gy"])
     difference = outcome.fe_history["v_gy"] - outcome.rigid_history["v_gy"]
     assert largest > 10.0 * at_strike
@@ -131,7 +130,7 @@ def test_meshes_and_hold() -> None:
 
 def test_three_starts_whatever_the_scene_has() -> None:
     own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
-    sweep, fe_plan = define(make_plan(*read_scene("mash-tl4-sut", own)), (50.0,))
+    sweep, fe_plan = define(CornerCase(*read_scene("mash-tl4-sut", own)), (50.0,))
     assert sweep.meshes[1] == (20, 6)  # what the program chooses where the scene does not
     changes = {name: run_changes(sweep, 50.0, sweep.meshes[0], name) for name in STARTS}
     scenes = {name: vary(sweep.plan.source, each)[0] for name, each in changes.items()}

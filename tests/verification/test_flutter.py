@@ -22,10 +22,10 @@ from fem.stability.flutter import (
     predict_flutter,
 )
 from fem.start.rigid_state import RigidStart, to_global
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning import decide_damping
 from tailslap.planning.decide_damping import REQUIRED_DAMPING
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -164,7 +164,7 @@ def test_only_meshes_that_can_be_analysed_are_made(monkeypatch: pytest.MonkeyPat
         return plain(plan, plate)
 
     monkeypatch.setattr(decide_damping, "make_static_model", counted)
-    plan = make_plan(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
+    plan = CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
     models = list(decide_damping._coarser_models(plan, plan.scene.needed_plate, MAX_UNKNOWNS))
     assert [2 * model.loop.mass.size <= MAX_UNKNOWNS for model in models] == [True, True]
     assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
@@ -175,7 +175,7 @@ def test_coarser_meshes_stand_in_for_a_large_one() -> None:
     """Their rates, with the margin, are above those of the mesh itself."""
     stiff = ("corner.constraint=exact", "impact.friction=0.8")
     changes = (*stiff, "plate.element=quad4", "plate.elements=[40, 14]")
-    plan = make_fe_plan(make_plan(*read_scene("mash-tl4-sut", changes)))
+    plan = make_fe_plan(CornerCase(*read_scene("mash-tl4-sut", changes)))
     assert plan.growth.stand_in
     angles = np.linspace(plan.start.angle, 0.0, 3)
     assert plan.growth.rate > max(growth_rates(plan.model, angle).max() for angle in angles)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from postprocess.report.report import write_report
-from tailslap.impact.plan import make_impact_plan
+from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import impacts
@@ -66,7 +66,7 @@ def test_what_a_plate_s_run_records(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_report_holds_every_plate(tmp_path: Path) -> None:
-    plan = make_impact_plan(*read_scene("impact-mash-tl4-sut"))
+    plan = ImpactCase(*read_scene("impact-mash-tl4-sut"))
     points = (*map(plate, FREQUENCIES[:-1]), plate(8.0, "energy balance"))
     levels = {name: levels_of(points, name) for name in NAMES}
     found = ImpactFlexibility(plan, points, levels, 69.0, 1.0, 3.0)

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import main
 from tailslap.errors import InputError
 from tailslap.impact.answers import strike_numbers
 from tailslap.impact.checks import CHECKS, MESH_CHECKS, energy_error
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.paper_method import paper_method
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
 from tailslap.impact.summary import wall_numbers
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.verification.check import evaluated
 
@@ -30,8 +30,8 @@ pytestmark = pytest.mark.verification
 SCENE = "impact-mash-tl4-sut"
 
 
-def planned(*changes: str, scene: str = SCENE) -> ImpactPlan:
-    return make_impact_plan(*read_scene(scene, changes))
+def planned(*changes: str, scene: str = SCENE) -> ImpactCase:
+    return ImpactCase(*read_scene(scene, changes))
 
 
 @functools.cache
@@ -93,7 +93,7 @@ COMPILED_APART = {"layer", "damped", "penalty", "exact"}
 )
 def test_conservation(case: str) -> None:
     outcome = ran(*CASES[case])
-    h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.plan.touch
+    h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.case.touch
     energy = 0.5 * mass * (touch.v_gx**2 + touch.v_gy**2)
     assert np.abs(mass * (h["v_gy"] - touch.v_gy) - h["normal_impulse"]).max() < 1e-9 * mass * 25.0
     assert np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() < 1e-9 * mass * 25.0
@@ -134,7 +134,7 @@ def test_momentum_of_the_end_follows_from_the_strikes() -> None:
     """Impulses of all strikes are the change of momentum across the wall."""
     for answer in (whole().fe, whole().rigid):
         total = sum(strike.impulse for strike in answer.strikes)
-        gained = whole().fe_plan.model.mass * (answer.end["v_gy"] - whole().fe_plan.plan.touch.v_gy)
+        gained = whole().fe_plan.model.mass * (answer.end["v_gy"] - whole().fe_plan.case.touch.v_gy)
         assert total == pytest.approx(gained, rel=1e-6)
 
 
@@ -293,9 +293,9 @@ def test_a_contact_too_stiff_for_the_plate_is_caught(changes: tuple[str, ...]) -
 def test_the_papers_method_stands_beside() -> None:
     """Its impulse is that of the same truck with a constrained corner; with the computed duration its force is less."""
     outcome = whole()
-    beside = paper_method(outcome.fe_plan.plan.scene, outcome.rigid)
+    beside = paper_method(outcome.fe_plan.case.scene, outcome.rigid)
     assert beside is not None
-    corner = make_plan(*read_scene("mash-tl4-sut"))
+    corner = CornerCase(*read_scene("mash-tl4-sut"))
     assert beside.impulse == pytest.approx(float(corner.force.impulse), rel=1e-12)
     assert beside.peak_force == pytest.approx(2.0 * beside.impulse / 0.1, rel=1e-12)
     assert beside.computed_peak_force == pytest.approx(

@@ -12,7 +12,7 @@ import pytest
 
 from postprocess.comparison.comparison import STRIKES
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
-from tailslap.analysis import analysis_of
+from tailslap.case import case_of
 from tailslap.errors import InputError
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
@@ -41,7 +41,7 @@ def scene_file(folder: Path, text: str) -> str:
 def test_a_row_is_what_the_rigid_vehicle_gives() -> None:
     source = source_of_text(RIGID, "rigid")
     row = compute_row(3, source, {"contact.stiffness": 3e6})
-    plan = analysis_of(vary(source, {})[0]).make_plan(*vary(source, {"contact.stiffness": 3e6}))
+    plan = case_of(*vary(source, {"contact.stiffness": 3e6}))
     first, second = plan.motion.strikes[:2]
     assert (row["run"], row["status"], row["rigid.strike_2.corner"]) == (3, "passed", "rear")
     assert row["rigid.strike_1.impulse"] == first.impulse

@@ -21,11 +21,11 @@ from fem.modal.modal_run import ModalMotion, integrate, modal_start
 from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart, to_global
 from postprocess.comparison.comparison import KEYS
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.modal_analysis.run import ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -40,7 +40,7 @@ TWENTY_HERTZ = "plate.youngs_modulus=6865876000"
 
 @functools.cache
 def plan(name: str, *changes: str) -> FePlan:
-    return make_fe_plan(make_plan(*read_scene(name, changes)))
+    return make_fe_plan(CornerCase(*read_scene(name, changes)))
 
 
 @functools.cache

@@ -10,9 +10,9 @@ import pytest
 
 from fem.discretisation.fields import nodal_spin
 from postprocess.comparison.comparison import largest
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.flexibility import comparable_plate
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import attempt, rings
 from tailslap.verification.ringing import CORRUPTED
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.verification
 
 
 def fe_plan(*changes: str) -> Any:
-    return make_fe_plan(make_plan(*read_scene("paper-abaqus", changes)))
+    return make_fe_plan(CornerCase(*read_scene("paper-abaqus", changes)))
 
 
 def failed(result: Any) -> set[str]:
@@ -128,6 +128,6 @@ def test_only_the_kind_of_damping_is_left_open() -> None:
         (("damping.kind=elastic-velocity", "damping.rate=20"), None),
         (("damping.kind=elastic-velocity", "damping.rate=20", "damping.ratio=0.1"), 0.1),
     ):
-        plan = damped_freely(make_plan(*read_scene("paper-table-3", given)))
+        plan = damped_freely(CornerCase(*read_scene("paper-table-3", given)))
         assert (plan.scene.damping and plan.scene.damping.ratio) == left
         assert plan.scene.damping is None or plan.scene.damping.kind is None

@@ -292,7 +292,7 @@ def test_the_answer_comes_first_and_detail_is_folded(outcome: Callable[..., Any]
     report = run_report(made, pictures=False)
     titles = [section.title for section in report.page.sections if not section.is_empty]
     assert titles[:2] == ["Peak lateral force", "At the tail-slap"]
-    force = made.fe_plan.plan.force.peak_force
+    force = made.fe_plan.case.force.peak_force
     assert f"{force / 1e3:#.4g}" in report.page.sections[0].tables[0].columns[2].text({"rigid": force})
     assert report.page.sections[0].tables[1].rows[0]["name"] == "AASHTO LRFD, TL-4"
     assert str(report.terminal[0]).startswith("mash-tl4-sut: The rigid motion is confirmed to")

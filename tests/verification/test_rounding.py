@@ -11,7 +11,7 @@ import pytest
 from fem.explicit.simulate import Stepper, simulate
 from fem.stability.rounding import rounding_noise
 from fem.start.rigid_state import RigidStart
-from tailslap.planning.plan import make_plan
+from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import attempt
 
@@ -65,7 +65,7 @@ def test_origin_changes_nothing_but_rounding(plate_model: Callable[..., Any]) ->
 def test_ripple_by_rounding_is_foreseen(changes: tuple[str, ...]) -> None:
     """Within a factor of one to four, never too low (benchmarks/rounding.py has more, with 1.3 to 2.6)."""
     alone = ("wall=", "corner.reaction=none", "damping.kind=none", "plate.element=quad4")
-    result = attempt(make_plan(*read_scene("mash-tl4-sut", (*alone, *changes))))
+    result = attempt(CornerCase(*read_scene("mash-tl4-sut", (*alone, *changes))))
     ripple = result.fe_history["reaction_normal"] - result.rigid_history["reaction_normal"]
     ripple = ripple[np.isfinite(ripple)]
     seen = np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2))

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tailslap.analysis import analysis_of
+from tailslap.case import case_of
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene, shipped_scenes
 from tailslap.scene.schema import Scene
 
@@ -26,7 +26,7 @@ def changed(*changes: str, scene: str = "paper-table-3") -> Scene:
 def test_shipped_scenes_have_their_own_name_and_a_solution(name: str) -> None:
     scene, text = read_scene(name)
     assert scene.name == name
-    plan = analysis_of(scene).make_plan(scene, text)
+    plan = case_of(scene, text)
     instants = [strike.start for strike in plan.motion.strikes] if scene.contact else [plan.motion.strike.t]
     assert instants[-1] > 0.0
 
@@ -134,7 +134,7 @@ def test_what_the_theory_refuses_names_the_scenes_key(
     changes: tuple[str, ...], key: str, allowed: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        make_plan(*read_scene("mash-tl4-sut", changes))
+        CornerCase(*read_scene("mash-tl4-sut", changes))
     assert caught.value.key == key
     assert allowed in caught.value.allowed
 
@@ -164,11 +164,11 @@ def test_tables_that_need_each_other(tmp_path: Path) -> None:
             read_scene(str(path))
         assert caught.value.key == key
     path.write_text(vehicle + start + "[corner]\nreaction = 'none'\n")
-    assert make_plan(*read_scene(str(path))).stage1 is None
+    assert CornerCase(*read_scene(str(path))).stage1 is None
 
 
 def test_a_partial_start_takes_the_rest_from_stage_one() -> None:
-    plan = make_plan(*read_scene("mash-tl4-sut", ("start.angle=0.2",)))
+    plan = CornerCase(*read_scene("mash-tl4-sut", ("start.angle=0.2",)))
     assert plan.stage1 is not None
     assert plan.start.angle == 0.2
     assert plan.start.omega == plan.stage1.omega

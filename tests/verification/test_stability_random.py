@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from postprocess.report.report import report_text, write_report
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.cost import expected_effort
 from tailslap.command_line import _status
 from tailslap.errors import InputError, Interrupted
-from tailslap.planning.effort import expected_effort
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import Changes, vary
@@ -60,7 +60,7 @@ def test_draws_are_scenes_that_can_be_planned_and_afforded(scene: str) -> None:
     own = read_scene(scene)[0]
     base = base_source(own)
     for number in range(20):
-        plan = make_plan(*vary(base, draw(own, base, 3, number)))
+        plan = CornerCase(*vary(base, draw(own, base, 3, number)))
         assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
 
 
@@ -173,7 +173,7 @@ def test_two_references_say_what_is_beyond_doubt(
     other: float | None, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One may agree by chance, and where there is no other there is doubt."""
-    outcome = run_scene(make_plan(*vary(SMALL, {})))
+    outcome = run_scene(CornerCase(*vary(SMALL, {})))
     histories = outcome.fe_history, outcome.rigid_history
     mesh = Check.at_most("mesh", 1.0, 0.0, "made to fail")
     failed = replace(outcome, difference=five(0.1), checks=(mesh,))
@@ -272,7 +272,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted() -> None:
-    outcome = run_scene(make_plan(*vary(SMALL, {})))
+    outcome = run_scene(CornerCase(*vary(SMALL, {})))
     assert trustworthy(outcome)
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
     assert trustworthy(replace(outcome, checks=(ringing,)))
@@ -297,7 +297,7 @@ def test_where_no_reference_is_trusted_there_is_none(monkeypatch: pytest.MonkeyP
 
 
 def campaign_of(*kinds: str) -> Campaign:
-    plan = make_plan(*read_scene("mash-tl4-sut"))
+    plan = CornerCase(*read_scene("mash-tl4-sut"))
     cells = {cell.key: cell for cell in random_cells(TRUCK, 1, len(kinds))}
     failed = {"caught": "mesh, time step", "good but failed": "mesh"}
     verdicts = [Verdict(kind, failed.get(kind, ""), distance=0.1, allowed=0.01) for kind in kinds]
@@ -328,14 +328,14 @@ def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
         found, cells={key: replace(cell, base=SMALL, changes={}) for key, cell in found.cells.items()}
     )
     write_report(stability_report(found), tmp_path)
-    assert run_scene(make_plan(*read_scene(str(tmp_path / "cell-0000.toml")))).fe
+    assert run_scene(CornerCase(*read_scene(str(tmp_path / "cell-0000.toml")))).fe
 
 
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
-    call = Call("mash-tl4-sut", (), make_plan(*read_scene("mash-tl4-sut")), tmp_path / "out")
+    call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [cell.tables for cell in found.cells.values()] == DRAWN[:4]
     assert found.counts["right"] == 4
@@ -359,7 +359,7 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right(stop_at="0002"))
-    call = Call("mash-tl4-sut", (), make_plan(*read_scene("mash-tl4-sut")), tmp_path / "out")
+    call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     with pytest.raises(Interrupted, match="2 parts are kept"):
         run_campaign(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
     monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
@@ -385,7 +385,7 @@ def test_map_and_random_cells_have_folders_of_their_own(
 @pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
 def test_every_check_has_advice(start: str) -> None:
     scene, source = vary(SMALL, {"plate.start": start, "verify.tolerance": 1e-3})
-    names = {check.name for check in run_scene(make_plan(scene, source)).checks}
+    names = {check.name for check in run_scene(CornerCase(scene, source)).checks}
     assert names <= {name for name, kind in CHECKS.items() if kind.advice}
 
 

@@ -19,10 +19,10 @@ from typing import Any
 import pytest
 
 from postprocess.report.report import write_report
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.stability.against_rigid import KINDS, against_rigid
@@ -205,7 +205,7 @@ def test_parts_that_the_journal_has_are_not_run_again(journal: Any) -> None:
 
 
 def campaign_of(*verdicts: Verdict) -> Campaign:
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     axes = stability_axes(plan.scene, 2)[:2]
     cells = {cell.key: cell for cell in map_cells(plan.scene, axes)}
     found = dict(zip(cells, verdicts, strict=True))

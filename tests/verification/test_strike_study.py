@@ -15,9 +15,9 @@ import pytest
 from postprocess.report.terminal import printed
 from postprocess.signals.filters import moving_mean
 from solver.impact import Strike, solve_impacts
+from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_impact
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
@@ -42,8 +42,8 @@ FIXED = (
 )
 
 
-def plan_of(*changes: str) -> ImpactPlan:
-    return make_impact_plan(*read_scene(TRUCK, changes))
+def plan_of(*changes: str) -> ImpactCase:
+    return ImpactCase(*read_scene(TRUCK, changes))
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +164,7 @@ def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(found: Strike
 
 
 def test_another_test_level_has_no_rows() -> None:
-    plan = make_impact_plan(*read_scene("impact-mash-tl3-car", ("plate=",)))
+    plan = ImpactCase(*read_scene("impact-mash-tl3-car", ("plate=",)))
     assert find_strikes(plan, band_ranges(plan, (), ()), 288).rows == ()
 
 
@@ -194,7 +194,7 @@ def test_contacts_of_a_corner_that_are_close_are_one_strike() -> None:
     ],
 )
 def test_contacts_that_the_study_cannot_vary_are_refused(changes: dict[str, Any], key: str) -> None:
-    plan = make_impact_plan(*vary(plan_of().source, changes))
+    plan = ImpactCase(*vary(plan_of().source, changes))
     with pytest.raises(InputError) as caught:
         demand_corners(plan)
     assert caught.value.key == key

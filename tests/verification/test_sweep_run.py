@@ -28,10 +28,8 @@ from tailslap.execution import cluster as cluster_module
 from tailslap.execution.dispatch import Dispatcher, SchedulerLostError
 from tailslap.execution.record_file import RecordFile
 from tailslap.execution.worker import OtherVersionError, Part, run_batch
-from tailslap.planning.plan import make_plan
 from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
-from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene
 from tailslap.sweeps.definition import Definition, make_definition
 from tailslap.sweeps.folder import _has_rows
@@ -156,7 +154,7 @@ def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
     assert _status(arguments) == 0
     rows, definition = table(place), definition_of(scene, varied)
-    runs = [run_scene(make_plan(*vary(definition.source, definition.changes_of(n)))) for n in range(2)]
+    runs = [run_scene(definition.varied(definition.changes_of(n))) for n in range(2)]
     for row, outcome in zip(rows, runs, strict=True):
         found = {name: row[f"fe.{name}"] for name in outcome.fe}
         assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
@@ -175,10 +173,10 @@ def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str
     for number in (0, 1, 157):
         row, outcome = (
             undisturbed[number],
-            run_scene(make_plan(*vary(definition.source, definition.changes_of(number)))),
+            run_scene(definition.varied(definition.changes_of(number))),
         )
         assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
-        assert row["corner.friction"] == outcome.fe_plan.plan.scene.corner_friction
+        assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
         for group in ("fe", "rigid", "difference"):
             found = {name: row[f"{group}.{name}"] for name in outcome.fe}
             assert found == pytest.approx(getattr(outcome, group), rel=1e-9, abs=1e-12)

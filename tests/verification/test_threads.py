@@ -8,9 +8,9 @@ import time
 import pytest
 
 from fem.explicit.parallel import Meeting, _meet, new_meeting
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning.decide_threads import ELEMENTS_A_THREAD, decide_threads
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -59,7 +59,7 @@ def test_threads_meet_again_and_again() -> None:
     ("elements", "used"), [((20, 6), 1), ((200, 60), 1), ((200, 100), 2), ((320, 96), 3)]
 )
 def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int], used: int) -> None:
-    plan = make_plan(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
+    plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
     assert plan.scene.plate
     decided, decisions = decide_threads(plan, plan.scene.plate)
     assert decided.scene.time.threads == used
@@ -70,8 +70,8 @@ def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int],
 
 
 def test_run_and_check_say_that_one_thread_is_used() -> None:
-    plan = make_plan(*read_scene("paper-table-3", ("time.threads=2",)))
+    plan = CornerCase(*read_scene("paper-table-3", ("time.threads=2",)))
     fe_plan = make_fe_plan(plan)
-    assert fe_plan.plan.scene.time.threads == 1
+    assert fe_plan.case.scene.time.threads == 1
     assert [decision.key for decision in fe_plan.decisions] == ["time.threads"]
     assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were asked for; ")

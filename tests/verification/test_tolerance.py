@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
 from tailslap.planning.flexibility import sensitivity
-from tailslap.planning.plan import Plan, make_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import run_scene
 from tailslap.tolerance import run_to_tolerance
@@ -27,8 +27,8 @@ pytestmark = pytest.mark.verification
 SOFT = ("plate.youngs_modulus=20 MPa", "corner.patch_length=1")
 
 
-def plan_of(name: str, *changes: str) -> Plan:
-    return make_plan(*read_scene(name, changes))
+def plan_of(name: str, *changes: str) -> CornerCase:
+    return CornerCase(*read_scene(name, changes))
 
 
 def choice_of(name: str, tolerance: float, *changes: str) -> Choice:
@@ -72,7 +72,7 @@ def test_soft_plate_is_held_against_its_own_limit() -> None:
     assert result.choice is not None
     assert result.choice.against == LIMIT
     fine = ("plate.element=quad9", "plate.elements=[40, 12]", "corner.constraint=exact")
-    truth = run_scene(make_plan(*read_scene("paper-table-3", (*SOFT, *fine)))).fe
+    truth = run_scene(CornerCase(*read_scene("paper-table-3", (*SOFT, *fine)))).fe
     error = max(abs(value / truth[name] - 1.0) for name, value in result.fe.items())
     assert error <= 2e-3
     assert error / 3.0 < check_of(result).value < 3.0 * error
@@ -109,9 +109,9 @@ def test_scene_that_says_how_its_corner_is_held_keeps_it() -> None:
 
 def test_expectation_that_fails_is_reported() -> None:
     """The check after the run does not trust the expectation: an answer worse than the tolerance fails."""
-    plan = make_plan(*read_scene("paper-table-3"))
+    plan = CornerCase(*read_scene("paper-table-3"))
     choice = choose(plan, 1e-4)
-    result = run_scene(make_plan(*read_scene("paper-table-3", choice.changes)))
+    result = run_scene(CornerCase(*read_scene("paper-table-3", choice.changes)))
     late = verified(result, replace(choice, tolerance=1e-6), plan)
     assert not late.passed
     assert not check_of(late).passed

@@ -18,12 +18,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.planning.plan import Plan, make_plan
 from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.scene.read import read_scene
-from tailslap.scene.vary import vary
 from tailslap.studies import study_names
 from tailslap.studies.uncertainty.indices import sobol_indices
 from tailslap.studies.uncertainty.model import peak_forces
@@ -39,8 +38,8 @@ E_LOW, E_HIGH, DT_LOW, DT_HIGH = 0.0, 0.4, 0.08, 0.18  # the default ranges
 MPH, DEGREE, POUND = 1609.344 / 3600.0, math.pi / 180.0, 0.45359237
 
 
-def plan_of(name: str, *changes: str) -> Plan:
-    return make_plan(*read_scene(name, changes))
+def plan_of(name: str, *changes: str) -> CornerCase:
+    return CornerCase(*read_scene(name, changes))
 
 
 def run(name: str, *ranges: str, fixed: tuple[str, ...] = (), samples: int = 100_000) -> Spread:
@@ -187,16 +186,16 @@ def test_the_bootstrap_s_intervals_are_those_of_random_rows() -> None:
 def test_each_combination_is_the_plan_s_own_solution(
     name: str, ranges: tuple[str, ...], changes: tuple[str, ...]
 ) -> None:
-    plan = make_plan(*read_scene(name, changes))
+    plan = CornerCase(*read_scene(name, changes))
     samples = draw(plan.scene, study_ranges(plan, ranges, ()), 10)
     for table, forces in ((samples.a, samples.force_a), (samples.b, samples.force_b)):
         for column, force in zip(table.T.tolist(), forces, strict=True):
             values = {item.key: x for item, x in zip(samples.ranges, column, strict=True)}
-            assert make_plan(*vary(plan.source, values)).force.peak_force == pytest.approx(force, rel=1e-12)
+            assert plan.varied(values).force.peak_force == pytest.approx(force, rel=1e-12)
 
 
 def test_mixtures_take_one_input_from_the_second_table() -> None:
-    plan = make_plan(*read_scene(TRUCK))
+    plan = CornerCase(*read_scene(TRUCK))
     samples = draw(plan.scene, study_ranges(plan, (), ()), 100)
     keys = [item.key for item in samples.ranges]
     for i in range(len(keys)):
@@ -352,7 +351,7 @@ def test_a_default_range_that_does_not_fit_says_whose_it_is() -> None:
 
 def test_a_force_that_does_not_change_has_no_indices() -> None:
     """[start] gives the state after the impact, so that the speed, forced to vary here, has no effect."""
-    plan = make_plan(*read_scene("paper-abaqus"))
+    plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(InputError, match="the same all over"):
         find_spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 

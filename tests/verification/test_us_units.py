@@ -16,11 +16,10 @@ from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.units import SI, US
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.impact.report import RISK
-from tailslap.planning.plan import make_plan
-from tailslap.planning.rigid import rigid_answer, rigid_lines
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
 from tailslap.studies.flexibility.report import STIFF
@@ -98,7 +97,7 @@ def test_what_is_shown() -> None:
 def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixture[str]) -> None:
     assert _status(["rigid", "mash-tl4-sut", "--units", "us"]) == 0
     text = capsys.readouterr().out
-    answer = rigid_answer(make_plan(*read_scene("mash-tl4-sut")))
+    answer = CornerCase(*read_scene("mash-tl4-sut")).rigid_numbers()
     lines = [line.split() for line in text.splitlines()]
     (peak,) = (line for line in lines if line[:2] == ["peak", "force"])
     (slide,) = (line for line in lines if line[:1] == ["slide"])
@@ -179,9 +178,9 @@ def test_records_that_name_their_unit_are_in_american_units() -> None:
 
 
 def test_si_stays_the_default() -> None:
-    plan = make_plan(*read_scene("mash-tl4-sut"))
-    assert rigid_lines(plan) == rigid_lines(plan, "si")
-    assert "kip" not in "\n".join(rigid_lines(plan))
+    plan = CornerCase(*read_scene("mash-tl4-sut"))
+    assert plan.rigid_text() == plan.rigid_text("si")
+    assert "kip" not in "\n".join(plan.rigid_text())
 
 
 def test_json_is_si_always(capsys: pytest.CaptureFixture[str]) -> None:
@@ -191,7 +190,7 @@ def test_json_is_si_always(capsys: pytest.CaptureFixture[str]) -> None:
     assert '--units: given "us"' in err
     assert _status(["rigid", "mash-tl4-sut", "--json", "--units", "si"]) == 0
     force = json.loads(capsys.readouterr().out)["stage3"]["peak_force"]
-    assert force == make_plan(*read_scene("mash-tl4-sut")).force.peak_force
+    assert force == CornerCase(*read_scene("mash-tl4-sut")).force.peak_force
     assert _status(["rigid", "mash-tl4-sut", "--units", "uk"]) == 2
 
 

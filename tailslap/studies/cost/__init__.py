@@ -1,7 +1,7 @@
 """The study `cost`: error against run time of every method and setting, and the cheapest for each error."""
 
-from tailslap.analysis import CORNER, WHOLE_IMPACT, later
-from tailslap.studies.study import Study
+from tailslap.case.case import CORNER, WHOLE_IMPACT
+from tailslap.studies.study import Study, later
 
 STUDY = Study(
     name="cost",

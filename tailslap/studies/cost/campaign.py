@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 
 from postprocess.comparison.comparison import KEYS, largest_relative
 from postprocess.comparison.grid_convergence import GridConvergence, grid_convergence
+from tailslap.case.corner.case import CornerCase
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
-from tailslap.planning.plan import Plan, make_plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.vary import shown, vary
 from tailslap.studies import with_elements
 from tailslap.studies.cost.limits import Limit, limit_of
@@ -45,7 +44,7 @@ def study_cost(call: Call) -> CostResults | ImpactCost:
     return campaign(with_elements(call.plan), call.place)
 
 
-def campaign(plan: Plan, place: Path) -> CostResults:
+def campaign(plan: CornerCase, place: Path) -> CostResults:
     """Measure every setting; an interrupted campaign of the same scene goes on from its journal beside `place`."""
     began, todo = time.perf_counter(), [*settings(plan.scene), *soft_settings(plan.scene)]
     definition = {"study": "cost", "scene": plan.scene.model_dump(), "settings": [s.key for s in todo]}
@@ -58,12 +57,12 @@ def campaign(plan: Plan, place: Path) -> CostResults:
         # One after the other: they are timed.
         run_parts(measure, parts, journal, f"{plan.scene.name}: {len(todo)} settings", workers=1)
         records = {setting.key: journal.records[setting.key] for setting in todo}
-    soft_truth = stage_two_numbers(make_plan(soft_scene))
+    soft_truth = CornerCase(soft_scene, soft).tail_slap
     return summed_up(plan, todo, records, shown(changes), soft_truth, time.perf_counter() - began)
 
 
 def summed_up(
-    plan: Plan,
+    plan: CornerCase,
     todo: list[Setting],
     records: dict[str, Record],
     soft: tuple[str, ...],
@@ -74,7 +73,7 @@ def summed_up(
     limit = limit_of([records[s.key] for s in todo if in_group(s, LIMIT)])
     steps = [records[s.key] for s in todo if in_group(s, SOFT_STEP)]
     mesh_limit = limit_of(steps if _halved(steps) else [])
-    rigid = Limit(stage_two_numbers(plan), ROUNDING)
+    rigid = Limit(plan.tail_slap, ROUNDING)
     return CostResults(
         plan=plan,
         points=tuple(point_of(s, records[s.key], limit if s.soft else rigid, mesh_limit) for s in todo),

@@ -7,12 +7,12 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.fe_plan import make_impact_fe_plan
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import compared, simulated
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
@@ -32,7 +32,7 @@ class ImpactCost:
     """The study: the points, the limit that errors are measured from, and the length that a corner's crush is spread
     over [m]; a point would have no limit."""
 
-    plan: ImpactPlan
+    plan: ImpactCase
     points: tuple[Point, ...]
     limit: Limit
     patch: float
@@ -72,7 +72,7 @@ def impact_settings(plate: Plate) -> list[Setting]:
     ]
 
 
-def _longest_element(plan: ImpactPlan, todo: list[Setting]) -> float:
+def _longest_element(plan: ImpactCase, todo: list[Setting]) -> float:
     """Of the coarsest mesh [m]; no corner's crush is spread over less."""
     along = (s.changes["plate.elements"][0] for s in todo if s.kind == FE)
     return plan.vehicle.length / min(along)
@@ -92,13 +92,13 @@ def _on(plate: Plate, group: str, label: str, changes: Changes) -> Setting:
 def measure(source: Source, setting: Setting) -> Record:
     """What the setting answers: the first two strikes, times [s] of every repeat, checks that failed."""
     try:
-        plan = make_impact_plan(*vary(source, setting.changes))
+        plan = ImpactCase(*vary(source, setting.changes))
         return _rigid(plan) if setting.kind == ODE else _finite_elements(plan)
     except InputError as error:
         return {"refused": str(error)}
 
 
-def _rigid(plan: ImpactPlan) -> Record:
+def _rigid(plan: ImpactCase) -> Record:
     loops: list[float] = []
     motion = plan.motion
     while len(loops) < MAX_REPEATS:
@@ -108,7 +108,7 @@ def _rigid(plan: ImpactPlan) -> Record:
     return {"values": _values(motion.strikes), "setup": [0.0], "loop": loops, "steps": 0, "failed": []}
 
 
-def _finite_elements(plan: ImpactPlan) -> Record:
+def _finite_elements(plan: ImpactCase) -> Record:
     from fem.explicit.impact_run import compile_impact_loop
 
     began = time.perf_counter()

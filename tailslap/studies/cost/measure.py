@@ -9,9 +9,9 @@ from typing import Any
 
 from postprocess.comparison.comparison import KEYS
 from solver import integrate_odes, plane_motion
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
-from tailslap.planning.cost import loop_seconds
-from tailslap.planning.plan import Plan, make_plan
 from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost.settings import EXACT, MODAL, ODE, Setting
 from tailslap.verification.check import failed_names
@@ -30,31 +30,31 @@ Record = dict[str, Any]
 
 def measure(source: Source, setting: Setting) -> Record:
     """What the setting gives: the five quantities, times [s] of every repeat, and what its own checks say."""
-    plan = make_plan(*vary(source, {}))
+    plan = CornerCase(*vary(source, {}))
     if setting.kind == EXACT:
         return _rigid(plan, lambda: plane_motion(*_stage_two(plan)).strike)
     if setting.kind == ODE:
         return _rigid(plan, lambda: _integrated(plan, setting))
     try:
-        changed = make_plan(*vary(source, setting.changes))
+        changed = CornerCase(*vary(source, setting.changes))
         return _modal(changed, setting) if setting.kind == MODAL else _finite_elements(changed, setting)
     except InputError as error:
         return {"refused": str(error)}
 
 
-def _integrated(plan: Plan, setting: Setting) -> Any:
+def _integrated(plan: CornerCase, setting: Setting) -> Any:
     method, rtol = setting.group, setting.rtol
     return integrate_odes(*_stage_two(plan), method=method, rtol=rtol, atol=0.01 * rtol).strike
 
 
-def _stage_two(plan: Plan) -> tuple[Any, Any, Any, Any, Any, Any]:
+def _stage_two(plan: CornerCase) -> tuple[Any, Any, Any, Any, Any, Any]:
     """What the theory takes for Stage 2."""
     start, scene = plan.start, plan.scene
     rest = (scene.corner_friction, scene.corner.rigid_reaction)
     return plan.body, start.angle, start.omega, start.corner_speed, *rest
 
 
-def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
+def _rigid(plan: CornerCase, solve: Callable[[], Any]) -> Record:
     solve()
     strike: Any = None
     loops: list[float] = []
@@ -66,7 +66,7 @@ def _rigid(plan: Plan, solve: Callable[[], Any]) -> Record:
     return {"values": values, "setup": [0.0], "loop": loops, "steps": 0, "failed": []}
 
 
-def _modal(plan: Plan, setting: Setting) -> Record:
+def _modal(plan: CornerCase, setting: Setting) -> Record:
     """Integration and set-up, of which meshing and assembling are a part; not the runs of its own estimate."""
     from tailslap.modal_analysis.run import modal_run
     from tailslap.planning.fe_plan import make_fe_plan
@@ -85,7 +85,7 @@ def _modal(plan: Plan, setting: Setting) -> Record:
     return {"values": values, "setup": setups, "loop": loops, "steps": found.steps, "failed": failed}
 
 
-def _finite_elements(plan: Plan, setting: Setting) -> Record:
+def _finite_elements(plan: CornerCase, setting: Setting) -> Record:
     from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.scene_run import compare
 
@@ -126,6 +126,6 @@ def _simulated(fe_plan: Any, setting: Setting, rows: int, share: float = 1.0) ->
         from tailslap.studies.cost.single import SingleStepper
 
         stepper = SingleStepper
-    plan, kind = fe_plan.plan, fe_plan.plate.start
+    plan, kind = fe_plan.case, fe_plan.plate.start
     duration, threads = share * plan.motion.strike.t, plan.scene.time.threads
     return simulate(fe_plan.model, fe_plan.start, duration, kind, rows, threads, make_stepper=stepper)

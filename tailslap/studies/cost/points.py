@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from postprocess.comparison.grid_convergence import GridConvergence
-from tailslap.planning.plan import Plan
+from tailslap.case.corner.case import CornerCase
 from tailslap.studies.cost.limits import Limit, observed_order
 from tailslap.studies.cost.settings import EXACT, FE, MODAL, ODE, Setting
 
@@ -95,7 +95,7 @@ class CostResults:
     flexibility: distance of the soft plate's limit from its rigid motion.
     """
 
-    plan: Plan
+    plan: CornerCase
     points: tuple[Point, ...]
     convergence: dict[str, dict[str, GridConvergence]]
     soft: tuple[str, ...]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_model import resolved_plate
-from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes
 from tailslap.studies.cost.settings import DAMPING, FE, MODAL, MODES, PENALTY, STEP, Setting
@@ -37,7 +37,7 @@ CHOICE_MESH = 2
 """Choices are made on quad9, so many times finer than the coarsest mesh."""
 
 
-def soft_changes(plan: Plan) -> dict[str, Any]:
+def soft_changes(plan: CornerCase) -> dict[str, Any]:
     """What makes the scene's plate soft.
 
     The modulus that gives the first frequency is found once, so that every mesh is of the same plate. Friction is
@@ -57,7 +57,7 @@ def soft_changes(plan: Plan) -> dict[str, Any]:
     return changes | friction | dict.fromkeys(removed)
 
 
-def modulus(plan: Plan) -> float:
+def modulus(plan: CornerCase) -> float:
     """Young's modulus [Pa] that gives a fine mesh the first frequency."""
     plate = plan.scene.needed_plate
     changes = {

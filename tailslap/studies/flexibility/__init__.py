@@ -2,9 +2,9 @@
 
 import click
 
-from tailslap.analysis import CORNER, WHOLE_IMPACT, later
+from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import WORKERS, Whole
-from tailslap.studies.study import Study
+from tailslap.studies.study import Study, later
 
 POINTS = click.Option(
     ["--points"],

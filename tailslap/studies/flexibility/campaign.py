@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.comparison import KEYS
+from tailslap.case.corner.case import CornerCase
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.planning.fe_plan import FePlan
-from tailslap.planning.plan import Plan
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.scene.vary import Changes
 from tailslap.studies.flexibility.levels import Level, PowerLaw, Sample, jointly, lowest_frequency, power_law
 from tailslap.studies.flexibility.measure import measure
@@ -76,7 +75,7 @@ def study_flexibility(
 
 
 def campaign(
-    plan: Plan, frequencies: tuple[float, ...], place: Path, workers: int | None
+    plan: CornerCase, frequencies: tuple[float, ...], place: Path, workers: int | None
 ) -> FlexibilityResults:
     """Run every point; an interrupted campaign of the same scene goes on from its journal beside `place`."""
     began = time.perf_counter()
@@ -87,7 +86,7 @@ def campaign(
         parts = _parts(sweep, fe_plan)
         run_parts(measure, parts, journal, f"{plan.scene.name}: {len(parts)} plates", workers)
         records = [journal.records[key] for key in parts]
-    rigid = stage_two_numbers(plan)
+    rigid = plan.tail_slap
     points = tuple(make_point(f, record, rigid) for f, record in zip(frequencies, records, strict=True))
     return summed_up(sweep, points, time.perf_counter() - began)
 

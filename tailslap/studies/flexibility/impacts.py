@@ -7,13 +7,13 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.execution.journal import Journal
 from tailslap.execution.run_parts import run_parts
 from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.fe_plan import make_impact_fe_plan
 from tailslap.impact.outcome import COMPARED
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.run import run_impact
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.flexibility.levels import Level, Sample, lowest_frequency
@@ -63,7 +63,7 @@ class ImpactFlexibility:
     """The finished study: plates from stiff to soft, levels by `NAMES`, the scene's own first frequency [Hz] and the
     length that a corner's crush is spread over [m]."""
 
-    plan: ImpactPlan
+    plan: ImpactCase
     points: tuple[ImpactPoint, ...]
     levels: dict[str, tuple[Level, ...]]
     own_frequency: float
@@ -92,7 +92,7 @@ def impact_flexibility(call: Call, frequencies: tuple[float, ...], workers: int 
     return ImpactFlexibility(plan, points, levels, own.first_frequency, patch, time.perf_counter() - began)
 
 
-def patch_length(plan: ImpactPlan) -> float:
+def patch_length(plan: ImpactCase) -> float:
     """Length of side that a corner's crush is spread over [m]: the scene's, or the study's."""
     contact = plan.scene.contact
     return (contact.patch_length if contact else None) or PATCH * plan.vehicle.length
@@ -108,7 +108,7 @@ def measure_impact(source: Source, changes: Changes) -> dict[str, Any]:
     """A plate's run as a record of the journal."""
     nothing = dict.fromkeys(NAMES, math.nan)
     try:
-        outcome = run_impact(make_impact_plan(*vary(source, changes)))
+        outcome = run_impact(ImpactCase(*vary(source, changes)))
     except InputError as error:
         return {"difference": nothing, "error": nothing, "why": str(error)}
     return {

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.plan import make_plan
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import Outcome, run_scene
 from tailslap.studies.flexibility.sweep import STARTS, Section
@@ -62,7 +62,7 @@ def one_run(base: Source, changes: Changes | None) -> Record:
         return {"refused": "left out: its time loop would take too long"}
     began = time.perf_counter()
     try:
-        outcome = run_scene(make_plan(*vary(base, changes)))
+        outcome = run_scene(CornerCase(*vary(base, changes)))
     except InputError as error:
         return {"refused": str(error)}
     except Exception as error:  # one point must not end the study; it is shown as failed
@@ -126,7 +126,7 @@ def modal_opinion(base: Source, changes: Changes) -> Record:
     from tailslap.modal_analysis.run import modal_run
 
     try:
-        found = modal_run(make_fe_plan(make_plan(*vary(base, changes))), tolerance=1.0)
+        found = modal_run(make_fe_plan(CornerCase(*vary(base, changes))), tolerance=1.0)
     except InputError as error:
         return {"refused": str(error)}
     except Exception as error:  # as above

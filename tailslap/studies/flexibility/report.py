@@ -9,7 +9,6 @@ from postprocess.report.numbers import known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
-from tailslap.planning.rigid import stage_two_numbers
 from tailslap.report.common import study_page, study_summary
 from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.diagrams import START_NAMES, SYMBOLS, figures
@@ -109,7 +108,7 @@ def summary(found: FlexibilityResults) -> dict[str, Any]:
         **study_summary("flexibility", sweep.plan),
         "passed": found.passed,
         "headline": headline(found),
-        "rigid": stage_two_numbers(sweep.plan),
+        "rigid": sweep.plan.tail_slap,
         "own_frequency": sweep.own_frequency,
         "corner": sweep.support,
         "meshes": sweep.meshes,

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.start.start_kinds import START_KINDS
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
-from tailslap.planning.cost import loop_seconds
 from tailslap.planning.fe_model import MIN_STEPS, plate_density
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import Changes
@@ -64,7 +64,7 @@ class Sweep:
     """The study's definition. meshes: coarse to fine, each twice the last; element: that of the scene's own plate;
     own_frequency: of that plate [Hz]."""
 
-    plan: Plan
+    plan: CornerCase
     frequencies: tuple[float, ...]
     meshes: tuple[tuple[int, int], ...]
     element: str
@@ -91,10 +91,10 @@ def _hertz(option: str, given: str) -> float:
         raise InputError(option, given, str(error)) from None
 
 
-def define(plan: Plan, sweep: tuple[float, ...]) -> tuple[Sweep, FePlan]:
+def define(plan: CornerCase, sweep: tuple[float, ...]) -> tuple[Sweep, FePlan]:
     """The sweep, and the scene's own finite-element plan. Raises InputError for keys that make no model."""
     fe_plan = make_fe_plan(plan)
-    plate, meshes = fe_plan.plate, three_meshes(fe_plan.plan.scene)
+    plate, meshes = fe_plan.plate, three_meshes(fe_plan.case.scene)
     own = Section(plate.thickness, plate_density(plan.scene, plate), plate.modulus)
     corner = corner_support(plan.scene, meshes[0])
     return Sweep(plan, sweep, meshes, plate.element, corner, fe_plan.first_frequency, own), fe_plan

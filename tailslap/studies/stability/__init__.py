@@ -5,9 +5,9 @@ With --random it draws scenes with all axes and choices at once, and compares ea
 
 import click
 
-from tailslap.analysis import CORNER, WHOLE_IMPACT, later
+from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import WORKERS, Real, Whole
-from tailslap.studies.study import Study
+from tailslap.studies.study import Study, later
 
 POINTS = click.Option(
     ["--points"],

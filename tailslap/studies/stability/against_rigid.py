@@ -9,10 +9,10 @@ from typing import Any
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
+from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
-from tailslap.planning.plan import Plan, make_plan
 from tailslap.scene.schema import Plate, Scene
-from tailslap.scene.vary import Changes, vary
+from tailslap.scene.vary import Changes
 from tailslap.scene_run import Outcome, run_scene
 from tailslap.studies.stability.reference import FLUTTER_DAMPING, quadratic_and_exact
 from tailslap.studies.stability.verdict import (
@@ -72,10 +72,10 @@ def _confirmed(outcome: Outcome, found: float, tolerance: float) -> Verdict:
     return verdict
 
 
-def _refined_difference(plan: Plan, changes: Changes) -> Mapping[str, float] | None:
+def _refined_difference(plan: RigidStages, changes: Changes) -> Mapping[str, float] | None:
     """Differences of a refined model from the rigid motion; None where they say nothing."""
     try:
-        refined = run_scene(make_plan(*vary(plan.source, changes)))
+        refined = run_scene(plan.varied(changes))
     except InputError:
         return None
     usable = (

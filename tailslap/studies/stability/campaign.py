@@ -36,7 +36,7 @@ class Campaign:
 
     Parameters
     ----------
-    plan : Plan or ImpactPlan
+    plan : Case
         The scene that they come from.
     axes : tuple of Axis
         Of the map; none where the cells are drawn at random.

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.cost import beam_frequency, expected_effort
 from tailslap.errors import InputError
-from tailslap.planning.effort import beam_frequency, expected_effort
-from tailslap.planning.plan import make_plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.stability.axes import Cell, base_source
@@ -62,7 +62,7 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
 def _affordable(base: Source, changes: Changes) -> bool:
     """Whether the rigid motion exists, and a run is not too long."""
     try:
-        plan = make_plan(*vary(base, changes))
+        plan = CornerCase(*vary(base, changes))
         effort = expected_effort(plan.scene, plan.motion.strike.t)
     except InputError:
         return False

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.outcome import ImpactOutcome, differences
-from tailslap.impact.plan import make_impact_plan
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary
@@ -56,10 +56,10 @@ def _confirmed(outcome: ImpactOutcome, found: float, tolerance: float) -> Verdic
 
 def _refined(outcome: ImpactOutcome) -> ImpactOutcome | None:
     """The first refined model that comes to a result that its own checks believe."""
-    plan = outcome.fe_plan.plan
+    plan = outcome.fe_plan.case
     for refine in (_richer, _finer):
         try:
-            changed = make_impact_plan(*vary(plan.source, refine(plan.scene, outcome.fe_plan.plate)))
+            changed = plan.varied(refine(plan.scene, outcome.fe_plan.plate))
             refined = plain_run(make_fe_plan_timed(changed))
         except InputError:
             continue
@@ -109,7 +109,7 @@ def _largest(differences: Mapping[str, float]) -> float:
 
 
 def _run(base: Source, changes: Changes) -> ImpactOutcome:
-    return run_impact(make_impact_plan(*vary(base, changes)))
+    return run_impact(ImpactCase(*vary(base, changes)))
 
 
 IMPACTS = Calculation(_run, claimed_error)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from fem.discretisation.element_kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.cost import expected_effort
 from tailslap.errors import InputError
-from tailslap.planning.effort import expected_effort
-from tailslap.planning.plan import make_plan
 from tailslap.scene.schema import Plate
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import Outcome, settled
@@ -69,7 +69,7 @@ def _references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference
     damped = ((FINER, FLUTTER_DAMPING), (0.7, FLUTTER_DAMPING)) if plate.relieved else ()
     for finer, ratio in ((finest, 0.0), (1.0, 0.0), (0.7, 0.0), *damped):
         try:
-            plan = make_plan(*vary(cell, reference_changes(plate, finer, ratio)))
+            plan = CornerCase(*vary(cell, reference_changes(plate, finer, ratio)))
             costly = expected_effort(plan.scene, plan.motion.strike.t).seconds > MAX_SECONDS
             outcome = None if costly else settled(plan)
         except InputError:

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.planning.plan import make_plan
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.scene_run import Outcome, run_scene
 
@@ -68,7 +68,7 @@ class Calculation(NamedTuple):
 
 
 def _run_corner(base: Source, changes: Changes) -> Outcome:
-    return run_scene(make_plan(*vary(base, changes)))
+    return run_scene(CornerCase(*vary(base, changes)))
 
 
 def _total_error(outcome: Outcome) -> float:

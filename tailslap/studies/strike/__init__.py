@@ -2,9 +2,9 @@
 
 import click
 
-from tailslap.analysis import WHOLE_IMPACT, later
+from tailslap.case.case import WHOLE_IMPACT
 from tailslap.options import Whole
-from tailslap.studies.study import Study
+from tailslap.studies.study import Study, later
 from tailslap.studies.uncertainty import FIXED, RANGES
 
 SAMPLES = click.Option(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Verbatim
-from tailslap.impact.plan import ImpactPlan
 from tailslap.studies.strike.impacts import measured
 from tailslap.studies.strike.quantities import Array
 from tailslap.studies.uncertainty.indices import sobol_indices
@@ -77,7 +77,7 @@ def band_of(values: Array) -> Band:
 
 
 def find_bands(
-    plan: ImpactPlan, ranges: tuple[Range, ...], at_least: int, progress: Callable[[float], None]
+    plan: ImpactCase, ranges: tuple[Range, ...], at_least: int, progress: Callable[[float], None]
 ) -> Bands:
     """Draw and solve; at least so many impacts. Raises InputError where most of them have no second strike."""
     rows = 1 << max(5, int(np.ceil(np.log2(at_least / (len(ranges) + 2)))))
@@ -114,7 +114,7 @@ def _sources(ranges: tuple[Range, ...], part: Array) -> tuple[VariedInput, ...]:
     return varied_inputs(ranges, sobol_indices(whole[0], whole[1], whole[2:], SEED))
 
 
-def conditional(plan: ImpactPlan, bands: Bands, known: Mapping[str, float]) -> Bands:
+def conditional(plan: ImpactCase, bands: Bands, known: Mapping[str, float]) -> Bands:
     """The same combinations with some inputs known: at these values [SI]."""
     rows = bands.columns["strike_1.impulse"].size
     inputs = {**bands.inputs, **{key: np.full(rows, value) for key, value in known.items()}}

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tailslap.impact.plan import ImpactPlan
+from tailslap.case.impact.case import ImpactCase
 from tailslap.impact.rigid_text import rigid_impact
 from tailslap.progress import progress_bar
 from tailslap.studies.strike.bands import Bands, find_bands
@@ -32,7 +32,7 @@ class Curve:
 class StrikeResults:
     """The finished study of a plan; own: what the scene's own values give, by column [SI]."""
 
-    plan: ImpactPlan
+    plan: ImpactCase
     own: Mapping[str, float]
     curves: tuple[Curve, ...]
     bands: Bands
@@ -47,7 +47,7 @@ def study_strike(call: Call, samples: int, ranges: tuple[str, ...], fixed: tuple
     return find_strikes(call.plan, band_ranges(call.plan, ranges, fixed), samples)
 
 
-def find_strikes(plan: ImpactPlan, ranges: tuple[Range, ...], at_least: int) -> StrikeResults:
+def find_strikes(plan: ImpactCase, ranges: tuple[Range, ...], at_least: int) -> StrikeResults:
     """Run the study: at least so many impacts for the bands."""
     with progress_bar(f"{plan.scene.name}: impacts") as progress:
         for name in ("scipy.stats", "scipy.signal"):  # slow to import
@@ -63,6 +63,6 @@ def find_strikes(plan: ImpactPlan, ranges: tuple[Range, ...], at_least: int) -> 
     return StrikeResults(plan, both_strikes(rigid_impact(plan)), curves, bands, rows, plates, seconds)
 
 
-def find_curves(plan: ImpactPlan) -> tuple[Curve, ...]:
+def find_curves(plan: ImpactCase) -> tuple[Curve, ...]:
     """Each input alone, the others as in the scene."""
     return tuple(Curve(item, measured(plan, {item.key: item.values})) for item in curve_inputs(plan))

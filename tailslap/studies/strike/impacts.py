@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from solver.impact import Impacts, solve_impacts
+from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, refusals
 from tailslap.errors import InputError, Missing
-from tailslap.impact.plan import AFTER_SECOND, LONGEST, ImpactPlan, refusals
 from tailslap.studies.strike.quantities import COLUMNS, STRIKES, Array, column, filtered, peaks_within
 
 ARGUMENTS = {
@@ -33,7 +34,7 @@ INTERVAL = 5e-4
 """Time between rows of the force histories [s]: peaks of a 50 ms mean are within 1e-4."""
 
 
-def demand_corners(plan: ImpactPlan) -> None:
+def demand_corners(plan: ImpactCase) -> None:
     """Raise InputError unless the corners alone touch, and crush."""
     contact = plan.scene.contact
     if contact is None or contact.stiffness is None:
@@ -45,7 +46,7 @@ def demand_corners(plan: ImpactPlan) -> None:
         raise InputError("contact.side_stiffness", contact.side_stiffness, allowed)
 
 
-def scene_values(plan: ImpactPlan) -> dict[str, float]:
+def scene_values(plan: ImpactCase) -> dict[str, float]:
     """The scene's own number of each key of `ARGUMENTS`."""
     scene, vehicle = plan.scene, plan.vehicle
     own = {key: getattr(getattr(scene, key.split(".")[0]), key.split(".")[1]) for key in ARGUMENTS}
@@ -54,13 +55,13 @@ def scene_values(plan: ImpactPlan) -> dict[str, float]:
 
 
 def measured(
-    plan: ImpactPlan, inputs: Mapping[str, Array], progress: Callable[[float], None] = lambda share: None
+    plan: ImpactCase, inputs: Mapping[str, Array], progress: Callable[[float], None] = lambda share: None
 ) -> dict[str, Array]:
     """The columns of `COLUMNS` [SI], shape (n,), of n impacts; NaN where there is no such strike.
 
     Parameters
     ----------
-    plan : ImpactPlan
+    plan : ImpactCase
         Gives what is not among the inputs; its yaw inertia, where the scene gives one, in proportion to the mass.
     inputs : dict of ndarray, shape (n,)
         By key of `ARGUMENTS` [SI].
@@ -90,12 +91,12 @@ def measured(
     return out
 
 
-def _block(plan: ImpactPlan, inputs: Mapping[str, Array]) -> dict[str, Array]:
+def _block(plan: ImpactCase, inputs: Mapping[str, Array]) -> dict[str, Array]:
     with refusals(plan.scene):
         return _columns(solve_impacts(**_arguments(plan, inputs), interval=INTERVAL))
 
 
-def _arguments(plan: ImpactPlan, inputs: Mapping[str, Array]) -> dict[str, Any]:
+def _arguments(plan: ImpactCase, inputs: Mapping[str, Array]) -> dict[str, Any]:
     values: dict[str, Array | float] = {**scene_values(plan), **inputs}
     if plan.scene.vehicle.centre_of_mass is None and "vehicle.centre_of_mass" not in inputs:
         values["vehicle.centre_of_mass"] = 0.5 * np.asarray(values["vehicle.length"])

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
-from tailslap.impact.plan import ImpactPlan
 from tailslap.studies.strike.impacts import ARGUMENTS, scene_values
 from tailslap.studies.strike.quantities import Array
 from tailslap.studies.uncertainty.ranges import Range, ranges_of
@@ -43,7 +43,7 @@ class InputCurve:
     own: float
 
 
-def curve_inputs(plan: ImpactPlan) -> tuple[InputCurve, ...]:
+def curve_inputs(plan: ImpactCase) -> tuple[InputCurve, ...]:
     """The inputs along whose curves one varies alone, others as the scene has them."""
     own = scene_values(plan)
     found = []
@@ -53,7 +53,7 @@ def curve_inputs(plan: ImpactPlan) -> tuple[InputCurve, ...]:
     return tuple(found)
 
 
-def _wide(plan: ImpactPlan, own: dict[str, float]) -> dict[str, tuple[float, float]]:
+def _wide(plan: ImpactCase, own: dict[str, float]) -> dict[str, tuple[float, float]]:
     stiffness, angle = own["contact.stiffness"], own["impact.angle"]
     length, mass, speed = (own[key] for key in ("vehicle.length", "vehicle.mass", "impact.speed"))
     return {
@@ -67,7 +67,7 @@ def _wide(plan: ImpactPlan, own: dict[str, float]) -> dict[str, tuple[float, flo
     }
 
 
-def band_ranges(plan: ImpactPlan, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
+def band_ranges(plan: ImpactCase, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
     """The ranges of the bands; ranges, fixed: as the user typed them. Raises InputError."""
     found = ranges_of(plan, tuple(ARGUMENTS), default_band(plan), ranges, fixed)
     own = scene_values(plan)
@@ -77,7 +77,7 @@ def band_ranges(plan: ImpactPlan, ranges: tuple[str, ...], fixed: tuple[str, ...
     return tuple(replace(item, given=own[item.key]) for item in found)
 
 
-def default_band(plan: ImpactPlan) -> dict[str, Limits]:
+def default_band(plan: ImpactCase) -> dict[str, Limits]:
     """Ranges of the bands by default: MASH's tolerances where they are known, the others assumed."""
     own, known = scene_values(plan), default_limits(plan.scene)
     stiffness, mass, length = (own[key] for key in ("contact.stiffness", "vehicle.mass", "vehicle.length"))

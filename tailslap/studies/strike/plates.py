@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from solver.impact import CORNERS as WALL_CORNERS
 from solver.impact import Strike
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.impact.answers import ImpactAnswer, nearest_corner
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
 from tailslap.impact.rigid_text import rigid_impact
-from tailslap.scene.vary import vary
 from tailslap.studies.strike.quantities import QUANTITIES, STRIKES, Array, column, filtered, peaks_within
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ class PlatePoint:
         return not self.failed and (math.isinf(self.frequency) or self.error <= WORST)
 
 
-def find_plates(plan: ImpactPlan, progress: Callable[[float], None]) -> tuple[PlatePoint, ...]:
+def find_plates(plan: ImpactCase, progress: Callable[[float], None]) -> tuple[PlatePoint, ...]:
     """All plates, softest first, the rigid vehicle last; none where the scene has no plate."""
     if plan.scene.plate is None:
         return ()
@@ -82,7 +81,7 @@ def find_plates(plan: ImpactPlan, progress: Callable[[float], None]) -> tuple[Pl
     return (*points, PlatePoint(math.inf, both_strikes(rigid_impact(plan)), {}, ()))
 
 
-def _point(plan: ImpactPlan, frequency: float) -> PlatePoint:
+def _point(plan: ImpactCase, frequency: float) -> PlatePoint:
     """On two meshes, the scene's and one twice as fine."""
     try:
         coarse, fine = (_run(plan, frequency, refined) for refined in (1, 2))
@@ -93,19 +92,17 @@ def _point(plan: ImpactPlan, frequency: float) -> PlatePoint:
     return PlatePoint(frequency, fine[0], errors, fine[1])
 
 
-def _run(plan: ImpactPlan, frequency: float, refined: int) -> tuple[dict[str, float], tuple[str, ...]]:
+def _run(plan: ImpactCase, frequency: float, refined: int) -> tuple[dict[str, float], tuple[str, ...]]:
     """Values and failed checks of a single run."""
     from tailslap.impact.checks import failed_but_mesh
     from tailslap.impact.run import make_fe_plan_timed, plain_run
 
-    outcome = plain_run(
-        make_fe_plan_timed(make_impact_plan(*vary(plan.source, _changes(plan, frequency, refined))))
-    )
+    outcome = plain_run(make_fe_plan_timed(plan.varied(_changes(plan, frequency, refined))))
     strikes = both_strikes(outcome.fe, corner_forces(outcome.run, plan.vehicle.length))
     return strikes, failed_but_mesh(outcome)
 
 
-def _changes(plan: ImpactPlan, frequency: float, refined: int) -> dict[str, Any]:
+def _changes(plan: ImpactCase, frequency: float, refined: int) -> dict[str, Any]:
     from tailslap.impact.fe_plan import chosen_plate
 
     along, across = chosen_plate(plan.scene)[0].counts

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tailslap.impact.plan import ImpactPlan, make_impact_plan
+from tailslap.case.impact.case import ImpactCase
 from tailslap.impact.rigid_text import rigid_impact
 from tailslap.paper.data import ROW_B_ANGLE, ROW_B_GIVEN, ROW_B_SPEED, TABLE_4, TABLE_5, ForceRow
-from tailslap.scene.vary import vary
 from tailslap.studies.strike.bands import Band, Bands, conditional
 from tailslap.studies.strike.impacts import measured
 from tailslap.studies.strike.plates import both_strikes
@@ -111,7 +110,7 @@ class RowBeside:
         return self.band.share_below(self.measured)
 
 
-def find_rows(plan: ImpactPlan, bands: Bands) -> tuple[RowBeside, ...]:
+def find_rows(plan: ImpactCase, bands: Bands) -> tuple[RowBeside, ...]:
     """All rows of both tables; none for a scene of another test level."""
     impact = plan.scene.impact
     if impact is None or impact.test_level != LEVEL:
@@ -126,12 +125,12 @@ def find_rows(plan: ImpactPlan, bands: Bands) -> tuple[RowBeside, ...]:
     return tuple(found)
 
 
-def _known_case(plan: ImpactPlan, bands: Bands, row: str) -> tuple[ImpactPlan, Bands]:
+def _known_case(plan: ImpactCase, bands: Bands, row: str) -> tuple[ImpactCase, Bands]:
     """Plan and bands with what is known of a row's impact."""
-    return make_impact_plan(*vary(plan.source, KNOWN[row])), conditional(plan, bands, KNOWN[row])
+    return plan.varied(KNOWN[row]), conditional(plan, bands, KNOWN[row])
 
 
-def _simulated(plan: ImpactPlan, bands: Bands, name: str) -> tuple[float, Band, float]:
+def _simulated(plan: ImpactCase, bands: Bands, name: str) -> tuple[float, Band, float]:
     """S by the solution from event to event, its band, and u_num: how far the many impacts' solution is from it."""
     exact = both_strikes(rigid_impact(plan))[name]
     own = {"contact.stiffness": plan.scene.contact.stiffness if plan.scene.contact else None}

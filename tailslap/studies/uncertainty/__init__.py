@@ -2,9 +2,8 @@
 
 import click
 
-from tailslap.analysis import later
 from tailslap.options import Whole
-from tailslap.studies.study import Study
+from tailslap.studies.study import Study, later
 
 SAMPLES = click.Option(
     ["--samples"],

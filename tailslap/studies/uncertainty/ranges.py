@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError, Verbatim
-from tailslap.planning.plan import Plan
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source, parse_value, vary
 from tailslap.scene.write import SceneInput, scene_inputs
@@ -51,7 +51,7 @@ class Range:
     origin: str
 
 
-def study_ranges(plan: Plan, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
+def study_ranges(plan: CornerCase, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
     """The ranges for the plan's scene, in the order of `KEYS`.
 
     ranges: of the form KEY=LOWER:UPPER; fixed: keys that do not vary. Raises InputError.

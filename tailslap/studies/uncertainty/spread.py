@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError, Verbatim
-from tailslap.planning.plan import Plan, make_plan
 from tailslap.progress import announced
-from tailslap.scene.vary import vary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.study import Call
 from tailslap.studies.uncertainty.indices import Indices, sobol_indices
@@ -69,7 +68,7 @@ class VariedInput:
 class Spread:
     """The finished study of a plan. first_refusal: why the theory refused the first combination, or ""."""
 
-    plan: Plan
+    plan: CornerCase
     samples: Samples
     distribution: Distribution
     indices: Indices
@@ -126,7 +125,7 @@ def study_spread(call: Call, samples: int, ranges: tuple[str, ...], fixed: tuple
     return find_spread(call.plan, study_ranges(call.plan, ranges, fixed), samples)
 
 
-def find_spread(plan: Plan, ranges: tuple[Range, ...], at_least: int) -> Spread:
+def find_spread(plan: CornerCase, ranges: tuple[Range, ...], at_least: int) -> Spread:
     """Run the study. Raises InputError where the theory refuses (nearly) all combinations."""
     importlib.import_module("scipy.stats")  # takes longer than the study
     began = time.perf_counter()
@@ -153,14 +152,14 @@ def describe(forces: Array) -> Distribution:
     return Distribution(float(forces.mean()), float(forces.std(ddof=1)), percentiles, edges, counts)
 
 
-def _first_refusal(plan: Plan, samples: Samples) -> str:
+def _first_refusal(plan: CornerCase, samples: Samples) -> str:
     """Why the first combination that is refused is."""
     forces = (samples.force_a, samples.force_b, *samples.force_ab)
     for table, force in zip(tables(samples.a, samples.b), forces, strict=True):
         for row in np.flatnonzero(np.isnan(force))[:1]:
             values = zip(samples.ranges, table[:, row].tolist(), strict=True)
             try:
-                make_plan(*vary(plan.source, {item.key: value for item, value in values}))
+                plan.varied({item.key: value for item, value in values})
             except InputError as error:
                 return str(error)
     return ""

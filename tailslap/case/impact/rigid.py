@@ -1,4 +1,4 @@
-"""From a scene of a whole impact to a plan: the rigid vehicle's impact, solved."""
+"""The rigid vehicle of a whole impact: its contact, first touch and motion."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
+from postprocess.comparison.comparison import STRIKES
 from solver import RigidBodyError
 from solver.impact import (
     CrushLaw,
@@ -17,9 +18,9 @@ from solver.impact import (
     first_touch,
     solve_impact,
 )
+from tailslap.case.case import WHOLE_IMPACT, Case
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Contact, Scene
-from tailslap.scene.vary import Source
 
 AFTER_SECOND = 0.1
 """Time [s] after the second strike at which an impact ends that has no time.end."""
@@ -29,28 +30,42 @@ LONGEST = 5.0
 
 
 @dataclass(frozen=True)
-class ImpactPlan:
-    """A scene with everything that follows from it without a mesh.
+class RigidImpact(Case):
+    """A scene with [contact]: the rigid vehicle, its contact and first touch; its impact is solved when asked for."""
 
-    Attributes
-    ----------
-    scene : Scene
-        As read, SI.
-    source : Source
-        Where it came from.
-    vehicle : ImpactVehicle
-        The rigid vehicle.
-    contact : WallContact
-        Its laws.
-    touch : ImpactState
-        State at first touch.
-    """
+    name = WHOLE_IMPACT
+    compared = STRIKES
 
-    scene: Scene
-    source: Source
-    vehicle: ImpactVehicle
-    contact: WallContact
-    touch: ImpactState
+    def __post_init__(self) -> None:
+        """Raise InputError, naming the scene's key, where there is no such vehicle, or no impact."""
+        if self.scene.impact is None or self.scene.contact is None:
+            raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
+        _ = self.touch
+        assert self.motion.strikes or self.scene.time.end
+
+    @cached_property
+    def vehicle(self) -> ImpactVehicle:
+        """The rigid vehicle."""
+        given = self.scene.vehicle
+        with refusals(self.scene):
+            return ImpactVehicle(
+                given.length, given.width, given.mass, given.centre_of_mass, given.yaw_inertia
+            )
+
+    @cached_property
+    def contact(self) -> WallContact:
+        """Its laws of contact."""
+        with refusals(self.scene):
+            return wall_contact(self.scene, self.scene.needed_contact)
+
+    @cached_property
+    def touch(self) -> ImpactState:
+        """State at first touch."""
+        vehicle, contact, impact = self.vehicle, self.contact, self.scene.impact
+        assert contact
+        assert impact
+        with refusals(self.scene):
+            return first_touch(vehicle, impact.angle, impact.speed)
 
     @cached_property
     def motion(self) -> ImpactMotion:
@@ -58,50 +73,16 @@ class ImpactPlan:
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> ImpactMotion:
-        """The same to another end [s]; None: to 0.1 s after the second strike."""
+        """The impact to another end [s]; None: to 0.1 s after the second strike."""
         with refusals(self.scene):
             return solve_impact(
                 self.vehicle, self.contact, self.touch, end, after_second=AFTER_SECOND, longest=LONGEST
             )
 
-
-def make_impact_plan(scene: Scene, source: Source | None = None) -> ImpactPlan:
-    """Solve the rigid vehicle's impact.
-
-    Parameters
-    ----------
-    scene : Scene
-        Of `read_scene`, with [contact].
-    source : Source, optional
-        Where it came from, for the report.
-
-    Returns
-    -------
-    ImpactPlan
-        Without mesh or finite-element model.
-
-    Raises
-    ------
-    InputError
-        Where there is no such vehicle, or no impact; it names the scene's key.
-    """
-    given, impact = scene.vehicle, scene.impact
-    if impact is None or scene.contact is None:
-        raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
-    with refusals(scene):
-        vehicle = ImpactVehicle(
-            given.length, given.width, given.mass, given.centre_of_mass, given.yaw_inertia
-        )
-        contact = wall_contact(scene, scene.contact)
-        plan = ImpactPlan(
-            scene,
-            source or Source.of(scene),
-            vehicle,
-            contact,
-            first_touch(vehicle, impact.angle, impact.speed),
-        )
-    assert plan.motion.strikes or scene.time.end
-    return plan
+    @property
+    def duration(self) -> float:
+        """End of the rigid vehicle's impact [s]."""
+        return self.motion.t_end
 
 
 def wall_contact(scene: Scene, contact: Contact) -> WallContact:

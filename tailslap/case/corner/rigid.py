@@ -1,0 +1,249 @@
+"""Stages 1 to 3 of the rigid body: from a scene to the tail-slap, and what `tailslap rigid` says of it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+from fem.kept import kept
+from postprocess.comparison.comparison import KEYS, TAIL_SLAP
+from solver import (
+    CONVENTIONS,
+    ImpulseResult,
+    PlaneMotion,
+    RectangularBody,
+    RigidBodyError,
+    StrikeForce,
+    corner_impulse,
+    plane_motion,
+    strike_force,
+)
+from tailslap.case.case import CORNER, Case
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene.schema import Scene
+from tailslap.scene.units import shown, value_line
+from tailslap.scene.vary import Changes, varied
+
+if TYPE_CHECKING:
+    import numpy as np
+
+ROWS = 401
+"""Instants of a history of the rigid motion."""
+
+STAGE_3 = ("impulse", "duration", "peak_force")
+LABELS = {
+    "angle": ("angle", "rad"),
+    "omega": ("angular velocity", "rad/s"),
+    "corner_speed": ("corner speed", "m/s"),
+    "impulse": ("impulse", "N s"),
+    "t": ("time", "s"),
+    "v_gx": ("v_GX", "m/s"),
+    "v_gy": ("v_GY", "m/s"),
+    "slide": ("slide", "m"),
+    "duration": ("duration", "s"),
+    "peak_force": ("peak force", "N"),
+}
+"""Labels and units of the stages' numbers."""
+
+
+@dataclass(frozen=True)
+class StageTwoStart:
+    """What Stage 2 starts from.
+
+    Attributes
+    ----------
+    angle : float
+        Between the side and the wall [rad].
+    omega : float
+        Angular velocity [rad/s], positive towards the wall.
+    corner_speed : float
+        Of the corner along the wall [m/s].
+    """
+
+    angle: float
+    omega: float
+    corner_speed: float
+
+
+@dataclass(frozen=True)
+class RigidStages(Case):
+    """A scene with a constrained corner: Stages 1 to 3 of the rigid body, solved when it is made."""
+
+    name = CORNER
+    compared = TAIL_SLAP
+
+    def __post_init__(self) -> None:
+        """Solve the stages. Raises InputError, naming the scene's key, where the rigid-body method has no answer."""
+        if self.scene.contact is not None:
+            allowed = (
+                "this command or study is of the paper's constrained corner; of a whole impact there are run, rigid, "
+                "check, sweep, and study strike, flexibility, cost, stability"
+            )
+            raise InputError("contact", "a table", allowed)
+        _ = self.force
+
+    @cached_property
+    def body(self) -> RectangularBody[float]:
+        """The vehicle."""
+        vehicle = self.scene.vehicle
+        with _refusals(self.scene, "vehicle"):
+            return RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
+
+    @cached_property
+    def stage1(self) -> ImpulseResult[float] | None:
+        """Stage 1; None without [impact]."""
+        impact = self.scene.impact
+        if impact is None or impact.friction is None or impact.restitution is None:
+            return None
+        given = (impact.speed, impact.angle, impact.friction, impact.restitution)
+        with _refusals(self.scene, "impact"):
+            return corner_impulse(self.body, *given, convention=impact.convention)
+
+    @cached_property
+    def start(self) -> StageTwoStart:
+        """What the scene gives, else what Stage 1 computes."""
+        given: dict[str, Any] = self.scene.start.model_dump() if self.scene.start else {}
+        found: dict[str, Any] = {}
+        if self.stage1 is not None and self.scene.impact is not None:
+            found = {"angle": self.scene.impact.angle, "omega": self.stage1.omega}
+            found["corner_speed"] = self.stage1.corner_speed
+        return StageTwoStart(**found | {key: value for key, value in given.items() if value is not None})
+
+    @cached_property
+    def motion(self) -> PlaneMotion:
+        """Stage 2, exact."""
+        return self._motion(self.body)
+
+    @cached_property
+    def force(self) -> StrikeForce[float]:
+        """Stage 3."""
+        speed, duration = self.motion.strike.v_gy, self.scene.strike.duration
+        with _refusals(self.scene, "strike"):
+            return strike_force(self.scene.vehicle.mass, speed, duration)
+
+    @property
+    def duration(self) -> float:
+        """Time to the tail-slap [s]."""
+        return self.motion.strike.t
+
+    @property
+    def tail_slap(self) -> dict[str, float]:
+        """State at the tail-slap, SI, by the names of `summary.json`."""
+        return {name: float(getattr(self.motion.strike, name)) for name in KEYS}
+
+    def motion_of_mass(self, mass: float) -> PlaneMotion:
+        """The same motion of a body of this mass [kg]: forces and energies change with it, nothing else."""
+        return self._motion(replace(self.body, mass=mass))
+
+    def _motion(self, body: RectangularBody[float]) -> PlaneMotion:
+        scene, start = self.scene, self.start
+        given = (start.angle, start.omega, start.corner_speed, scene.corner_friction)
+        with _refusals(scene, "start"):
+            motion: PlaneMotion = _solved_motion(body, *given, scene.corner.rigid_reaction)
+        return motion
+
+    def with_changes(self, changes: Changes) -> Self:
+        """The case with keys changed on which the rigid motion does not depend; its source stays as given."""
+        return replace(self, scene=varied(self.scene, changes))
+
+    def other_convention(self) -> tuple[str, Self] | None:
+        """The other convention of restitution and its case; None where Stage 1 does not set the start."""
+        impact, start = self.scene.impact, self.scene.start
+        if impact is None or (start and start.omega is not None):
+            return None
+        (other,) = (name for name in CONVENTIONS if name != impact.convention)
+        try:
+            return other, self.with_changes({"impact.convention": other})
+        except InputError:
+            return None
+
+    def rigid_history(self) -> dict[str, np.ndarray]:
+        """Columns of the rigid motion to the tail-slap, by their names in `history.csv`, SI."""
+        import numpy as np
+
+        from fem.explicit.columns import COLUMNS
+
+        state = self.motion.at(np.linspace(0.0, self.duration, ROWS))
+        return {name: getattr(state, name) for name in ("t", *COLUMNS) if hasattr(state, name)}
+
+    def rigid_numbers(self) -> dict[str, Any]:
+        """Stages 1 to 3, SI, and what the other convention of restitution would have given."""
+        other = self.other_convention()
+        return {
+            "scene": self.scene.name,
+            "stage1": self.stage1 and _numbers(self.stage1, "omega", "corner_speed", "impulse"),
+            "start": {"angle": self.start.angle, **_numbers(self.start, "omega", "corner_speed")},
+            "stage2": self.tail_slap,
+            "stage3": _numbers(self.force, *STAGE_3),
+            "other_convention": other
+            and {
+                "convention": other[0],
+                "omega": float(other[1].start.omega),
+                "stage3": _numbers(other[1].force, *STAGE_3),
+            },
+        }
+
+    def rigid_text(self, units: str = "si") -> list[str]:
+        """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
+        answer = self.rigid_numbers()
+
+        def rows(numbers: Mapping[str, float]) -> list[str]:
+            return [
+                value_line(LABELS[name][0], value, LABELS[name][1], units) for name, value in numbers.items()
+            ]
+
+        lines = [f"{self.scene.name}: rigid-body method, reaction {self.scene.corner.reaction}"]
+        lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
+        if answer["stage1"]:
+            lines += ["Stage 1, impulse at the front corner", *rows(answer["stage1"])]
+        lines += ["Stage 2, from", *rows(answer["start"]), "to the tail-slap", *rows(answer["stage2"])]
+        lines += ["Stage 3, tail-slap", *rows(answer["stage3"])]
+        if other := answer["other_convention"]:
+            force = shown(other["stage3"]["peak_force"], "N", units, digits=4)
+            lines += ["", f'With the convention "{other["convention"]}" the peak force would be {force}.']
+        return lines
+
+
+@kept("rigid motion")
+def _solved_motion(body: RectangularBody[float], *given: Any) -> PlaneMotion:
+    return plane_motion(body, *given)
+
+
+@contextmanager
+def _refusals(scene: Scene, table: str) -> Iterator[None]:
+    """Turn what the theory refuses into a message that names the scene's key."""
+    try:
+        yield
+    except RigidBodyError as error:
+        key, allowed = _key(scene, table, error.key), f"{error.why}; allowed: {error.allowed}"
+        if key == "impact.restitution" and scene.impact:  # it shows as an angular velocity of zero
+            raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None
+        given = f"{error.given} rad" if key.endswith(".angle") else str(error.given)
+        raise InputError(key, Verbatim(_with_degrees(given)), _with_degrees(allowed)) from None
+
+
+def _with_degrees(text: str) -> str:
+    """Angles in the text in degrees too: they may have been given so."""
+    return re.sub(r"([0-9.]+) rad\b(?!/)", lambda m: f"{m[0]} ({math.degrees(float(m[1])):.4g} deg)", text)
+
+
+def _key(scene: Scene, table: str, name: str) -> str:
+    """The key of the scene behind an input of the theory."""
+    if table != "start":
+        return f"{table}.{name}"
+    if name == "friction":
+        return "corner.friction" if scene.corner.friction is not None else "impact.friction"
+    if name == "reaction":
+        return "corner.reaction"
+    if scene.start and getattr(scene.start, name, None) is not None:
+        return f"start.{name}"
+    return "impact.restitution" if name == "omega" else f"impact.{'angle' if name == 'angle' else 'speed'}"
+
+
+def _numbers(found: object, *names: str) -> dict[str, float]:
+    return {name: float(getattr(found, name)) for name in names}

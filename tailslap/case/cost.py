@@ -1,0 +1,222 @@
+"""Steps, time and memory of a run by the scene alone, and whether this machine can carry it."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import resource
+from dataclasses import dataclass
+from pathlib import Path
+
+from fem.constitutive.materials import MATERIALS
+from fem.discretisation.element_kinds import ELEMENT_KINDS
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene.schema import Plate, Scene, Vehicle
+
+ELEMENTS = 120
+"""Elements in all of the first mesh that the program tries where the scene leaves them open."""
+
+NANOSECONDS = {"quad4": 12.0, "quad4-reduced": 12.0, "quad9": 75.0, "tri3": 8.0, "tri6": 40.0}
+"""Time that a cell of the mesh costs a step [ns], on one core; measured by `benchmarks/speed.py`."""
+
+POINTS = {"quad4": 4, "quad4-reduced": 1, "quad9": 9, "tri3": 2, "tri6": 6}
+"""Quadrature points of a cell of the mesh, at each of which a stress is taken."""
+
+OTHER_NS, OTHER_POINTS = 75.0, 9
+"""The same for an element from outside."""
+
+ROW_S = 5e-5
+"""Time that a row of the history costs [s], whatever the mesh."""
+
+
+def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
+    """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
+    stress = MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
+    cell = NANOSECONDS.get(element, OTHER_NS) + POINTS.get(element, OTHER_POINTS) * stress
+    return 1e-9 * steps * math.prod(counts) * cell + rows * ROW_S
+
+
+def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
+    """The key that makes a run long, and its value: what is farthest from usual."""
+    plate = scene.needed_plate
+    if scene.time.safety_factor < 0.1:
+        return "time.safety_factor", scene.time.safety_factor
+    if duration > 60.0:
+        start = scene.start
+        if start and start.omega is not None:
+            return "start.omega", start.omega
+        assert scene.impact is not None
+        return "impact.speed", scene.impact.speed
+    if plate.elements and math.prod(plate.elements) > 10_000:
+        return "plate.elements", Verbatim(list(plate.elements))
+    key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
+    return f"plate.{key}", getattr(plate, key)
+
+
+STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.5, "tri6": 3.5}
+"""Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
+
+OTHER_STEPS = 4.0
+"""The same for an element from outside."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Steps to the tail-slap, and seconds that they take."""
+
+    steps: float
+    seconds: float
+
+
+def expected_effort(scene: Scene, duration: float) -> Effort:
+    """Effort of a run over this time [s]; an open mesh counts as the program's first, of quadratic elements."""
+    body, plate = scene.vehicle, scene.needed_plate
+    element = plate.element if "element" in plate.model_fields_set else "quad9"
+    across_all = ELEMENTS * body.width / body.length
+    along, across = plate.elements or (math.sqrt(ELEMENTS * body.length / body.width), math.sqrt(across_all))
+    short = min(body.length / along, body.width / max(across, 2.0)) * (1.0 - plate.distortion)
+    crossings = duration * _wave_speed(body, plate) / short
+    ratio = (scene.damping.ratio if scene.damping else None) or 0.0
+    steps = max(
+        1000.0, STEPS_A_CROSSING.get(element, OTHER_STEPS) * crossings / (math.hypot(1.0, ratio) - ratio)
+    )
+    cells = (max(1, round(along)), max(1, round(across)))
+    return Effort(steps, loop_seconds(scene, element, cells, steps))
+
+
+def _wave_speed(body: Vehicle, plate: Plate) -> float:
+    area = body.length * body.width * plate.thickness
+    density = plate.density or body.mass / area
+    if plate.youngs_modulus is not None:
+        return math.sqrt(plate.youngs_modulus / density / (1.0 - plate.poissons_ratio**2))
+    slenderness = body.width / body.length
+    # A stubby plate shears: its modulus is higher than a beam's of that frequency.
+    shear = math.sqrt(1.0 + 8.0 * slenderness**2)
+    return (plate.first_frequency or 0.0) * body.length / (_BEAM * slenderness) * shear
+
+
+_BEAM = 22.3733 / (2.0 * math.pi * math.sqrt(12.0))
+"""First frequency of a free beam times its length squared, over wave speed and height."""
+
+
+def beam_frequency(scene: Scene, length: float, width: float, modulus: float) -> float:
+    """First frequency [Hz] of a slender plate of the scene's mass and thickness with these sides and modulus."""
+    vehicle, plate = scene.vehicle, scene.needed_plate
+    density = plate.density or vehicle.mass / (length * width * plate.thickness)
+    return float(_BEAM * math.sqrt(modulus / density) * width / length**2)
+
+
+BYTES_A_NODE, BASE_BYTES = 9e3, 0.25e9
+"""Memory of model, factorisation and state; measured on 40 000 and 160 000 nodes, quad4 and quad9."""
+
+BYTES_OF_FIELDS = 400.0
+"""Memory of a node at an instant whose fields are kept, while they are worked out."""
+
+MAX_SECONDS = 86_400.0
+"""Time of the loop above which a run has to be asked for explicitly."""
+
+MAX_THREADS = 8
+"""Threads that any machine may be asked for; above it, twice its cores."""
+
+LARGE = "--allow-large runs it all the same"
+
+
+CHECKED_UP_TO = 5_000
+"""Elements up to which `tailslap check` makes the model; above it tells the estimate alone."""
+
+
+def is_large(scene: Scene) -> bool:
+    """Whether the model of the scene's own elements is too large to be made for a look."""
+    plate = scene.plate
+    return bool(plate and plate.elements and math.prod(plate.elements) > CHECKED_UP_TO)
+
+
+def expected_nodes(scene: Scene) -> int:
+    """Nodes of the mesh, about; 0 where the program chooses the elements, which are few."""
+    plate = scene.plate
+    if plate is None or plate.elements is None:
+        return 0
+    return math.prod(plate.elements) * (1 if ELEMENT_KINDS[plate.element].richer else 4)
+
+
+def expected_memory(scene: Scene) -> float:
+    """Memory of a run [bytes]."""
+    a_node = BYTES_A_NODE + BYTES_OF_FIELDS * scene.kept_fields
+    return BASE_BYTES + a_node * expected_nodes(scene)
+
+
+def demand_run(scene: Scene, duration: float, allow_large: bool) -> None:
+    """Raise InputError where the scene has no plate, and unless that is allowed, as `demand_affordable`."""
+    if scene.needed_plate and not allow_large:
+        demand_affordable(scene, duration)
+
+
+def demand_affordable(scene: Scene, duration: float) -> None:
+    """Raise InputError, with the estimate, where a run over this time [s] would take more than there is."""
+    plate, threads = scene.plate, scene.time.threads
+    if plate is None:
+        return
+    most = max(MAX_THREADS, 2 * available_cores())
+    if threads > most:
+        why = f"{available_cores()} cores are here, and more threads than cores only wait for each other"
+        raise InputError("time.threads", threads, f"{why}; allowed are {most}; {LARGE}")
+    memory, free, seconds = (
+        expected_memory(scene),
+        available_memory(),
+        expected_effort(scene, duration).seconds,
+    )
+    if memory > free:
+        why = f"the run would take about {memory / 1e9:.2g} GB of memory, and {free / 1e9:.2g} GB are free"
+        given = Verbatim(list(plate.elements) if plate.elements else "open")
+        raise InputError("plate.elements", given, f"{why}; allowed are fewer; {LARGE}")
+    if seconds > MAX_SECONDS:
+        key, value = costly_key(scene, duration)
+        why = f"the time loop would take about {seconds / 3600.0:.2g} hours"
+        raise InputError(key, value, f"{why}; allowed are {MAX_SECONDS / 3600.0:g}; {LARGE}")
+
+
+def estimate_text(scene: Scene, duration: float) -> list[str]:
+    """Lines of `tailslap check` in place of the model's where the mesh is large."""
+    plate, effort = scene.needed_plate, expected_effort(scene, duration)
+    along, across = plate.counts
+    return [
+        f"{scene.name}: the scene is valid",
+        f"plate        {along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}",
+        f"memory       about {expected_memory(scene) / 1e9:.2g} GB",
+        f"steps        about {effort.steps:.2g}, about {effort.seconds:.2g} s in the time loop",
+        "model        not made: of so many elements this is an estimate from the scene alone",
+    ]
+
+
+CGROUP = Path("/sys/fs/cgroup")
+
+
+def available_cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def available_memory() -> float:
+    """Memory [bytes] that this process may still take: what is free, within the limits of its container and its own."""
+    return float(min((_free(), *_container(), *_own_limit())))
+
+
+def _free() -> float:
+    for line in Path("/proc/meminfo").read_text().splitlines():
+        if line.startswith("MemAvailable:"):
+            return 1024.0 * float(line.split()[1])
+    return float("inf")
+
+
+def _container() -> list[float]:
+    with contextlib.suppress(OSError, ValueError):
+        most, used = ((CGROUP / name).read_text() for name in ("memory.max", "memory.current"))
+        return [max(0.0, float(most) - float(used))]
+    return []
+
+
+def _own_limit() -> list[float]:
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    used = float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    return [] if most == resource.RLIM_INFINITY else [max(0.0, most - used)]
