@@ -177,7 +177,7 @@ def test_what_could_not_be_analysed_is_not_called_harmless() -> None:
     known = fe_plan()
     unknown = replace(known, growth=replace(known.growth, rate=math.nan, exponent=math.nan, stand_in=True))
     assert flutter_sentence(unknown).startswith("not analysed")
-    assert decide_damping(unknown.plan, unknown.growth)[1] == ()
+    assert decide_damping(unknown.case, unknown.growth)[1] == ()
     rings = replace(unknown.growth, ripple_rate=3.0)
     assert suppressing_rate(rings) == 3.0
 

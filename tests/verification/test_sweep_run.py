@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import pytest
 
 import tailslap
+from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.execution import cluster as cluster_module
@@ -30,6 +31,7 @@ from tailslap.execution.record_file import RecordFile
 from tailslap.execution.worker import OtherVersionError, Part, run_batch
 from tailslap.results.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
+from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene
 from tailslap.sweeps.definition import Definition, make_definition
 from tailslap.sweeps.folder import _has_rows
@@ -154,7 +156,7 @@ def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
     assert _status(arguments) == 0
     rows, definition = table(place), definition_of(scene, varied)
-    runs = [run_scene(definition.varied(definition.changes_of(n))) for n in range(2)]
+    runs = [run_scene(CornerCase(*vary(definition.source, definition.changes_of(n)))) for n in range(2)]
     for row, outcome in zip(rows, runs, strict=True):
         found = {name: row[f"fe.{name}"] for name in outcome.fe}
         assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
@@ -173,7 +175,7 @@ def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str
     for number in (0, 1, 157):
         row, outcome = (
             undisturbed[number],
-            run_scene(definition.varied(definition.changes_of(number))),
+            run_scene(CornerCase(*vary(definition.source, definition.changes_of(number)))),
         )
         assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
         assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
