@@ -58,7 +58,7 @@ def fe_scene(function: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], allow_large: bool, **options: Any) -> int:
-        from tailslap.planning.affordable import demand_run
+        from tailslap.case.cost import demand_run
 
         case = _case(name, changes)
         demand_run(case.scene, case.duration, allow_large)
