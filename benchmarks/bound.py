@@ -36,8 +36,8 @@ import numba
 import numpy as np
 
 from fem.explicit.internal_force import subtract_internal_forces
-from fem.explicit.simulate import Stepper
 from fem.machine_code.numba_code import make_dispatcher
+from fem.run.corner import Stepper
 
 CHAIN = 16
 """Multiply-adds one after the other on a number: few enough that several vectors of numbers are under way at once."""

@@ -13,7 +13,7 @@ import time
 import numpy as np
 from main_job import outcome, row, timed, worst
 
-from fem.explicit.simulate import Stepper, simulate
+from fem.run.corner import Stepper, simulate
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import FePlan
 from tailslap.scene.read import read_scene

@@ -15,7 +15,7 @@ from typing import Any
 
 from vehicles import plan_of
 
-from fem.explicit.simulate import Stepper, compile_loop
+from fem.run.corner import Stepper, compile_loop
 from tailslap.planning.decide_damping import predict_growth
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene_run import attempt

@@ -9,7 +9,7 @@ import statistics
 import time
 from typing import Any
 
-from fem.explicit.simulate import Stepper
+from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene.read import read_scene

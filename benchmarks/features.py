@@ -39,10 +39,10 @@ from fem.explicit.simd_blocks import (
     slot_count,
     subtract_first,
 )
-from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import LoopParameters, State, advance, copy_state, drift
 from fem.machine_code.kernel import Kernel
 from fem.machine_code.numba_code import compile_for, make_dispatcher
+from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import FePlan, make_fe_plan

@@ -13,7 +13,7 @@ import numpy as np
 from fem.discretisation.impact_model import build_impact_model
 from fem.discretisation.properties import ContactProperties, PlateProperties, StepProperties
 from fem.explicit.impact_loop import ImpactMeasures
-from fem.explicit.impact_run import FirstTouch, ImpactStepper, simulate_impact
+from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 from postprocess.report.table import pairs
 from postprocess.report.terminal import printed
@@ -45,7 +45,8 @@ def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndar
     rows = []
     for _ in range(round(16.0 * tau * periods / step)):
         state.velocities[1] -= gravity * step
-        values = dict(zip(ImpactMeasures._fields, stepper.record(state, 1, 1).values[0], strict=True))
+        rows, _, state = stepper.record(state, 1, 1)
+        values = dict(zip(ImpactMeasures._fields, rows[0], strict=False))
         held = sum(values[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
         rows.append((values["normal_impulse"], held + gravity * model.mass * values["y_g"]))
     impulse, energy = np.array(rows).T

@@ -19,7 +19,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.explicit.simulate import Stepper, simulate
+from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart, to_global
 from fem.start.start import start_fields
 from tailslap.case.corner.case import CornerCase

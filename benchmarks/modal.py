@@ -12,8 +12,8 @@ import time
 
 from main_job import row
 
-from fem.explicit.simulate import Run, simulate
 from fem.modal.modes import free_modes
+from fem.run.corner import Run, simulate
 from postprocess.comparison.comparison import KEYS
 from tailslap.case.corner.case import CornerCase
 from tailslap.modal_analysis.run import MODES, ModalRun, modal_run

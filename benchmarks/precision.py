@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.explicit.simulate import Run, Stepper, simulate
+from fem.run.corner import Run, Stepper, simulate
 from postprocess.comparison.comparison import KEYS, relative_difference
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import FePlan, make_fe_plan

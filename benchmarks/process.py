@@ -33,7 +33,7 @@ import statistics, sys, time
 from dataclasses import replace
 from fem.discretisation.model import static_model
 from fem.discretisation.properties import CornerProperties, PlateProperties
-from fem.explicit.simulate import Stepper
+from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import plate_mesh
 counts, steps = (int(sys.argv[1]), int(sys.argv[2])), int(sys.argv[3])
@@ -55,7 +55,7 @@ began = time.perf_counter()
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
-from fem.explicit.simulate import Stepper
+from fem.run.corner import Stepper
 plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))))
 Stepper(plan.model).start(plan.start, plan.plate.start)
 print(time.perf_counter() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)

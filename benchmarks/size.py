@@ -67,7 +67,7 @@ def measure(elements: tuple[int, int]) -> None:
     from fem.contact.friction import Drag
     from fem.discretisation.model import build_model
     from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
-    from fem.explicit.simulate import Stepper
+    from fem.run.corner import Stepper
     from fem.start.rigid_state import RigidStart
     from meshes import plate_mesh
 

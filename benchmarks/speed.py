@@ -46,7 +46,7 @@ AGREEMENT = 1e-9
 
 def make_stepper(count: int, distortion: float = 0.0, threads: int = 1, bare: bool = False) -> Any:
     """The time loop on a plate of this many elements; bare: as in the other codes."""
-    from fem.explicit.simulate import Stepper
+    from fem.run.corner import Stepper
 
     return Stepper(make_model(SIZES[count], distortion, bare), threads)
 

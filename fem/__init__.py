@@ -20,7 +20,7 @@ __all__, __getattr__ = lazily(
         "discretisation.model": "PlateModel build_model",
         "discretisation.properties": "CornerProperties ModelError PlateProperties StepProperties",
         "explicit.columns": "COLUMNS Column",
-        "explicit.simulate": "Run simulate",
+        "run.corner": "Run simulate",
         "start.rigid_state": "RigidStart",
         "start.start_kinds": "START_KINDS StartKind",
     },

@@ -41,18 +41,20 @@ def compiled(function: Callable[..., Any]) -> Any:
     return Kernel(function, OPTIONS | {"nogil": True})
 
 
-def compile_once(compile_all: Callable[[], None], kernel: Kernel, *arguments: Any, told: Told) -> None:
+def compile_once(compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any, told: Told) -> None:
     """Compile, or load from disk, what a run needs: of each kind of model, one process of the machine at a time.
 
     kernel, arguments: by whose machine code it is known whether that was done before. told: if it has to be compiled,
     told about how long that takes [s], and when it is done, how long it took.
     """
     if kernel.has_code(*arguments):
-        return compile_all()
+        compile_all()
+        return
     code = kernel.path(*arguments)
     with one_process_compiles(code):
         if code.exists():
-            return compile_all()
+            compile_all()
+            return
         told(expected_time(), False)
         began = time.perf_counter()
         compile_all()

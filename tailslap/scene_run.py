@@ -30,7 +30,7 @@ from tailslap.verification.ringing import CORRUPTED, friction_by_ringing
 from tailslap.verification.second_mesh import damped_alike, damped_freely, on_mesh, second_meshes
 
 if TYPE_CHECKING:
-    from fem.explicit.simulate import Run
+    from fem.run.corner import Run
     from tailslap.tolerance.choose import Choice
 
 
@@ -154,17 +154,18 @@ def attempt(plan: RigidStages, more_damping: float = 1.0) -> Outcome:
     """
     began = time.perf_counter()
     with announced("Building the model ..."):
-        from fem.explicit.simulate import compile_loop
+        from fem.run.corner import compile_loop
 
         fe_plan = make_fe_plan(plan, more_damping)
     compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, told=compiling)
     setup = time.perf_counter() - began
-    return compare(fe_plan, _simulated(fe_plan), setup)
+    run = _simulated(fe_plan)
+    return compare(fe_plan, run, setup + run.setup_s)
 
 
 def _simulated(fe_plan: FePlan) -> Run:
     """The run of the model. Raises InputError for a start that the plate cannot have."""
-    from fem.explicit.simulate import simulate
+    from fem.run.corner import simulate
     from fem.start.inertia_relief import TooSoftError
 
     scene, start = fe_plan.case.scene, fe_plan.plate.start

@@ -1,4 +1,5 @@
-"""Columns of the history. Each is one object; adding one is adding it here, or in any file that registers it.
+"""Columns of the histories: name, SI unit, meaning. Each is one object; adding one is adding it
+here, or in any file that registers it.
 
 The compiled record of an instant has a field for each of the program's own columns; what other columns need is worked
 out from that record and the state, in Python, once a recorded row.
@@ -87,7 +88,10 @@ class Column:
 COLUMNS: Registry[Column] = Registry("column")
 """Columns by name, in the order of the history; the record's own come first."""
 
-_OWN = {
+_MEANINGS = {
+    "t": ("s", "time since the first touch"),
+    "x_g": ("m", "centre of mass along the wall, from where the corner first touches"),
+    "y_g": ("m", "centre of mass across the wall"),
     "theta": ("rad", "angle between side and wall"),
     "omega": ("rad/s", "spin, positive where it closes the angle"),
     "v_gx": ("m/s", "velocity of the centre of mass along the wall"),
@@ -96,20 +100,49 @@ _OWN = {
     "v_p": ("m/s", "speed of the corner along the wall"),
     "reaction_normal": ("N", "of the wall on the plate, negative where it pulls"),
     "reaction_tangential": ("N", "friction of the wall on the plate"),
+    "force_normal": ("N", "of the wall on the plate across it, mean since the row before"),
+    "force_tangential": ("N", "of the wall on the plate along it, mean since the row before"),
     "kinetic_energy": ("J", "of the plate"),
     "strain_energy": ("J", "of the plate"),
     "contact_energy": ("J", "of the corner's constraint"),
+    "crush_energy": ("J", "that crush has taken for good"),
     "friction_work": ("J", "done on the plate by friction since the start"),
     "damping_work": ("J", "done on the plate by damping since the start"),
     "vibration_energy": ("J", "kinetic energy that is not rigid motion's"),
     "normal_impulse": ("N s", "of the normal reaction since the start"),
     "normal_impulse_magnitude": ("N s", "of the magnitude of the normal reaction since the start"),
+    "tangential_impulse": ("N s", "of the wall on the plate along it since the start"),
+    "moment_impulse": ("N m s", "of the wall on the plate about the wall's frame since the start"),
+    "angular_momentum": ("kg m^2/s", "of the plate about the wall's frame"),
     "gap": ("m", "distance of the corner from the wall's line"),
     "hourglass_energy": ("J", "of hourglass control"),
+    "wall_energy": ("J", "kinetic and elastic, of the wall and its foundation; 0 for a rigid wall"),
+    "wall_deflection": ("m", "the largest of the wall's face; 0 for a rigid wall"),
+    "wall_deflection_place": ("m", "where along the wall that is; 0 for a rigid wall"),
+    "foundation_impulse": ("N s", "of the foundation on the wall since the start; 0 for a rigid wall"),
+    "force_foundation": ("N", "of the foundation on the wall, mean since the row before; 0 for a rigid wall"),
 }
+"""Unit and meaning of the program's own columns."""
 
 for _name in Measures._fields:
-    COLUMNS.register(Column(_name, _OWN[_name][0], meaning=_OWN[_name][1]))
+    COLUMNS.register(Column(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
+
+_ON_IMPACT = {
+    "contact_energy": "that contact will give back",
+    "normal_impulse": "of the wall on the plate across it since the start",
+}
+"""Meanings that are others in a whole impact."""
+
+_IMPACT_NAMES = """t x_g y_g theta omega v_gx v_gy force_normal force_tangential kinetic_energy strain_energy
+hourglass_energy contact_energy crush_energy friction_work damping_work vibration_energy normal_impulse
+tangential_impulse moment_impulse angular_momentum wall_energy wall_deflection wall_deflection_place
+foundation_impulse force_foundation"""
+
+IMPACT_COLUMNS: dict[str, Column] = {
+    name: Column(name, _MEANINGS[name][0], meaning=_ON_IMPACT.get(name, _MEANINGS[name][1]))
+    for name in _IMPACT_NAMES.split()
+}
+"""Columns of a whole impact's history by name, in its order."""
 
 
 def row_of(measures: Measures, state: Any, model: Any) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""What is read off the plate at an instant: momenta, rotation, reactions, energies; compiled.
+"""Measures of the plate at an instant, momenta, rotation, reactions, energies, and rows of them; compiled.
 
 Velocities at instant n are the mean of those half a step before and after; with the kinetic energy as
 m v_before . v_after / 2 and works by the trapezoidal rule, central differences keep the energy of a linear model
@@ -16,6 +16,7 @@ from fem.contact.corner import add_corner_reaction, constraint_energy, weighted
 from fem.explicit.columns import Measures
 from fem.explicit.elastic_damping import damp
 from fem.explicit.internal_force import subtract_internal_forces
+from fem.explicit.time_loop import advance
 
 
 @compiled
@@ -129,3 +130,51 @@ def energy_of_hourglass(positions, table, hourglass):
         k_11, k_22, k_12 = hourglass.stiffness[:, column]
         energy += 0.5 * (k_11 * p_1 * p_1 + k_22 * p_2 * p_2) + k_12 * p_1 * p_2
     return energy
+
+
+@compiled
+def advance_and_measure(state, before, stride, loop, viscosity, hourglass, reference, force, scratch, rows):
+    """Advance the state in place, and write its `Measures` into each of the rows, `stride` steps apart.
+
+    Ends after a row with an angle that is not above zero, or with a number that is not finite; `before` is then the
+    state of the row before it. Returns how many rows were written. Others arguments: as `measure`.
+    """
+    for row in range(rows.shape[0]):
+        _copy_state(state, before)
+        advance(state, stride, loop, viscosity, hourglass, force, scratch)
+        measures = measure(state, loop, viscosity, hourglass, reference, force, scratch)
+        finite = True
+        for column in range(rows.shape[1]):
+            rows[row, column] = measures[column]
+            finite = finite and math.isfinite(rows[row, column])
+        if not (finite and measures.theta > 0.0):
+            return row + 1
+    return rows.shape[0]
+
+
+@compiled
+def _copy_state(state, other):
+    for i in range(2):
+        for node in range(state.positions.shape[1]):
+            other.positions[i, node] = state.positions[i, node]
+            other.velocities[i, node] = state.velocities[i, node]
+    for k in range(state.sums.size):
+        other.sums[k] = state.sums[k]
+    other.origin[0] = state.origin[0]
+
+
+@compiled
+def all_forces(positions, velocities, loop, viscosity, hourglass, force, scratch):
+    """Put all forces [N] into `force`; returns the normal and the tangential reaction [N], and the power [W] of the
+    elastic damping with the velocities half a step back."""
+    force[:] = 0.0
+    subtract_internal_forces(
+        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+    )
+    damping = damp(
+        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
+    )
+    normal, tangential, _, _, _ = add_corner_reaction(
+        positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+    )
+    return normal, tangential, damping

@@ -6,7 +6,7 @@ forces at n, then velocities to n + 1/2, then positions to n + 1.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,12 +54,11 @@ class State(NamedTuple):
         return self.positions + np.array([[self.origin[0]], [0.0]])
 
 
-S = TypeVar("S", bound=tuple[np.ndarray, ...])
-
-
-def copy_state(state: S) -> S:
-    """A state of its own, for the loop advances in place."""
-    return type(state)(*(array.copy() for array in state))
+def copy_state(state: Any) -> Any:
+    """A state of its own, for the loop advances in place; of those within it too."""
+    if state is None or isinstance(state, np.ndarray):
+        return None if state is None else state.copy()
+    return type(state)(*map(copy_state, state))
 
 
 def react(loop: Any, state: Any, lost: float, force: Any) -> None:

@@ -27,7 +27,7 @@ from tailslap.results.manifest import whole_file
 from tailslap.results.result_folder import resolved
 
 if TYPE_CHECKING:
-    from fem.explicit.checkpoint import Arrays, Checkpoint
+    from fem.run.observers import Arrays, Checkpoint
 
 SAVE_S, MAX_SHARE = 10.0, 0.02
 """Seconds between checkpoints, and the share of a run's time that they may take."""
@@ -112,7 +112,7 @@ def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> It
 
 def next_checkpoint() -> Checkpoint:
     """The keeper of the run that is about to begin; one that keeps nothing outside `checkpointed`."""
-    from fem.explicit.checkpoint import NoCheckpoint
+    from fem.run.observers import NoCheckpoint
 
     checkpoints = _current.get()
     return checkpoints.next() if checkpoints else NoCheckpoint()

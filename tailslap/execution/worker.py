@@ -51,6 +51,6 @@ def run_batch(version: str, function: Callable[..., Any], parts: Sequence[Part])
 def make_ready() -> str:
     """Import what runs need, once a worker; returns the version of this program."""
     os.environ[MODE] = "none"
-    for module in ("fem.explicit.simulate", "tailslap.planning.fe_plan", "tailslap.scene_run"):
+    for module in ("fem.run.corner", "tailslap.planning.fe_plan", "tailslap.scene_run"):
         importlib.import_module(module)
     return tailslap.__version__

@@ -25,7 +25,7 @@ from tailslap.scene.schema import Contact, Plate, Scene, Wall
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
     from fem.discretisation.properties import ContactProperties, WallProperties
-    from fem.explicit.impact_run import FirstTouch
+    from fem.run.impact import FirstTouch
 
 ACROSS = 6
 """Elements across the vehicle where the scene leaves them out, as in the paper's Table 2."""
@@ -89,7 +89,7 @@ def make_impact_fe_plan(plan: RigidImpact) -> ImpactFePlan:
     InputError
         For keys that make no model.
     """
-    from fem.explicit.impact_run import FirstTouch
+    from fem.run.impact import FirstTouch
 
     plate, decisions = chosen_plate(plan.scene)
     motion, touch = plan.motion, plan.touch

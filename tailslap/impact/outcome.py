@@ -13,7 +13,7 @@ from tailslap.impact.paper_method import PaperMethod, paper_method
 from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
-    from fem.explicit.impact_run import ImpactRun
+    from fem.run.impact import ImpactRun
 
 COMPARED = ("impulse", "peak_force", "duration")
 """What is compared of each of the first two strikes."""

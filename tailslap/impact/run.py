@@ -18,7 +18,7 @@ from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
-    from fem.explicit.impact_run import ImpactRun
+    from fem.run.impact import ImpactRun
 
 BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
@@ -51,7 +51,7 @@ def make_fe_plan_timed(plan: RigidImpact) -> tuple[ImpactFePlan, float]:
     """The FE plan with its loop compiled, and the time that took [s]."""
     began = time.perf_counter()
     with announced("Building the model ..."):
-        from fem.explicit.impact_run import compile_impact_loop
+        from fem.run.impact import compile_impact_loop
 
         fe_plan = make_impact_fe_plan(plan)
     compile_impact_loop(fe_plan.model, told=compiling)
@@ -81,8 +81,7 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
     snapshots: instants at which the motion of all nodes is kept.
     """
     from fem.discretisation.properties import ModelError
-    from fem.explicit.impact_run import simulate_impact
-    from fem.explicit.snapshots import SnapshotKeeper
+    from fem.run.impact import simulate_impact
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
     end = scene.time.end
@@ -104,7 +103,8 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
                 finished if end is None else lambda run: False,
                 lambda now: progress(min(1.0, now / until)),
                 next_checkpoint(),
-                SnapshotKeeper(snapshots, until if end is None else end) if snapshots else None,
+                snapshots,
+                until if end is None else end,
             )
     except ModelError as error:
         raise refusal(scene, fe_plan.plate, error) from None
@@ -123,7 +123,7 @@ def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
             model, _ = impact_model(fe_plan.case, plate, fe_plan.sample)
         except InputError:
             continue
-        from fem.explicit.impact_run import compile_impact_loop
+        from fem.run.impact import compile_impact_loop
 
         compile_impact_loop(model, told=compiling)
         richer = replace(fe_plan, model=model, plate=plate)

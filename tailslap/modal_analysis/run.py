@@ -83,7 +83,7 @@ class ModalRun:
 def modal_run(
     fe_plan: FePlan, modes: int = MODES, tolerance: float = TOLERANCE, steps: int = STEPS
 ) -> ModalRun:
-    """Run the plan's plate with its lowest elastic modes; `fem.explicit.simulate` runs all of it.
+    """Run the plan's plate with its lowest elastic modes; `fem.run.corner` runs all of it.
 
     steps: to the rigid tail-slap. Raises InputError for what the modal model does not have.
     """

@@ -11,7 +11,7 @@ from postprocess.fields.series import FILE, FieldSeries, write_fields
 
 if TYPE_CHECKING:
     from fem.discretisation.model import PlateModel
-    from fem.explicit.snapshots import Snapshots
+    from fem.run.observers import Snapshots
 
 CELL_TYPES = {
     "ElementQuad1": "quad",

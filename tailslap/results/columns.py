@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fem.explicit.columns import COLUMNS, Column
-from fem.explicit.impact_columns import IMPACT_COLUMNS
+from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
 
 ENERGY_ERROR = Column("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
 

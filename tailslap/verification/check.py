@@ -17,7 +17,7 @@ from tailslap.verification.ringing import friction_by_ringing
 
 if TYPE_CHECKING:
     from fem.contact.friction import FrictionLaw
-    from fem.explicit.simulate import Run
+    from fem.run.corner import Run
     from tailslap.planning.fe_plan import FePlan
 
 Columns = Mapping[str, np.ndarray]

@@ -19,7 +19,7 @@ from tailslap.verification.mechanics import MECHANICS
 from tailslap.verification.numerical_error import NumericalError, SecondRun
 
 if TYPE_CHECKING:
-    from fem.explicit.simulate import Run
+    from fem.run.corner import Run
 
 CHECKS: Registry[CheckKind] = Registry("check")
 """Checks by name, in the order in which they are told."""

@@ -17,10 +17,10 @@ import pytest
 
 from fem import compiled
 from fem.compiled import compile_once
-from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import advance
 from fem.machine_code import folder
 from fem.machine_code.folder import USUAL_S, one_process_compiles
+from fem.run.corner import Stepper
 
 pytestmark = pytest.mark.verification
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fem.explicit.elastic_damping import SUMS, ElasticDamping, damp, damped_time_step
-from fem.explicit.simulate import Stepper, simulate
+from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
 
 pytestmark = pytest.mark.verification

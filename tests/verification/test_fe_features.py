@@ -16,7 +16,7 @@ from fem.discretisation.element_kinds import ELEMENT_KINDS
 from fem.discretisation.elements import discretise, hourglass_control
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
-from fem.explicit.simulate import simulate
+from fem.run.corner import simulate
 from fem.stability.deformed import deformed_frequency
 from fem.start.rigid_state import RigidStart, to_global
 from meshes import distorted, plate_mesh

@@ -15,7 +15,7 @@ from fem.contact.friction import Drag, Signed
 from fem.discretisation.elements import discretise
 from fem.discretisation.mass import exact_inertia_masses, row_sum_masses
 from fem.discretisation.spectrum import Spectrum, hold_of
-from fem.explicit.simulate import Stepper
+from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import plate_mesh
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fem.discretisation.fields import nodal_spin
-from fem.explicit.simulate import Stepper, simulate
 from fem.explicit.time_loop import State
+from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
 from fem.start.start import start_fields
 

@@ -16,8 +16,8 @@ import pytest
 from fem.constitutive.materials import NeoHookean
 from fem.contact.constraints import DampedPenalty, Exact, Penalty
 from fem.contact.friction import Drag
-from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import copy_state
+from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import distorted, plate_mesh
 from tailslap.command_line import _status

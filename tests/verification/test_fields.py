@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from fem.constitutive.recovery import element_stress
-from fem.explicit.checkpoint import Arrays
-from fem.explicit.simulate import simulate
-from fem.explicit.snapshots import SnapshotKeeper
+from fem.run.corner import simulate
+from fem.run.observers import Arrays, SnapshotKeeper
 from postprocess.fields.series import FieldSeries, read_fields, write_fields
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
@@ -160,7 +159,7 @@ def test_snapshots_survive_a_stop() -> None:
     fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", (KEPT,))))
     duration = fe_plan.case.motion.strike.t
     whole = simulate(fe_plan.model, fe_plan.start, duration, snapshots=6)
-    stopping = Stopping(100)
+    stopping = Stopping(30)
     with pytest.raises(KeyboardInterrupt):
         simulate(fe_plan.model, fe_plan.start, duration, snapshots=6, checkpoint=stopping)
     resumed = simulate(
@@ -173,9 +172,10 @@ def test_snapshots_survive_a_stop() -> None:
 
 
 def test_a_single_instant_is_the_end() -> None:
-    keeper, nodal = SnapshotKeeper(1, 1.0), (np.zeros((2, 3)), np.ones((2, 3)))
-    keeper.look(0.0, 0.1, lambda: nodal)
-    np.testing.assert_array_equal(keeper.finished(1.0, nodal).t, [1.0])
+    nodal = (np.zeros((2, 3)), np.ones((2, 3)))
+    keeper = SnapshotKeeper(1, 10.0, lambda state: nodal)
+    keeper.look(np.zeros((1, 3)), None)
+    np.testing.assert_array_equal(keeper.finished(np.array([0.0, 1.0]), nodal).t, [1.0])
 
 
 def test_fields_need_a_plate() -> None:

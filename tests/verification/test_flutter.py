@@ -11,7 +11,7 @@ import pytest
 from fem.contact.constraints import Exact
 from fem.contact.friction import friction_slope
 from fem.discretisation.stiffness import stiffness_matrix
-from fem.explicit.simulate import Stepper
+from fem.run.corner import Stepper
 from fem.stability.flutter import (
     FACTOR,
     INSTANTS,

@@ -10,7 +10,7 @@ import pytest
 
 from fem import kept
 from fem.explicit.columns import COLUMNS, Column
-from fem.explicit.simulate import Stepper, simulate
+from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
 from tailslap.scene.read import read_scene
 from tailslap.sweeps.row import CIRCUMSTANCES, REUSED, compute_row
@@ -98,7 +98,7 @@ def test_recording_ends_at_the_wall_with_the_state_before(plate_model: Callable[
     stepper = Stepper(model)
     state = stepper.start(START, "unstressed")
     stride = round(0.05 / model.loop.time_step)
-    found = stepper.record_rows(state, stride, 100)
+    found = stepper.record(state, stride, 100)
     assert len(found.rows) < 15
     assert found.rows[-1][0] <= 0.0 < found.rows[-2][0]
     assert stepper.measure(found.before).theta == pytest.approx(found.rows[-2][0], rel=1e-12)

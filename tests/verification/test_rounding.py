@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.explicit.simulate import Stepper, simulate
+from fem.run.corner import Stepper, simulate
 from fem.stability.rounding import rounding_noise
 from fem.start.rigid_state import RigidStart
 from tailslap.case.corner.case import CornerCase

@@ -14,7 +14,7 @@ import pytest
 
 from fem.contact.constraints import Exact
 from fem.discretisation.model import PlateModel
-from fem.explicit.simulate import Stepper, simulate
+from fem.run.corner import Stepper, simulate
 from fem.start.finite_strain import internal_forces
 from fem.start.inertia_relief import TooSoftError
 from fem.start.rigid_state import RigidStart, to_global

@@ -109,7 +109,7 @@ def _rigid(plan: ImpactCase) -> Record:
 
 
 def _finite_elements(plan: ImpactCase) -> Record:
-    from fem.explicit.impact_run import compile_impact_loop
+    from fem.run.impact import compile_impact_loop
 
     began = time.perf_counter()
     compile_impact_loop(make_impact_fe_plan(plan).model)

@@ -119,7 +119,7 @@ def repeated(make: Callable[[], Any], run: Callable[[Any], Any]) -> tuple[Any, A
 
 
 def _simulated(fe_plan: Any, setting: Setting, rows: int, share: float = 1.0) -> Any:
-    from fem.explicit.simulate import Stepper, simulate
+    from fem.run.corner import Stepper, simulate
 
     stepper: Any = Stepper
     if setting.single:

@@ -11,8 +11,8 @@ import dataclasses
 import numpy as np
 
 from fem.discretisation.model import PlateModel
-from fem.explicit.simulate import Stepper
 from fem.explicit.time_loop import State
+from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 
 

@@ -16,7 +16,7 @@ from tailslap.impact.rigid_text import rigid_impact
 from tailslap.studies.strike.quantities import QUANTITIES, STRIKES, Array, column, filtered, peaks_within
 
 if TYPE_CHECKING:
-    from fem.explicit.impact_run import ImpactRun
+    from fem.run.impact import ImpactRun
 
 FREQUENCIES = (2.0, 4.0, 8.0, 16.0, 32.0)
 """First frequencies of the free plate in its plane [Hz]."""

@@ -1,0 +1,221 @@
+"""The run of a whole impact: from a model and its first touch to histories of motion, energies and contact."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.compiled import Told, compile_once, silent
+from fem.contact.wall_contact import ContactState
+from fem.discretisation.model import PlateModel
+from fem.discretisation.properties import ModelError
+from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
+from fem.explicit.time_loop import copy_state
+from fem.run import observers, runner
+from fem.start.rigid_state import to_global
+
+CHUNK = 200
+"""Rows between two looks at whether the run is over."""
+
+
+@dataclass(frozen=True)
+class FirstTouch:
+    """Rigid motion of the plate at t = 0, its corner P at the origin.
+
+    Attributes
+    ----------
+    angle : float
+        Between side and wall [rad].
+    v_x, v_y, omega : float
+        Of the corner [m/s], and the spin that closes the angle [rad/s].
+    """
+
+    angle: float
+    v_x: float
+    v_y: float
+    omega: float = 0.0
+
+
+@dataclass(frozen=True)
+class ImpactRun:
+    """A run of a whole impact.
+
+    Attributes
+    ----------
+    history : dict of ndarray, shape (rows,)
+        By name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall on the
+        plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
+    points : ndarray, shape (2, contact points)
+        Places in the body frame [m]; a corner that crushes and has a layer is there twice.
+    normal, tangential : ndarray, shape (rows, contact points)
+        Force on each, likewise [N].
+    depth, place : ndarray, shape (rows, contact points)
+        Behind the wall's face, and along the wall [m].
+    steps : int
+        Time steps taken.
+    time_loop_s : float
+        Time that they took, records included [s].
+    highest_frequency : float
+        The largest at a few instants of the run [rad/s].
+    snapshots : Snapshots or None
+        Nodal positions and velocities at some instants, where they were asked for.
+    """
+
+    history: dict[str, np.ndarray]
+    points: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+    depth: np.ndarray
+    place: np.ndarray
+    steps: int
+    time_loop_s: float = np.nan
+    highest_frequency: float = np.nan
+    snapshots: observers.Snapshots | None = None
+
+
+class ImpactStepper(runner.PlateStepper):
+    """The compiled loop of a plate that touches the wall."""
+
+    @property
+    def step_call(self) -> tuple[Any, ...]:
+        """The compiled function of the run, and arguments of its types."""
+        state = self.at_touch(FirstTouch(0.0, 0.0, 0.0))
+        return advance_and_record, state, 1, *self._all_parts, self._room(0)
+
+    def at_touch(self, touch: FirstTouch) -> ImpactState:
+        """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
+        points, wall = self.loop.contact.mobility.size, None
+        body = self._reference - self._reference[:, [self.model.discretisation.corner]]
+        arm = to_global(touch.angle) @ body
+        velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
+        contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
+        if self.loop.wall is not None:
+            from fem.contact.elastic_wall import at_rest
+
+            wall = at_rest(self.loop.wall)
+        positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
+        return ImpactState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Places [m] of the contact points in the body frame, shape (2, points)."""
+        contact = self.loop.contact
+        return np.add.reduceat(
+            contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
+        )
+
+    def _room(self, count: int) -> Rows:
+        sizes = (len(ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,))
+        return Rows(*(np.empty((count, size)) for size in sizes))
+
+    def record(self, state: ImpactState, stride: int, count: int) -> runner.Recorded:
+        """So many rows from a state on, which stays as it is, `stride` steps apart: the fields of `Rows` side by side.
+
+        Raises ModelError where the plate presses on a deformable wall beyond its end.
+        """
+        later, rows = copy_state(state), self._room(count)
+        advance_and_record(later, stride, *self._all_parts, rows)
+        if later.wall is not None and (beyond := later.wall.beyond[0]) > 0.0:
+            raise ModelError(
+                "wall.length", f"the plate presses {beyond:.3g} m beyond the wall's end; make it longer"
+            )
+        return runner.Recorded(np.hstack(rows), state, later)
+
+
+def compile_impact_loop(model: PlateModel, told: Told = silent) -> None:
+    """Compile, or load from disk, all that a run of this model needs; see `fem.run.corner.compile_loop`."""
+    stepper = ImpactStepper(model)
+    touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
+    compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, told=told)
+
+
+def simulate_impact(
+    model: PlateModel,
+    touch: FirstTouch,
+    sample: float,
+    latest: float,
+    finished: Callable[[ImpactRun], bool] = lambda run: False,
+    progress: Callable[[float], None] = lambda now: None,
+    checkpoint: observers.Checkpoint | None = None,
+    snapshots: int = 0,
+    duration: float | None = None,
+) -> ImpactRun:
+    """Run from the first touch until the latest instant, or until it is finished.
+
+    Parameters
+    ----------
+    model : PlateModel
+        Of `build_impact_model`.
+    touch : FirstTouch
+        Motion at t = 0.
+    sample : float
+        Time between rows [s]; a multiple of the time step near it is taken.
+    latest : float
+        End of the run [s], to a row.
+    finished : callable
+        Asked now and then whether the rows so far are enough.
+    progress : callable
+        Called with the time that is done [s].
+    checkpoint : Checkpoint, optional
+        Keeps the run's state now and then; one that has kept it lets the run go on, with the same bits.
+    snapshots : int
+        Instants at which positions and velocities of all nodes are kept, the end among them.
+    duration : float, optional
+        Expected end of the run [s], which spaces the snapshots; if left out the latest.
+
+    Returns
+    -------
+    ImpactRun
+        It ends early where numbers leave the finite.
+
+    Raises
+    ------
+    ModelError
+        Where the plate presses on a deformable wall beyond its end.
+    """
+    stepper = ImpactStepper(model)
+    stride = max(1, round(sample / model.loop.time_step))
+    interval = stride * model.loop.time_step
+
+    def over(rows: np.ndarray) -> bool:
+        return not np.isfinite(rows[-1]).all() or finished(_run(stepper, rows, stride))
+
+    shapes = observers.Shapes(CHUNK)
+    keeper = observers.SnapshotKeeper(snapshots, (duration or latest) / interval, stepper.nodal)
+    watching: list[runner.Observer] = [
+        shapes,
+        *([keeper] if snapshots else []),
+        observers.Progress(progress, interval),
+        observers.Until(over, CHUNK),
+    ]
+    saver, touched = observers.Saver(checkpoint, watching), stepper.at_touch(touch)
+    state, made = saver.begun(touched, lambda: touched)
+    began, total = time.perf_counter(), max(1, -int(-latest // interval))
+    rows, _, state = runner.run(stepper, state, stride, total, [*watching, saver], made)
+    elapsed, run = time.perf_counter() - began, _run(stepper, rows, stride)
+    seen = shapes.seen + ([state.positions] if (len(rows) - 1) % CHUNK else [])
+    looks = np.unique(np.linspace(0, len(seen) - 1, observers.LOOKS).astype(int))
+    frequency = observers.highest_frequency(model, [seen[k] for k in looks])
+    snaps = keeper.finished(run.history["t"], stepper.nodal(state)) if snapshots else None
+    return replace(run, time_loop_s=elapsed, highest_frequency=frequency, snapshots=snaps)
+
+
+def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
+    """The rows so far, impulses as mean forces since the row before; the first row, before any, has none."""
+    fields = len(ImpactMeasures._fields)
+    values, (normal, tangential, depth, place) = rows[:, :fields], np.split(rows[:, fields:], 4, axis=1)
+    interval = stride * stepper.loop.time_step
+    history = {"t": interval * np.arange(len(values))}
+    history |= dict(zip(ImpactMeasures._fields, values.T, strict=True))
+    history["theta"] = np.unwrap(history["theta"])
+    push, drag = (
+        np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)
+    )
+    history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
+    history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
+    steps = stride * (len(values) - 1)
+    return ImpactRun(history, stepper.points, push, drag, depth, place, steps)
