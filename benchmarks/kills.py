@@ -28,8 +28,7 @@ import psutil
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tailslap.results.leftovers import clear_leftovers
-from tailslap.results.manifest import NAME, entry, read_manifest
+from tailslap.files.manifest import NAME, clear_leftovers, entry, read_manifest
 from tailslap.sweeps.row import CIRCUMSTANCES
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)

@@ -1,5 +1,4 @@
 from tailslap.api.columns import Columns as Columns
-from tailslap.api.exports import export as export
 from tailslap.api.many_runs import study as study
 from tailslap.api.many_runs import sweep as sweep
 from tailslap.api.one_run import check as check
@@ -8,9 +7,10 @@ from tailslap.api.one_run import run as run
 from tailslap.api.plate import modal as modal
 from tailslap.api.plate import modes as modes
 from tailslap.api.result import Result as Result
-from tailslap.api.saved import load as load
 from tailslap.api.side_by_side import compare as compare
 from tailslap.errors import InputError as InputError
+from tailslap.files.export import export as export
+from tailslap.files.load import load as load
 
 __version__: str
 __all__: list[str]

@@ -99,10 +99,9 @@ def run(
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from postprocess.report.units import SYSTEMS
-    from tailslap.execution.checkpoints import checkpointed
+    from tailslap.files.checkpoints import checkpointed
+    from tailslap.files.folder import demand_own, demand_place
     from tailslap.report.deliver import deliver, leave
-    from tailslap.results.earlier_result import demand_own
-    from tailslap.results.result_folder import demand_place
 
     place = out or Path("results") / case.scene.name
     demand_own(place, case.scene.name, force)
@@ -162,8 +161,8 @@ def check(name: str, changes: tuple[str, ...], allow_large: bool, units: str, as
 def modes(case: Case, count: int, out: Path | None, force: bool, units: str, as_json: bool) -> int:
     """Natural frequencies of the plate, with pictures."""
     from tailslap.case.corner.case import CornerCase
+    from tailslap.files.folder import demand_own
     from tailslap.report.deliver import deliver
-    from tailslap.results.earlier_result import demand_own
 
     def report(folder: Path) -> Report:
         from tailslap.modal_analysis.modes import find_modes, modes_report

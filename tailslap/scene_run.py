@@ -13,7 +13,7 @@ from postprocess.comparison.comparison import KEYS, relative_difference
 from postprocess.comparison.metrics import Metrics
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
-from tailslap.execution.checkpoints import next_checkpoint
+from tailslap.files.checkpoints import next_checkpoint
 from tailslap.planning.decide_damping import damping_is_open
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.progress import announced, compiling, progress_bar

@@ -29,7 +29,7 @@ def export(
     RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
     histories of any run.
     """
-    from tailslap.api.exports import export as write
+    from tailslap.files.export import export as write
 
     written = write(folder, to, out, field=field, magnify=magnify, units=units)
     return tell({"written": written}, f"Written: {written}", as_json)

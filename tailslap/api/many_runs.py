@@ -140,7 +140,7 @@ def sweep(
     >>> found = tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})  # doctest: +SKIP
     >>> found.history["difference.v_gy"]  # doctest: +SKIP
     """
-    from tailslap.api.saved import sweep_result
+    from tailslap.files.load import sweep_result
     from tailslap.sweeps.definition import make_definition
     from tailslap.sweeps.perform import perform
 

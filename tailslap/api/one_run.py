@@ -6,17 +6,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
 from postprocess.report.terminal import labelled_text
-from tailslap.api.columns import Columns
 from tailslap.api.result import FE, RIGID, Result, filled_by
 from tailslap.api.run_tables import run_headline, run_tables
 from tailslap.api.scenes import Changes, Scene, planned, planned_plate
 from tailslap.case.case import Case
-from tailslap.results.columns import column_units
+from tailslap.files.load import history
 
 
 def run(
@@ -82,11 +79,6 @@ def run_result(case: Case, outcome: Any) -> Result:
         fill=filled_by(partial(case.report, outcome)),
         make_fields=None if outcome.run.snapshots is None else fields,
     )
-
-
-def history(columns: dict[str, np.ndarray]) -> Columns:
-    """Columns with the units that their names have."""
-    return Columns(columns, column_units(columns))
 
 
 def rigid(scene: Scene, changes: Changes | None = None) -> Result:

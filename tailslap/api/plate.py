@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from postprocess.files.summary import plain
-from tailslap.api.one_run import history
 from tailslap.api.result import Result, filled_by
 from tailslap.api.scenes import Changes, Scene, planned_plate
+from tailslap.files.load import history
 
 MODAL = "modal"
 

@@ -134,8 +134,7 @@ class Result:
         InputError
             Where the folder cannot be written or holds other files, or the result leaves none.
         """
-        from tailslap.results.earlier_result import demand_own
-        from tailslap.results.result_folder import result_folder
+        from tailslap.files.folder import demand_own, result_folder
 
         if self.fill is None:
             raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")

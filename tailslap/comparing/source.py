@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tailslap.api.result import Result
-from tailslap.api.saved import load
 from tailslap.errors import InputError, Verbatim
-from tailslap.results.columns import column_units
+from tailslap.files.load import column_units, load
 from tailslap.scene.units import converted
 
 TIME = "t"

@@ -9,7 +9,7 @@ from typing import Any
 
 from tailslap.errors import Interrupted, place_error
 from tailslap.execution.record_file import RecordFile
-from tailslap.results.result_folder import resolved
+from tailslap.files.folder import resolved
 
 
 class Journal:

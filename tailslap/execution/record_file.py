@@ -13,7 +13,7 @@ from typing import Any
 
 import tailslap
 from tailslap.errors import InputError
-from tailslap.results.manifest import whole_file
+from tailslap.files.manifest import whole_file
 
 Key = str | int
 

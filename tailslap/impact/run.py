@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
 from tailslap.errors import InputError
-from tailslap.execution.checkpoints import next_checkpoint
+from tailslap.files.checkpoints import next_checkpoint
 from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
 from tailslap.impact.checks import impact_checks
 from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan

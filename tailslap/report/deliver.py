@@ -36,7 +36,7 @@ def leave(
     place: Path, make: Callable[[Path], Report], page: str = "report.html", units: str = "si"
 ) -> Report:
     """Fill the folder `place` alike, and say nothing. Raises InputError where it cannot be written."""
-    from tailslap.results.result_folder import result_folder
+    from tailslap.files.folder import result_folder
 
     with result_folder(place) as folder:
         report = make(folder)

@@ -126,8 +126,7 @@ def compute_study(
 ) -> tuple[Path, Any]:
     """The place of the result folder, and what was found; the journal is kept beside that place. Raises InputError."""
     from tailslap.case.cost import demand_run
-    from tailslap.results.earlier_result import demand_own
-    from tailslap.results.result_folder import demand_place
+    from tailslap.files.folder import demand_own, demand_place
     from tailslap.scene.read import read_scene
 
     scene, source = read_scene(name, changes)

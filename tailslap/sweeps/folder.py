@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from tailslap.errors import InputError, place_error
-from tailslap.results.manifest import demand_ours, whole_file
-from tailslap.results.result_folder import make_folders, remove_folders, resolved
+from tailslap.files.folder import make_folders, remove_folders, resolved
+from tailslap.files.manifest import demand_ours, whole_file
 from tailslap.sweeps.definition import Definition
 from tailslap.sweeps.journal import NAME as JOURNAL
 

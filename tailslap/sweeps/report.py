@@ -18,9 +18,9 @@ from postprocess.report.report import page_in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
 from postprocess.report.units import SYSTEMS, Units
+from tailslap.files.manifest import listed_file
 from tailslap.progress import clock
 from tailslap.report.common import footer
-from tailslap.results.manifest import listed_file
 from tailslap.sweeps.complete import Sweep
 from tailslap.sweeps.definition import Definition
 from tailslap.sweeps.folder import REPORT, SUMMARY, TABLE

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.files.summary import plain
-from tailslap.results.manifest import listed_file
+from tailslap.files.manifest import listed_file
 from tailslap.sweeps.definition import Definition
 from tailslap.sweeps.folder import TABLE
 from tailslap.sweeps.journal import Rows

@@ -22,8 +22,8 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import _status
 from tailslap.errors import Interrupted
-from tailslap.execution import checkpoints
-from tailslap.execution.checkpoints import checkpointed, next_checkpoint
+from tailslap.files import checkpoints
+from tailslap.files.checkpoints import checkpointed, next_checkpoint
 from tailslap.impact.fe_plan import make_impact_fe_plan
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene.read import read_scene
@@ -139,7 +139,7 @@ LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "
 OFTEN = """
 import sys
 from tailslap.command_line import main
-from tailslap.execution import checkpoints
+from tailslap.files import checkpoints
 checkpoints.SAVE_S = 0.3
 main(sys.argv[1:])
 """

@@ -14,7 +14,7 @@ import pytest
 
 from fem.compiled import compiled
 from fem.machine_code import folder, object_code
-from tailslap.results.result_folder import result_folder
+from tailslap.files.folder import result_folder
 
 pytestmark = pytest.mark.verification
 
@@ -22,7 +22,7 @@ RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]"
 DYING = """
 import os, sys
 from pathlib import Path
-from tailslap.results.result_folder import result_folder
+from tailslap.files.folder import result_folder
 with result_folder(Path(sys.argv[1])) as folder:
     (folder / "half.csv").write_text("1,")
     print("filling", flush=True)

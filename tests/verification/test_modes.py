@@ -23,7 +23,7 @@ from fem.modal.modes import FreeModes, free_modes, most_modes
 from meshes import plate_mesh
 from postprocess.figures.mode_plots import draw_mode, mesh_edges
 from tailslap.command_line import DONE, WRONG_INPUT, _status
-from tailslap.results.manifest import NAME as MANIFEST
+from tailslap.files.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
 

@@ -19,10 +19,10 @@ from test_postprocess_report import Parsed
 from postprocess.report.page import glued, prose
 from postprocess.report.table import Column, Table
 from tailslap.command_line import _status
+from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.paper import tables
 from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
 from tailslap.paper.tables import FIGURES
-from tailslap.results.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification
 

@@ -12,8 +12,8 @@ import pytest
 
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.results.manifest import NAME
-from tailslap.results.result_folder import demand_place, result_folder
+from tailslap.files.folder import demand_place, result_folder
+from tailslap.files.manifest import NAME
 
 pytestmark = pytest.mark.verification
 

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError, Interrupted
-from tailslap.results.manifest import NAME
-from tailslap.results.result_folder import result_folder
+from tailslap.files.folder import result_folder
+from tailslap.files.manifest import NAME
 
 pytestmark = pytest.mark.verification
 

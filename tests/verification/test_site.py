@@ -125,7 +125,7 @@ def test_every_column_of_a_history_has_a_row() -> None:
 
 
 def test_every_column_of_a_run_has_a_row() -> None:
-    from tailslap.results.columns import corner_columns, impact_columns
+    from tailslap.files.load import corner_columns, impact_columns
 
     for scene, known in (("paper-table-3", corner_columns()), ("impact-mash-tl4-sut", impact_columns())):
         history = tailslap.run(scene, {"plate.elements": [8, 2]}).history

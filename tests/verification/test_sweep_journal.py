@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from tailslap.errors import InputError
-from tailslap.results.manifest import NAME as MANIFEST
-from tailslap.results.manifest import demand_ours, listed_file
-from tailslap.results.result_folder import result_folder
+from tailslap.files.folder import result_folder
+from tailslap.files.manifest import NAME as MANIFEST
+from tailslap.files.manifest import demand_ours, listed_file
 from tailslap.sweeps.definition import Definition, make_definition
 from tailslap.sweeps.folder import sweep_folder
 from tailslap.sweeps.journal import NAME, open_rows

@@ -29,7 +29,7 @@ from tailslap.execution import cluster as cluster_module
 from tailslap.execution.dispatch import Dispatcher, SchedulerLostError
 from tailslap.execution.record_file import RecordFile
 from tailslap.execution.worker import OtherVersionError, Part, run_batch
-from tailslap.results.manifest import NAME as MANIFEST
+from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene

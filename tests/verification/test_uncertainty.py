@@ -21,7 +21,7 @@ from scipy import stats
 from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.results.manifest import NAME as MANIFEST
+from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.scene.read import read_scene
 from tailslap.studies import study_names
 from tailslap.studies.uncertainty.indices import sobol_indices

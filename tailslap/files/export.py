@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
 from tailslap.api.result import FE, RIGID, Result
-from tailslap.api.saved import load
 from tailslap.errors import InputError, Verbatim
+from tailslap.files.load import load
 
 if TYPE_CHECKING:
     from postprocess.fields.series import FieldSeries
@@ -66,7 +66,7 @@ def export(
     >>> tailslap.export(result, "vtkhdf", "results/paraview")  # doctest: +SKIP
     PosixPath('results/paraview/fields.vtkhdf')
     """
-    from tailslap.results.result_folder import result_folder
+    from tailslap.files.folder import result_folder
 
     if to not in FORMATS:
         raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")

@@ -2,27 +2,35 @@
 
 What it lists and is unchanged may be replaced or removed. Everything else belongs to the user: files that were added,
 and files of the program that were changed since.
+
+Unfinished files and folders are locked by the process that fills them, so that the next one beside them can tell what a
+dead process has left, and clears it. A lock goes with its process, however that ends. Names say whose they are:
+`.NAME.XXXXXXXX.tailslap`.
 """
 
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import hashlib
 import json
 import os
 import re
+import secrets
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import tailslap
 from tailslap.errors import InputError
-from tailslap.results.leftovers import clear_leftovers, unfinished_file
 
 NAME = ".tailslap-result.json"
 PROGRAM = "tailslap"
+SUFFIX = ".tailslap"
+MAX_STEM = 100
+"""Characters of the place's name in that of an unfinished folder: together they must make a file name."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +81,7 @@ def write_manifest(folder: Path, entries: Iterable[Entry]) -> None:
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield a new name to write to; what is written there becomes the file with all of its content, or not at all."""
     clear_leftovers(path)
-    with unfinished_file(path) as partial:
+    with unfinished(path, lambda new: new.touch(0o666, exist_ok=False)) as partial:
         try:
             yield partial
             with partial.open("rb") as written:
@@ -86,7 +94,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def listed_file(path: Path) -> Iterator[Path]:
-    """The same for a file that the folder's manifest lists; what the user has put there is refused, not replaced.
+    """As `whole_file`, for a file that the folder's manifest lists; what the user has put there is refused.
 
     Both states of the file are listed before it is replaced: killed in between, it is known in either.
     """
@@ -118,3 +126,59 @@ def _read_entry(item: Any) -> Entry | None:
         return None
     outside = path in ("", ".", "..", NAME) or re.search(r"[/\0]", path)
     return None if outside or not re.fullmatch("[0-9a-f]{64}", digest) else Entry(path, size, digest)
+
+
+@contextlib.contextmanager
+def unfinished(place: Path, make: Callable[[Path], None]) -> Iterator[Path]:
+    """A new file or folder beside `place`, made by `make` and locked by this process; the caller's to move or remove.
+
+    Raises OSError.
+    """
+    while True:
+        new = place.parent / f".{place.name[:MAX_STEM]}.{secrets.token_hex(8)}{SUFFIX}"
+        make(new)
+        with _locked(new) as is_ours:
+            if is_ours:
+                yield new
+                return
+
+
+def clear_leftovers(place: Path) -> None:
+    """Remove what dead processes have left beside `place` on their way to it; what cannot be removed stays."""
+    name = re.compile(re.escape(f".{place.name[:MAX_STEM]}.") + "[0-9a-f]{16}" + re.escape(SUFFIX))
+    with contextlib.suppress(OSError):
+        for found in os.scandir(place.parent):
+            if name.fullmatch(found.name) and not found.is_symlink():
+                _clear(Path(found.path))
+
+
+@contextlib.contextmanager
+def _locked(path: Path) -> Iterator[bool]:
+    """Whether this process has the lock, and the path is still there: another one may have cleared it in between."""
+    try:
+        number = os.open(path, os.O_RDONLY)
+    except FileNotFoundError:
+        yield False
+        return
+    try:
+        is_ours = False
+        with contextlib.suppress(BlockingIOError, FileNotFoundError):
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            is_ours = os.path.samestat(os.fstat(number), os.lstat(path))
+        yield is_ours
+    finally:
+        os.close(number)
+
+
+def _clear(path: Path) -> None:
+    """Remove it if its process is dead: of a folder the plain files in it, and then itself."""
+    with contextlib.suppress(OSError), _locked(path) as is_dead:
+        if not is_dead:
+            return
+        if not path.is_dir():
+            path.unlink()
+            return
+        for inner in os.scandir(path):
+            if inner.is_file(follow_symlinks=False):
+                os.unlink(inner.path)
+        path.rmdir()

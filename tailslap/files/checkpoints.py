@@ -23,8 +23,8 @@ import numpy as np
 
 import tailslap
 from tailslap.errors import Interrupted
-from tailslap.results.manifest import whole_file
-from tailslap.results.result_folder import resolved
+from tailslap.files.folder import resolved
+from tailslap.files.manifest import whole_file
 
 if TYPE_CHECKING:
     from fem.run.observers import Arrays, Checkpoint

@@ -1,25 +1,49 @@
-"""Results that lie in folders."""
+"""Results that lie in folders, read again; names and units of the columns of their histories."""
 
 from __future__ import annotations
 
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
 from postprocess.fields.series import FILE, read_fields
 from postprocess.files.histories import read_history
 from tailslap.api.columns import Columns
-from tailslap.api.one_run import history
 from tailslap.api.result import FE, RIGID, Result
 from tailslap.api.run_tables import run_headline, run_tables
 from tailslap.errors import InputError, Verbatim
-from tailslap.results.manifest import NAME, read_manifest
+from tailslap.files.manifest import NAME, read_manifest
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
 FILES = {FE: "history.csv", RIGID: "rigid.csv"}
+
+ENERGY_ERROR = Column("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
+
+
+def corner_columns() -> dict[str, Column]:
+    """Columns of a run with a constrained corner, those from outside the program among them."""
+    t = Column("t", "s", meaning="time since the start of Stage 2")
+    return {column.name: column for column in (t, *COLUMNS.values(), ENERGY_ERROR)}
+
+
+def impact_columns() -> dict[str, Column]:
+    """Columns of a whole impact."""
+    return IMPACT_COLUMNS | {ENERGY_ERROR.name: ENERGY_ERROR}
+
+
+def column_units(names: Iterable[str]) -> dict[str, str]:
+    """SI units of the columns of either calculation that have one of these names."""
+    known = impact_columns() | corner_columns()
+    return {name: known[name].unit for name in names if name in known}
+
+
+def history(columns: Mapping[str, Any]) -> Columns:
+    """Columns with the units that their names have."""
+    return Columns(columns, column_units(columns))
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
