@@ -14,13 +14,10 @@ import re
 from pathlib import Path
 from typing import Any
 
-from postprocess.figures.map_plots import MapAxis, draw_map, draw_meanings
-from postprocess.figures.precision_plots import draw_precision
+from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.figures.svg.chart import Chart
 from tailslap.scene.read import read_scene
-from tailslap.studies.cost.diagrams import flexible_diagram, rigid_diagram
-from tailslap.studies.cost.points import Point
-from tailslap.studies.cost.settings import Setting
+from tailslap.studies.cost.report import RIGID, SOFT, charts
 from tailslap.studies.stability.against_rigid import KINDS
 from tailslap.studies.stability.axes import stability_axes
 
@@ -37,12 +34,10 @@ MEANINGS = {axis.name: axis.meaning for axis in stability_axes(read_scene("paper
 def draw_cost(folder: Path, target: Path) -> None:
     """Both questions' plots of error against run time, side by side."""
     known = json.loads((folder / "summary.json").read_text())["known"]
-    points = read_points(folder / "points.csv")
-    charts = [
-        *draw_precision(rigid_diagram(points, known["rigid"])),
-        *draw_precision(flexible_diagram(points, known["flexible"], known["choices"])),
-    ]
-    target.write_text(side_by_side(charts), encoding="utf-8")
+    rows = read_rows(folder / "points.csv")
+    rigid, soft = ([row for row in rows if row["soft"] == is_soft] for is_soft in (False, True))
+    panels = charts(RIGID, rigid, known["rigid"]), charts(SOFT, soft, known["flexible"], known["choices"])
+    target.write_text(side_by_side([*panels[0], *panels[1]]), encoding="utf-8")
 
 
 def side_by_side(charts: list[Chart], across: int = 3) -> str:
@@ -84,20 +79,20 @@ def _map(
     return MapAxis(MEANINGS.get(first, first), across), MapAxis(MEANINGS.get(second, second), up), verdicts
 
 
-def read_points(path: Path) -> list[Point]:
-    """The points of a result folder of the study `cost`."""
+WORDS, TRUTHS = ("setting", "kind", "group", "label", "failed", "refused"), ("soft", "choice")
+"""Columns of points.csv that are no numbers."""
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """The rows of a result folder of the study `cost`."""
     with path.open(newline="", encoding="utf-8") as file:
-        return [_point(row) for row in csv.DictReader(file)]
+        return [{key: _value(key, text) for key, text in row.items()} for row in csv.DictReader(file)]
 
 
-def _point(row: dict[str, Any]) -> Point:
-    refinement, soft, choice = float(row["refinement"]), row["soft"] == "True", row["choice"] == "True"
-    setting = Setting(
-        row["kind"], row["group"], row["label"], refinement=refinement, soft=soft, choice=choice
-    )
-    names = ("error", "added", "setup_s", "loop_s", "median_s", "compile_s")
-    failed = tuple(filter(None, row["failed"].split(", ")))
-    return Point(setting, *(float(row[name]) for name in names), int(row["steps"]), failed, row["refused"])
+def _value(key: str, text: str) -> Any:
+    if key in TRUTHS:
+        return text == "True"
+    return text if key in WORDS else float(text or "nan")
 
 
 PICTURES = (("points.csv", "cost.svg", draw_cost), ("cells.csv", "stability.svg", draw_stability))

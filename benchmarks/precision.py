@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/precision.py
 
-`tailslap/studies/cost/single.py` says what is single in it.
+`SingleStepper` says what is single in it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from postprocess.comparison.comparison import KEYS, relative_difference
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.scene.read import read_scene
-from tailslap.studies.cost.single import SingleStepper
+from tailslap.studies.cost.compute import SingleStepper
 
 SCENE = "paper-abaqus"
 ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")

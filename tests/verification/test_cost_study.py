@@ -1,7 +1,8 @@
-"""Verification: the cost study's errors, fronts and grid convergence; what it notes, and that it goes on from there."""
+"""Verification: the cost study's errors, fronts and limits; what it notes, goes on from, and says of both questions."""
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -10,51 +11,63 @@ import pytest
 
 from postprocess.comparison.comparison import largest_relative
 from postprocess.comparison.grid_convergence import grid_convergence
-from tailslap.case.corner.case import CornerCase
+from postprocess.report.report import write_report
+from tailslap.case import case_of
+from tailslap.command_line import main
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, vary
-from tailslap.scene_run import run_scene
-from tailslap.studies.cost import campaign as survey_module
-from tailslap.studies.cost.campaign import campaign
-from tailslap.studies.cost.measure import measure
-from tailslap.studies.cost.points import Point, cheapest, front
-from tailslap.studies.cost.settings import EXACT, FE, ODE, Setting, settings
-from tailslap.studies.cost.soft import soft_settings
+from tailslap.studies.cost import compute as study
+from tailslap.studies.cost.compute import EXACT, FE, MODAL, ODE, Limit, Setting, limit_of, measure, row_of
+from tailslap.studies.cost.report import report
+from tailslap.studies.study import Call
 
 pytestmark = pytest.mark.verification
 
 TRUTH = {"t": 1.0, "v_gx": 2.0, "v_gy": -4.0, "omega": 0.5, "slide": 8.0}
+STUDIED = case_of(*read_scene("paper-table-3"))
+TODO = [*study.settings(STUDIED.scene), *study.soft_settings(STUDIED.scene)]
 
 
-def point(label: str, error: float, seconds: float, kind: str = FE, failed: tuple[str, ...] = ()) -> Point:
-    return Point(Setting(kind, "group", label), error, math.nan, 0.0, seconds, seconds, 0.0, 10, failed)
+def record(values: dict[str, float], failed: tuple[str, ...] = (), steps: int = 9) -> dict[str, Any]:
+    """As a measurement notes it."""
+    return {
+        "values": values,
+        "setup": [0.2, 0.1],
+        "loop": [0.5, 0.3, 0.4],
+        "steps": steps,
+        "failed": list(failed),
+    }
 
 
-POINTS = (
-    point("slow and exact", 1e-8, 10.0),
-    point("beaten", 1e-4, 3.0),
-    point("middle", 1e-5, 2.0),
-    point("quick", 1e-2, 0.1),
-    point("quick but failed", 1e-9, 0.01, failed=("mesh",)),
-    point("none", math.nan, 0.01),
+def row(
+    label: str, error: float, seconds: float, kind: str = FE, failed: str = "", choice: bool = False
+) -> Any:
+    """As much of a row as fronts and levels look at."""
+    return {"label": label, "error": error, "seconds": seconds, "kind": kind, "failed": failed} | {
+        "refused": "",
+        "choice": choice,
+    }
+
+
+ROWS = (
+    row("slow and exact", 1e-8, 10.0),
+    row("beaten", 1e-4, 3.0),
+    row("middle", 1e-5, 2.0),
+    row("quick", 1e-2, 0.1),
+    row("quick but failed", 1e-9, 0.01, failed="mesh"),
+    row("none", math.nan, 0.01),
 )
 
 
-def test_front_holds_what_nothing_beats() -> None:
-    assert [p.setting.label for p in front(POINTS)] == ["quick", "middle", "slow and exact"]
-
-
-def test_front_holds_neither_the_truth_itself_nor_choices_on_one_mesh() -> None:
-    truth = point("closed form", 1e-12, 1e-5, EXACT)
-    choice = Setting(FE, "damping", "ratio 0.1", soft=True, choice=True)
-    chosen = Point(choice, 1e-11, 1e-11, 0.0, 1e-4, 1e-4, 0.0, 10, ())
-    assert front((truth, chosen, *POINTS)) == front(POINTS)
+def test_front_holds_what_nothing_beats_neither_the_truth_itself_nor_choices_on_one_mesh() -> None:
+    assert [found["label"] for found in study.front(ROWS)] == ["quick", "middle", "slow and exact"]
+    more = row("closed form", 1e-12, 1e-5, EXACT), row("ratio 0.1", 1e-11, 1e-4, choice=True)
+    assert study.front((*more, *ROWS)) == study.front(ROWS)
 
 
 def test_cheapest_for_each_level() -> None:
-    named = {level: cheapest(POINTS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)}
-    labels = [found.setting.label if found else None for found in named.values()]
-    assert labels == ["quick", "middle", "slow and exact", None]
+    best = [study.cheapest(ROWS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)]
+    assert [found and found["label"] for found in best] == ["quick", "middle", "slow and exact", None]
 
 
 def test_error_is_the_largest_of_five() -> None:
@@ -63,33 +76,54 @@ def test_error_is_the_largest_of_five() -> None:
     assert math.isnan(largest_relative(TRUTH | {"t": math.nan}, TRUTH))
 
 
+def test_errors_are_from_the_limit_of_the_quadratic_elements() -> None:
+    """Changes of 4 and 1 per thousand: order 2, limit 1 - 1/3000, known to 1.25/3000."""
+    limit = limit_of([record(dict.fromkeys(study.NAMES, x)) for x in (1.005, 1.001, 1.0)], study.NAMES)
+    assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in study.NAMES}
+    assert limit.known == pytest.approx(1.25e-3 / 3.0, rel=1e-9)
+    found = row_of(Setting(FE, "quad4", "mesh"), record(dict.fromkeys(study.NAMES, 1.02)), limit)
+    assert found["error"] == pytest.approx(1.02 / (1.0 - 1e-3 / 3.0) - 1.0)
+    assert [found[name] for name in ("setup_s", "loop_s", "median_s", "steps")] == [0.1, 0.3, 0.4, 9]
+
+
+def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_strikes() -> None:
+    limit, setting = Limit(dict.fromkeys(study.NAMES, 1.0), 1e-3), Setting(FE, "quad4", "mesh")
+    assert row_of(setting, record(dict.fromkeys(study.NAMES, 1.0 + 1e-5)), limit)["error"] == 1e-3
+    nothing = row_of(setting, record(study.strike_values([])), limit)
+    assert math.isnan(nothing["error"])
+    assert not study.is_valid(nothing)
+    assert all(map(math.isnan, study.strike_values([]).values()))
+    assert not study.is_valid(row_of(setting, {"refused": "no"}, limit))
+
+
+def test_limit_without_convergence_is_the_finest_and_little_known() -> None:
+    values = [{"values": {k: v * factor for k, v in TRUTH.items()}} for factor in (1.0, 1.1, 1.0)]
+    assert limit_of(values) == Limit(TRUTH, pytest.approx(0.3))  # type: ignore[arg-type]
+    assert math.isnan(limit_of(values[:2]).known)
+
+
 def test_settings_have_names_of_their_own() -> None:
-    scene = read_scene("paper-table-3")[0]
-    rigid, flexible = settings(scene), soft_settings(scene)
-    assert len({setting.key for setting in (*rigid, *flexible)}) == len(rigid) + len(flexible)
-    wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "modal model"}
-    wanted |= {"time step", "penalty", "damping", "unstressed start", "row-sum masses", "single precision"}
-    assert wanted <= {setting.group for setting in rigid}
-    wanted = {
-        "quad4",
-        "quad9",
-        "tri3",
-        "tri6",
-        "quad4-reduced",
-        "penalty",
-        "damping",
-        "time step",
-        "modal model",
-    }
-    assert wanted <= {setting.group for setting in flexible}
+    assert len({setting.key for setting in TODO}) == len(TODO)
+    both = {"modal model", "time step", "penalty", "damping"}
+    wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "unstressed start"}
+    wanted |= {"row-sum masses", "single precision"}
+    assert wanted | both <= {setting.group for setting in TODO if not setting.soft}
+    elements = {"quad4", "quad9", "tri3", "tri6", "quad4-reduced"}
+    assert elements | both <= {setting.group for setting in TODO if setting.soft}
+
+
+def test_the_limit_s_meshes_are_halves_of_each_other() -> None:
+    case = case_of(*read_scene("impact-mash-tl4-sut"))
+    todo, *_ = study.impact_settings(case)
+    meshes = [s.changes["plate.elements"] for s in todo if s.group == "quad9"]
+    assert meshes == [(10, 3), (20, 6), (40, 12)]
 
 
 def test_rigid_methods_are_as_good_as_they_say() -> None:
-    plan = CornerCase(*read_scene("paper-table-3"))
-    exact = measure(plan.source, Setting(EXACT, "exact", "closed form"))
-    assert largest_relative(exact["values"], plan.tail_slap) == 0.0
-    tight = measure(plan.source, Setting(ODE, "DOP853", "tight", rtol=1e-11))
-    assert largest_relative(tight["values"], plan.tail_slap) < 1e-12
+    exact = measure(STUDIED.source, Setting(EXACT, "exact", "closed form"))
+    assert largest_relative(exact["values"], STUDIED.tail_slap) == 0.0
+    tight = measure(STUDIED.source, Setting(ODE, "DOP853", "tight", number=1e-11))
+    assert largest_relative(tight["values"], STUDIED.tail_slap) < 1e-12
     assert len(tight["loop"]) > 3
 
 
@@ -98,7 +132,7 @@ def test_finite_elements_are_measured_and_refusals_noted() -> None:
     found = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
     assert len(found["loop"]) == len(found["setup"]) >= 2
     assert found["failed"] == []
-    own = run_scene(CornerCase(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))))
+    own = case_of(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))).run()
     assert found["values"] == own.fe
     exact = vary(base, {"corner.constraint": "exact"})[1]
     refused = measure(exact, Setting(FE, "p", "p", {"corner.penalty_scale": 3.0}))
@@ -110,7 +144,7 @@ def test_time_step_converges_with_order_two() -> None:
     values = []
     for factor in (0.225, 0.45, 0.9):
         changes = ("plate.elements=[6,2]", f"time.safety_factor={factor}")
-        values.append(run_scene(CornerCase(*read_scene("paper-abaqus", changes))).fe)
+        values.append(case_of(*read_scene("paper-abaqus", changes)).run().fe)
     for name in ("t", "slide"):
         found = grid_convergence(tuple(v[name] for v in values), (2.0, 2.0))  # type: ignore[arg-type]
         assert found.order == pytest.approx(2.0, abs=0.1)
@@ -123,7 +157,7 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ..
     values = []
     for n in (80, 40, 20):
         changes = (*soft, f"plate.elements=[{n},{3 * n // 10}]")
-        values.append(run_scene(CornerCase(*read_scene("paper-abaqus", changes))).fe["v_gy"])
+        values.append(case_of(*read_scene("paper-abaqus", changes)).run().fe["v_gy"])
     found = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
     assert (found.behaviour == "converging") == converges
     if converges:
@@ -136,7 +170,6 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ..
 def test_interrupted_study_measures_only_what_is_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan = CornerCase(*read_scene("paper-table-3"))
     done: list[str] = []
 
     def noted(source: Source, setting: Setting) -> dict[str, Any]:
@@ -144,32 +177,119 @@ def test_interrupted_study_measures_only_what_is_missing(
             done.append("stop")
             raise KeyboardInterrupt
         done.append(setting.key)
-        return {"values": TRUTH, "setup": [0.1], "loop": [0.2], "steps": 1, "failed": []}
+        return record(TRUTH)
 
-    monkeypatch.setattr(survey_module, "measure", noted)
+    monkeypatch.setattr(study, "measure", noted)
+    call = Call("paper-table-3", (), STUDIED, tmp_path / "out")
     with pytest.raises(KeyboardInterrupt):
-        campaign(plan, tmp_path / "out")
-    found = campaign(plan, tmp_path / "out")
-    assert len(done) - 1 == len(set(done)) - 1 == len(found.points)
+        study.compute(call)
+    found = study.compute(call)
+    assert len(done) - 1 == len(set(done)) - 1 == len(found.rows)
     assert list(tmp_path.iterdir()) == []
 
 
-def records_of(found: list[Setting], steps: dict[str, int]) -> dict[str, Any]:
-    """Values that converge, and steps by group."""
-    return {
-        s.key: {
-            "values": {k: v + 0.1 * s.refinement**-2 for k, v in TRUTH.items()},
-            "steps": steps.get(s.label, 1000),
-        }
-        for s in found
-    }
+def made_records(order: float = 2.0, steps: dict[str, int] | None = None) -> dict[str, Any]:
+    """Errors of 1e-3 over the refinement to the order; steps as given by label, else halves; the modal model fails a
+    check."""
+    found = {}
+    for s in TODO:
+        fine = max(s.refinement, 0.1)
+        values = {k: v * (1.0 + 1e-3 * fine**-order) for k, v in TRUTH.items()}
+        made = record(values, ("linear modes",) if s.kind == MODAL else ())
+        made["steps"] = round(1000 * s.refinement) if steps is None else steps.get(s.label, 1000)
+        found[s.key] = made | {"setup": [0.1], "loop": [0.01 * fine, 0.5]}
+    return found
+
+
+def summed_up(truth: dict[str, float], steps: dict[str, int] | None = None) -> study.Found:
+    return study.summed_up(STUDIED, TODO, made_records(steps=steps), ("plate.start=inertia-relief",), truth)
 
 
 def test_time_steps_that_are_no_halves_have_no_convergence() -> None:
     """On a soft plate the least number of steps stands against the safety factor: that is not a settled value."""
-    found = settings(read_scene("paper-table-3")[0])
     halves = {"safety factor 0.45": 2000, "safety factor 0.225": 4000}
-    assert "time step" in survey_module._convergence(found, records_of(found, halves))
-    soft = survey_module._convergence(found, records_of(found, {}))
-    assert "time step" not in soft
-    assert soft["mesh"]["t"].order == pytest.approx(2.0)
+    assert "time step" in summed_up(TRUTH, halves).convergence
+    found = summed_up(TRUTH, {}).convergence
+    assert "time step" not in found
+    assert found["mesh"]["t"].order == pytest.approx(2.0)
+
+
+@pytest.mark.long
+def test_page_and_summary(tmp_path: Path) -> None:
+    made = report(summed_up(TRUTH))
+    write_report(made, tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["front"]["flexible"][-1].startswith("soft plate, q")
+    assert summary["known"]["rigid"] == study.ROUNDING
+    page = (tmp_path / "report.html").read_text()
+    assert page.count("<svg") == sum(len(section.figures) for section in made.page.sections) > 2
+    for words in ("Pareto front", "failed a check", "FE, row-sum masses", "quad9, order 2.0", "is known to"):
+        assert words in page
+    assert len((tmp_path / "points.csv").read_text().splitlines()) == len(TODO) + 1
+
+
+def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known() -> None:
+    found = summed_up({k: 1.01 * v for k, v in TRUTH.items()})
+    soft = found.of(soft=True)
+    assert found.limit.values == pytest.approx(TRUTH, rel=1e-9)
+    assert found.limit.known == pytest.approx(1.25e-3 / 64, rel=1e-3)  # the finest is 8 times finer
+    assert found.flexibility == pytest.approx(0.01 / 1.01, rel=1e-6)
+    errors = {row["label"]: row["error"] for row in soft if row["group"] == "quad9"}
+    assert errors["10 x 3"] == pytest.approx(1e-3, rel=1e-6)
+    assert errors["80 x 24"] == found.limit.known
+    assert all(row["error"] >= study.ROUNDING for row in found.of(soft=False))
+    added = [row["added"] for row in soft if row["group"] == "damping"]
+    assert added == sorted(added, reverse=True)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        (),
+        ("plate.youngs_modulus=", "plate.first_frequency=5 Hz", "corner.patch_length=1", "damping.ratio=0.1"),
+        ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=unstressed"),
+    ],
+)
+def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None:
+    """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
+    plan = case_of(*read_scene("paper-table-3", changes))
+    soft, source = vary(plan.source, {**study.soft_changes(plan), "plate.element": "quad9"})
+    fe_plan = case_of(soft, source).plan()
+    assert soft.plate is not None
+    assert soft.plate.first_frequency is None
+    frequency, patch = (5.0, 1.0) if "corner.patch_length=1" in changes else (8.0, 2.0)
+    assert fe_plan.first_frequency == pytest.approx(frequency, rel=1e-3)
+    assert (soft.corner.patch_length, soft.corner_friction) == (patch, 0.0)
+    assert (soft.plate.start, soft.corner.constraint, soft.damping) == ("inertia-relief", "exact", None)
+
+
+@pytest.mark.long
+def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> None:
+    """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
+    soft = vary(STUDIED.source, study.soft_changes(STUDIED))[1]
+    by_key = {setting.key.removeprefix("soft plate, "): setting for setting in TODO if setting.soft}
+    wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
+    coarse, medium, fine, loose, stiff = [measure(soft, by_key[key])["values"] for key in wanted]
+    assert largest_relative(medium, fine) < 0.5 * largest_relative(coarse, medium)
+    assert largest_relative(loose, medium) == pytest.approx(10.0 * largest_relative(stiff, medium), rel=0.05)
+
+
+@pytest.mark.long
+def test_a_study_of_a_whole_impact_on_a_coarse_plate(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every setting comes nearer to the plate's limit than the rigid vehicle, and finer meshes nearer still."""
+    out = tmp_path / "cost"
+    arguments = ["study", "cost", "impact-mash-tl4-sut", "--set", "plate.elements=[8, 4]", "--out", str(out)]
+    with pytest.raises(SystemExit) as ended:
+        main([*arguments, "--set", "plate.first_frequency=20 Hz", "--set", "plate.youngs_modulus="])
+    assert ended.value.code == 0
+    assert "cheapest setting" in capsys.readouterr().out
+    found = json.loads((out / "summary.json").read_text())
+    error = {point["setting"]: point["error"] for point in found["points"]}
+    rigid = error.pop("rigid vehicle: event-driven")
+    assert rigid > 0.02
+    assert max(error.values()) < rigid
+    assert error["quad9: 16 x 8"] <= error["quad9: 8 x 4"] <= error["quad9: 4 x 2"]
+    assert error["quad4: 16 x 8"] < 0.4 * error["quad4: 8 x 4"]
+    assert found["known"] < 0.02

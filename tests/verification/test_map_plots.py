@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures.map_plots import COLOURS, MapAxis, draw_map, draw_meanings
+from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings
 from postprocess.figures.svg.chart import Chart
 from postprocess.figures.svg.drawing import text_width
 from postprocess.figures.svg.shades import cells_about

@@ -6,7 +6,7 @@ from tailslap.studies.study import Study, later
 STUDY = Study(
     name="cost",
     summary="Error against run time, the cheapest setting for each error; goes on where it was stopped.",
-    compute=later("tailslap.studies.cost.campaign:study_cost"),
-    report=later("tailslap.studies.cost.report:cost_report"),
+    compute=later("tailslap.studies.cost.compute:compute"),
+    report=later("tailslap.studies.cost.report:report"),
     analyses=(CORNER, WHOLE_IMPACT),
 )

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from postprocess.comparison.comparison import QUANTITIES
-from postprocess.figures.precision_plots import draw_precision
+from postprocess.figures.loglog import Series, draw_precision
+from postprocess.figures.svg.chart import Chart
+from postprocess.figures.svg.scale import power_text
 from postprocess.report.numbers import duration, known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from tailslap.report.common import study_page, study_summary
-from tailslap.studies.cost.campaign import ROUNDING
-from tailslap.studies.cost.diagrams import flexible_diagram, impact_diagram, rigid_diagram, soft_lines
-from tailslap.studies.cost.impacts import ImpactCost
-from tailslap.studies.cost.points import CostResults, Point, by_level, front, quickest
-from tailslap.studies.cost.settings import FE, MODAL, ODE, RIGID
-from tailslap.studies.cost.soft import frequency, patch
+from tailslap.studies.cost import compute
+from tailslap.studies.cost.compute import (
+    FE,
+    LEVELS,
+    Found,
+    Row,
+    cheapest,
+    front,
+    is_valid,
+    own_error,
+)
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
-    Column("setting.key", "Setting"),
+    Column("setting", "Setting"),
     Column("checks", "Checks"),
     Column("error", "Error", form=ERROR),
     Column("added", "Added", form=ERROR),
@@ -30,8 +40,8 @@ SETTINGS = (
 )
 LINES = (
     Column("label", "Line"),
-    Column("coarsest.own_error", "Coarsest", form=ERROR),
-    Column("finest.own_error", "Finest", form=ERROR),
+    Column("coarsest", "Coarsest", form=ERROR),
+    Column("finest", "Finest", form=ERROR),
     Column("order", "Order", form=known(".1f")),
 )
 GRIDS = (
@@ -54,152 +64,228 @@ READING = (
 )
 
 
-def cost_report(found: CostResults | ImpactCost) -> Report:
+class Question(NamedTuple):
+    """A panel: its name and title; error, front and truth in words; kind and name of the methods beside finite
+    elements; labels of all groups that are no lines, and of those that are."""
+
+    name: str
+    title: str
+    error: str
+    front: str
+    truth: str
+    methods: tuple[str, str]
+    others: str
+    lines: dict[str, str]
+
+
+RIGID = Question(
+    "precision-rigid",
+    "(a) How far from the exact rigid motion",
+    "error from the exact rigid motion",
+    "Pareto front, exact solution apart",
+    "exact solution",
+    (compute.ODE, "SciPy"),
+    "FE, all other settings",
+    {"exact": "exact solution", **{name: name for name in (*compute.INTEGRATORS, compute.MODES)}}
+    | {compute.MESH: "FE, meshes of quad4", compute.ROWSUM: f"FE, {compute.ROWSUM}"}
+    | {compute.UNSTRESSED: f"FE, {compute.UNSTRESSED}", compute.PENALTY: "FE, penalty scales"}
+    | {compute.SINGLE: f"FE, {compute.SINGLE}"},
+)
+SOFT = Question(
+    "precision-flexible",
+    "(b) A soft plate: how far from its own limit",
+    "error from the soft plate's limit",
+    "Pareto front",
+    "limit",
+    (compute.MODAL, "soft plate, modes"),
+    "",
+    {name: name for name in (*compute.REFINED, compute.SPRING)}
+    | {compute.PENALTY: "penalty scales", compute.DAMPING: "damping"}
+    | {compute.STEP: "time steps", compute.MODES: "modes"},
+)
+IMPACT = Question(
+    "precision",
+    "How far from the plate's own limit",
+    "error of both strikes from the plate's limit",
+    "Pareto front",
+    "limit",
+    (compute.ODE, compute.RIGID),
+    compute.ELEMENTS,
+    {compute.RIGID: compute.RIGID, "quad4": "meshes of quad4", "quad9": "meshes of quad9"}
+    | {compute.STEP: "time steps", compute.DAMPING: "damping"},
+)
+
+
+def report(found: Found) -> Report:
     """Page, summary, points, and what the terminal says."""
-    if isinstance(found, ImpactCost):
-        return _impact_report(found)
-    known_to = (found.limit.known, found.mesh_limit.known)
-    rigid, soft = rigid_diagram(found.points, ROUNDING), flexible_diagram(found.points, *known_to)
-    lines = Table(LINES, soft_lines(found.points, *known_to), "Order of the errors well above what is known")
-    best = _best(found.rigid, ODE, "SciPy"), _best(found.flexible, MODAL, "soft plate, modes")
-    page = study_page(
-        found.plan,
-        "Error against run time: every method and setting that the program has",
-        headline(found),
-        (
-            Section("The rigid question", "", draw_precision(rigid), best[:1]),
-            Section("The flexible question", "", draw_precision(soft), (lines, best[1]), _limits(found)),
-            Section("Grid convergence", tables=_convergence(found), sentences=READING),
-            Section("Every setting", tables=(_every(found.points),)),
-        ),
-        FILES,
+    kicker, headline, best, said, sections = (_impact if found.case.scene.contact else _corner)(found)
+    sections.append(Section("Every setting", tables=(_every(found.rows),)))
+    page = study_page(found.case, f"Error against run time: {kicker}", headline, sections, FILES)
+    cost = f"Cost:   {len(found.rows)} settings in {found.seconds:.0f} s"
+    return Report(page, summary(found), (*best, headline, *said, cost), {"points.csv": listed(found.rows)})
+
+
+def _corner(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
+    rigid, soft = found.of(soft=False), found.of(soft=True)
+    limit, mesh_limit = found.limit.known, found.mesh_limit.known
+    best = _best(RIGID, rigid), _best(SOFT, soft)
+    headline = (
+        f"The exact rigid solution takes {duration(found.rows[0]['seconds'])}. Finite elements come within "
+        f"{_quickest(rigid)}; the rest is the plate's own flexibility. A soft plate's motion, "
+        f"{found.flexibility:.1e} from the rigid one, they give to {_quickest(soft)}."
     )
-    return Report(page, summary(found), (*best, page.headline, _cost(found)), _points(found))
+    frequency, patch, _ = compute.soft_plate(found.case.scene)
+    meshes = [row["label"] for row in soft if row["group"] == "quad9"]
+    limits = (
+        f"The soft plate: {frequency:g} Hz first frequency, the corner held over {patch:g} m, no friction, no damping, "
+        "one modulus on all meshes: what is left of its error falls with refinement.",
+        f"Full lines: the error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
+        f"{limit:.0e}, the largest GCI; smaller errors are shown as that.",
+        f"Dashed lines: what one choice adds to its mesh, known to {mesh_limit:.0e}. What inertia relief leaves over "
+        "rings, so that steps have no clean order; linear modes leave as much, however many.",
+    )
+    orders = Table(
+        LINES, lines(SOFT, soft, limit, mesh_limit), "Order of the errors well above what is known"
+    )
+    grids = []
+    for group, each in found.convergence.items():
+        rows = [{"symbol": QUANTITIES[name].symbol, **vars(grid)} for name, grid in each.items()]
+        grids.append(Table(GRIDS, rows, group[0].upper() + group[1:]))
+    sections = [
+        Section("The rigid question", "", charts(RIGID, rigid, compute.ROUNDING), best[:1]),
+        Section(
+            "The flexible question", "", charts(SOFT, soft, limit, mesh_limit), (orders, best[1]), limits
+        ),
+        Section("Grid convergence", tables=grids, sentences=READING),
+    ]
+    return "every method and setting that the program has", headline, best, (), sections
 
 
-def _impact_report(found: ImpactCost) -> Report:
-    best = _best(found.points, ODE, RIGID)
+def _impact(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
+    rows, rigid, known_to = found.rows, found.rows[0], found.limit.known
+    best = (_best(IMPACT, rows),)
+    headline = (
+        f"Both strikes of the plate, by finite elements: within {_quickest(rows)}. "
+        f"The rigid vehicle is {rigid['error']:.1e} off in {duration(rigid['seconds'])}."
+    )
     reading = (
         f"Error: largest of impulse, peak and duration of the first two strikes, from Richardson's extrapolation of "
-        f"quad9, known to {found.limit.known:.0e}; smaller ones are shown as that. A corner's crush is spread over "
+        f"quad9, known to {known_to:.0e}; smaller ones are shown as that. A corner's crush is spread over "
         f"{found.patch:g} m of its side. Times: the fastest of several, all compiled and loaded."
     )
-    diagram = impact_diagram(found.points, found.limit.known)
-    page = study_page(
-        found.plan,
-        "Error against run time: settings of a whole impact",
-        _impact_headline(found),
-        (
-            Section("Error against run time", "", draw_precision(diagram), (best,), (reading,)),
-            Section("Every setting", tables=(_every(found.points),)),
-        ),
-        FILES,
-    )
-    said = (best, page.headline, reading, _cost(found))
-    return Report(page, _impact_summary(found), said, _points(found))
+    section = Section("Error against run time", "", charts(IMPACT, rows, known_to), best, (reading,))
+    return "settings of a whole impact", headline, best, (reading,), [section]
 
 
-def _cost(found: CostResults | ImpactCost) -> str:
-    return f"Cost:   {len(found.points)} settings in {found.seconds:.0f} s"
-
-
-def _points(found: CostResults | ImpactCost) -> dict[str, Table]:
-    return {"points.csv": listed([point.row for point in found.points])}
-
-
-def _impact_headline(found: ImpactCost) -> str:
-    """What an error costs, and what the rigid vehicle's is."""
-    rigid = found.points[0]
-    return (
-        f"Both strikes of the plate, by finite elements: within {_spent(quickest(found.points))}. "
-        f"The rigid vehicle is {rigid.error:.1e} off in {duration(rigid.seconds)}."
-    )
-
-
-def _impact_summary(found: ImpactCost) -> dict[str, Any]:
-    return {
-        **study_summary("cost", found.plan),
-        "points": [point.row for point in found.points],
-        "front": [point.setting.key for point in front(found.points)],
-        "cheapest": {row["level"]: row["key"] for row in by_level(found.points) if row["key"]},
-        "known": found.limit.known,
-        "limit": found.limit.values,
-        "patch_length": found.patch,
-        "cost": {"seconds": found.seconds},
-    }
-
-
-def summary(found: CostResults) -> dict[str, Any]:
+def summary(found: Found) -> dict[str, Any]:
     """The numbers of the study, SI."""
-    both = {"rigid": found.rigid, "flexible": found.flexible}.items()
-    return {
-        **study_summary("cost", found.plan),
-        "points": [point.row for point in found.points],
-        "front": {name: [point.setting.key for point in front(its)] for name, its in both},
-        "cheapest": {name: {row["level"]: row["key"] for row in by_level(its)} for name, its in both},
-        "known": {"rigid": ROUNDING, "flexible": found.limit.known, "choices": found.mesh_limit.known},
-        "soft_plate": {"changes": found.soft, "flexibility": found.flexibility, "limit": found.limit.values},
-        "convergence": found.convergence,
-        "cost": {"seconds": found.seconds},
-    }
+    begins = {**study_summary("cost", found.case), "points": found.rows}
+    if found.case.scene.contact:
+        middle = {
+            "front": [row["setting"] for row in front(found.rows)],
+            "cheapest": {level: key for level, key in _by_level(found.rows).items() if key},
+            "known": found.limit.known,
+            "limit": found.limit.values,
+            "patch_length": found.patch,
+        }
+    else:
+        both = {"rigid": found.of(soft=False), "flexible": found.of(soft=True)}
+        soft = {"changes": found.soft, "flexibility": found.flexibility, "limit": found.limit.values}
+        choices = {"flexible": found.limit.known, "choices": found.mesh_limit.known}
+        middle = {
+            "front": {name: [row["setting"] for row in front(rows)] for name, rows in both.items()},
+            "cheapest": {name: _by_level(rows) for name, rows in both.items()},
+            "known": {"rigid": compute.ROUNDING, **choices},
+            "soft_plate": soft,
+            "convergence": found.convergence,
+        }
+    return {**begins, **middle, "cost": {"seconds": found.seconds}}
 
 
-def headline(found: CostResults) -> str:
-    """What an error costs."""
-    rigid, soft = (_spent(quickest(points)) for points in (found.rigid, found.flexible))
-    return (
-        f"The exact rigid solution takes {duration(found.points[0].seconds)}. Finite elements come within {rigid}; the "
-        f"rest is the plate's own flexibility. A soft plate's motion, {found.flexibility:.1e} from the rigid one, they "
-        f"give to {soft}."
-    )
+def _by_level(rows: list[Row]) -> dict[str, str | None]:
+    """The cheapest setting for each level of error; None for none."""
+    return {f"{level:.0e}": (cheapest(rows, level) or {}).get("setting") for level in LEVELS}
 
 
-def _spent(best: Point | None) -> str:
-    return f"{best.error:.1e} in {duration(best.seconds)} ({best.setting.name})" if best else "nothing known"
+def _best(question: Question, rows: list[Row]) -> Table:
+    """The cheapest setting for each level of error: of the question's methods, and of finite elements."""
+    groups, best, shown = dict((question.methods, (FE, "finite elements"))), [], []
+    for level in LEVELS:
+        each = {kind: cheapest([row for row in rows if row["kind"] == kind], level) for kind in groups}
+        if any(each.values()):
+            named = {kind: row and {**row, "name": _name(row)} for kind, row in each.items()}
+            best.append({"level": f"{level:.0e}", **named})
+    for kind, group in groups.items():
+        shown += [
+            Column(f"{kind}.name", "setting", group=group),
+            Column(f"{kind}.error", "error", form=ERROR, group=group),
+            Column(f"{kind}.seconds", "time", form=duration, group=group),
+        ]
+    return Table((Column("level", "Error at most"), *shown), best, "The cheapest setting")
 
 
-def _limits(found: CostResults) -> tuple[str, ...]:
-    """What the soft plate is, and where its limits come from."""
-    scene, meshes = found.plan.scene, [p.setting.label for p in found.flexible if p.setting.group == "quad9"]
-    return (
-        f"The soft plate: {frequency(scene):g} Hz first frequency, the corner held over {patch(scene):g} m, no "
-        "friction, no damping, one modulus on all meshes: what is left of its error falls with refinement.",
-        f"Full lines: the error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
-        f"{found.limit.known:.0e}, the largest GCI; smaller errors are shown as that.",
-        f"Dashed lines: what one choice adds to its mesh, known to {found.mesh_limit.known:.0e}. What inertia relief "
-        "leaves over rings, so that steps have no clean order; linear modes leave as much, however many.",
-    )
+def _name(row: Row) -> str:
+    return f"{row['group']}: {row['label']}"
 
 
-def _best(points: tuple[Point, ...], kind: str, name: str) -> Table:
-    """The cheapest setting for each error: of a kind, and of finite elements."""
-    rows = [row for row in by_level(points) if row[kind] or row[FE]]
-    columns = (*_best_columns(kind, name), *_best_columns(FE, "finite elements"))
-    return Table((Column("level", "Error at most"), *columns), rows, "The cheapest setting")
+def _quickest(rows: list[Row]) -> str:
+    """The cheapest finite elements with at most the power of ten next above the least error of them, in words."""
+    fe = [row for row in rows if row["kind"] == FE and is_valid(row)]
+    least = 10.0 ** math.ceil(math.log10(min(row["error"] for row in fe))) if fe else 0.0
+    best = cheapest(fe, least)
+    if best is None:
+        return "nothing known"
+    return f"{best['error']:.1e} in {duration(best['seconds'])} ({_name(best)})"
 
 
-def _best_columns(kind: str, group: str) -> tuple[Column, ...]:
-    return (
-        Column(f"{kind}.setting.name", "setting", group=group),
-        Column(f"{kind}.error", "error", form=ERROR, group=group),
-        Column(f"{kind}.seconds", "time", form=duration, group=group),
-    )
-
-
-def _convergence(found: CostResults) -> list[Table]:
-    """Observed order, extrapolated value and grid convergence index of each quantity."""
-    tables = []
-    for group, grids in found.convergence.items():
-        rows = [{"symbol": QUANTITIES[name].symbol, **vars(grid)} for name, grid in grids.items()]
-        tables.append(Table(GRIDS, rows, group[0].upper() + group[1:]))
-    return tables
-
-
-def _every(points: tuple[Point, ...]) -> Table:
+def _every(rows: list[Row]) -> Table:
     """Every setting; those on the Pareto front of their question are set off."""
-    best = [point for soft in (False, True) for point in front(p for p in points if p.setting.soft == soft)]
-    columns = [
-        column for column in SETTINGS if column.key != "added" or any(p.setting.choice for p in points)
-    ]
-    marks = {i: "marked" for i, point in enumerate(points) if point in best}
-    return Table(tuple(columns), points, notes=(NOTE,), marks=marks)
+    best = [row["setting"] for soft in (False, True) for row in front(r for r in rows if r["soft"] == soft)]
+    shown = [column for column in SETTINGS if column.key != "added" or any(row["choice"] for row in rows)]
+    marks = {number: "marked" for number, row in enumerate(rows) if row["setting"] in best}
+    said = [{**row, "checks": "passed"} for row in rows]
+    for row in said:
+        for how in ("failed", "refused"):
+            row["checks"] = f"{how}: {row[how]}" if row[how] else row["checks"]
+    return Table(tuple(shown), said, notes=(NOTE,), marks=marks)
+
+
+def charts(question: Question, rows: list[Row], known_to: float, mesh_known: float = math.nan) -> list[Chart]:
+    """The panel; known_to, mesh_known: what the truth is known to, and what the limit of the mesh of choices is."""
+    series = []
+    for line in lines(question, rows, known_to, mesh_known):
+        ordered = question is SOFT and line["order"] > 0.5 and line["group"] != compute.MODES
+        series.append(
+            _series(line["label"] + (f", order {line['order']:.1f}" if ordered else ""), line["rows"])
+        )
+    others = [row for row in rows if row["group"] not in question.lines]
+    series.append(_series(question.others, others)._replace(joined=False))
+    best = question.front, [(row["seconds"], row["error"]) for row in front(rows)]
+    floor = f"the {question.truth} is known to {power_text(float(f'{known_to:.0e}'))}", known_to
+    return draw_precision(question.name, question.title, series, question.error, best, floor)
+
+
+def _series(label: str, rows: list[Row]) -> Series:
+    """What choices add is dashed."""
+    drawn = [row for row in rows if math.isfinite(own_error(row))]
+    numbers = [row["seconds"] for row in drawn], [own_error(row) for row in drawn]
+    passed = [not row["failed"] for row in drawn]
+    return Series(label, *numbers, passed, dashed=any(row["choice"] for row in drawn))
+
+
+def lines(question: Question, rows: list[Row], known_to: float, mesh_known: float) -> list[Row]:
+    """The question's lines: their rows, errors of the coarsest and the finest, and the order observed of errors well
+    above what is known, NaN where there is none."""
+    found = []
+    for group, label in question.lines.items():
+        its = [row for row in rows if row["group"] == group and math.isfinite(own_error(row))]
+        errors, fineness = (
+            np.array(each) for each in ([own_error(r) for r in its], [r["refinement"] for r in its])
+        )
+        level = 3.0 * (mesh_known if any(row["choice"] for row in its) else known_to)
+        clear = (errors > level) & (fineness > 0.0)
+        x, y = np.log(fineness[clear]), np.log(errors[clear])
+        order = -float(np.polyfit(x, y, 1)[0]) if len(x) > 1 and np.ptp(x) else math.nan
+        ends = {"coarsest": errors[0], "finest": errors[-1]} if its else {"coarsest": None, "finest": None}
+        found.append({"group": group, "label": label, "rows": its, "order": order, **ends})
+    return found

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from itertools import combinations
 from typing import Any
 
-from postprocess.figures.map_plots import MapAxis, draw_map, draw_meanings
+from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import known
 from postprocess.report.page import Section

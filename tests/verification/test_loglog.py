@@ -7,12 +7,13 @@ import re
 
 import pytest
 
-from postprocess.figures.precision_plots import Diagram, Series, draw_precision
+from postprocess.figures.loglog import Series, draw_precision
+from postprocess.figures.svg.chart import Chart
 
 pytestmark = pytest.mark.verification
 
 
-def crowded(lines: int = 9) -> Diagram:
+def crowded(lines: int = 9) -> list[Chart]:
     """Lines that all end within a tenth of a decade of each other; one point failed."""
     series = [
         Series(
@@ -23,12 +24,12 @@ def crowded(lines: int = 9) -> Diagram:
         )
         for n in range(lines)
     ]
-    front = [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
-    return Diagram("test", "(a) crowded", series, front, "Pareto front", 3e-6, "the truth is known", "error")
+    front = "Pareto front", [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
+    return draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
 
 
 def test_each_line_has_a_plot_over_the_same_axes() -> None:
-    charts = draw_precision(crowded())
+    charts = crowded()
     assert [chart.name for chart in charts] == [f"test-{n}" for n in range(1, 10)]
     for number, chart in enumerate(charts):
         named = re.findall('data-label="([^"]+)" data-values="([^"]*)"', chart.svg)
@@ -41,7 +42,7 @@ def test_each_line_has_a_plot_over_the_same_axes() -> None:
 
 
 def test_ticks_are_powers_of_ten() -> None:
-    first, *_ = draw_precision(crowded())
+    first, *_ = crowded()
     said = [re.sub("<[^>]+>", "", text) for text in re.findall("<text.*?</text>", first.svg)]
     assert {"10⁻³", "10⁻²", "10⁻⁵", "10⁻⁴"} & set(said)
     assert not [word for word in said if re.fullmatch(r"\d+e-?\d+", word)]
@@ -50,4 +51,4 @@ def test_ticks_are_powers_of_ten() -> None:
 def test_a_diagram_without_points_is_none() -> None:
     """A scene may refuse every setting of a panel."""
     empty = [Series("quad4", [], [], [])]
-    assert draw_precision(Diagram("empty", "(b)", empty, [], "Pareto front", math.nan, "", "error")) == []
+    assert draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []
