@@ -39,7 +39,7 @@ def plate() -> tuple[np.ndarray, np.ndarray]:
 
 def draw_fields(folder: Path, count: int) -> None:
     """Instants of a field, one picture each."""
-    from postprocess.fields.pictures import draw_instants
+    from postprocess.fields.contours import draw_instants
     from postprocess.fields.series import ELEMENTS as OF_ELEMENTS
     from postprocess.fields.series import NODES, FieldSeries
 
@@ -53,14 +53,14 @@ def draw_fields(folder: Path, count: int) -> None:
 
 
 def draw_contour_pictures(folder: Path, count: int) -> None:
-    """Contours of three fields on a canvas, as each run draws them."""
-    from postprocess.contours.contours import ContourField, Setting, draw_contours
+    """Contours of three fields by a plotter, as each run draws them."""
+    from postprocess.fields.contours import ContourField, Setting, draw_contours
 
     points, quads = plate()
     for drawn in range(0, count, OF_A_RUN):
         names = (f"v_{number}" for number in range(drawn, min(drawn + OF_A_RUN, count)))
         draw_contours(
-            Setting(points, quads), [ContourField(name, "V", "m/s", points[:, 0]) for name in names], folder
+            Setting((points, quads)), [ContourField(name, "V", "m/s", points[:, 0]) for name in names], folder
         )
 
 

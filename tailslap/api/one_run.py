@@ -68,6 +68,11 @@ def run_result(case: Case, outcome: Any) -> Result:
 
         return field_series(outcome.fe_plan.model, outcome.run.snapshots)
 
+    def ends() -> Any:
+        from tailslap.report.fields import series_of_ends
+
+        return series_of_ends(outcome)
+
     return Result(
         "run",
         summary["scene"],
@@ -78,6 +83,7 @@ def run_result(case: Case, outcome: Any) -> Result:
         {FE: history(histories["history.csv"]), RIGID: history(histories["rigid.csv"])},
         fill=filled_by(partial(case.report, outcome)),
         make_fields=None if outcome.run.snapshots is None else fields,
+        make_ends=ends if getattr(outcome.run, "strike", None) is not None else None,
     )
 
 

@@ -13,6 +13,8 @@ from tailslap.api.columns import Columns
 from tailslap.errors import InputError, Missing
 
 if TYPE_CHECKING:
+    import pyvista
+
     from postprocess.fields.series import FieldSeries
     from postprocess.figures.overlay import Plot
     from postprocess.report.report import Report
@@ -58,6 +60,8 @@ class Result:
         Fills a folder with the files that the command leaves.
     make_fields : callable or None
         Makes the fields that were kept.
+    make_ends : callable or None
+        Makes the fields at the start and at the tail-slap, of a run that has kept none.
     text : str
         What the terminal says, where it is no table.
     """
@@ -71,6 +75,7 @@ class Result:
     histories: Mapping[str, Columns] = field(default_factory=dict)
     fill: Fill | None = None
     make_fields: Callable[[], FieldSeries] | None = None
+    make_ends: Callable[[], FieldSeries] | None = None
     text: str = ""
 
     @property
@@ -89,6 +94,38 @@ class Result:
         if self.make_fields is None:
             raise InputError("output.fields", Missing, "no fields were kept; run with {'output.fields': 20}")
         return self.make_fields()
+
+    def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
+        """Mesh of the plate with its fields, for PyVista.
+
+        Parameters
+        ----------
+        t : float, optional
+            Of the instants of `[output] fields = N` the nearest to this one [s]; without it the last, the tail-slap.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+            The unstrained plate where the run starts, SI; `mesh.warp_by_vector("displacement")` is where it is. At the
+            points vectors (`velocity`) and their components (`velocity_x`), at the cells stresses and energy density,
+            the instant in `field_data["t"]`.
+
+        Raises
+        ------
+        InputError
+            Where no fields were kept: for an instant, and for a result without a tail-slap of its own.
+
+        Examples
+        --------
+        >>> import tailslap
+        >>> mesh = tailslap.run("mash-tl4-sut").mesh()
+        >>> mesh.n_cells, round(float(mesh["velocity_y"].min()), 2)
+        (120, -6.55)
+        """
+        if t is None and self.make_fields is None and self.make_ends is not None:
+            return self.make_ends().grid()
+        series = self.fields
+        return series.grid(-1 if t is None else int(abs(series.t - t).argmin()))
 
     def plot(self, *names: str) -> Plot:
         """Draw columns over time, the rigid vehicle's beside the FE run's.

@@ -86,30 +86,28 @@ def export(
 
 def _drawn(field: str | None) -> tuple[str, ...]:
     """Fields to draw. Raises InputError for one that there is not."""
-    from postprocess.fields.pictures import DRAWN
+    from postprocess.fields.series import SCALARS
 
-    if field is not None and field not in DRAWN:
-        raise InputError("--field", field, f"allowed is one of {', '.join(DRAWN)}")
-    return DRAWN if field is None else (field,)
+    if field is not None and field not in SCALARS:
+        raise InputError("--field", field, f"allowed is one of {', '.join(SCALARS)}")
+    return SCALARS if field is None else (field,)
 
 
 def _units(to: str, units: str) -> Units:
     """The units of pictures. Raises InputError for others, and where there are no pictures."""
-    from postprocess.fields.pictures import AS_STORED
-    from postprocess.report.units import US
+    from postprocess.report.units import SYSTEMS
 
-    systems = {"si": AS_STORED, "us": US}
-    if units not in systems:
-        raise InputError("--units", units, f"allowed is one of {', '.join(systems)}")
+    if units not in SYSTEMS:
+        raise InputError("--units", units, f"allowed is one of {', '.join(SYSTEMS)}")
     if units != "si" and to not in PICTURES:
         raise InputError("--units", units, f"files of {to} are in SI always; leave out one of the two")
-    return systems[units]
+    return SYSTEMS[units]
 
 
 def _draw(
     fields: FieldSeries, to: str, folder: Path, names: tuple[str, ...], magnify: float, units: Units
 ) -> None:
-    from postprocess.fields.pictures import animate, draw_instants
+    from postprocess.fields.contours import animate, draw_instants
 
     for name in names:
         if to == "png":
@@ -124,14 +122,14 @@ def _place(given: object, found: Result, to: str) -> Path:
 
 
 def _writer(to: str) -> Callable[[Path, FieldSeries], Path]:
-    from postprocess.fields.meshio_formats import write_msh, write_vtu, write_xdmf
-    from postprocess.fields.vtkhdf import write_vtkhdf
+    from postprocess.fields.formats import write_msh, write_vtkhdf, write_vtu, write_xdmf
 
     return {"vtkhdf": write_vtkhdf, "xdmf": write_xdmf, "vtu": write_vtu, "msh": write_msh}[to]
 
 
 def _write_tables(found: Result, to: str, folder: Path) -> None:
-    from postprocess.fields.tables import field_tables, write_csv, write_parquet
+    from postprocess.fields.formats import write_csv, write_parquet
+    from postprocess.fields.series import field_tables
 
     write = write_csv if to == "csv" else write_parquet
     names = {FE: "history", RIGID: "rigid"}

@@ -44,6 +44,17 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
     )
 
 
+def series_of_ends(outcome: Any) -> FieldSeries:
+    """Fields at the start and at the tail-slap of a run that reached it."""
+    from fem.run.observers import Snapshots
+    from fem.start.start import start_fields
+
+    plan, strike = outcome.fe_plan, outcome.run.strike
+    start = start_fields(plan.model, plan.start, plan.plate.start)
+    states = zip(start, (strike.positions, strike.velocities), strict=True)
+    return field_series(plan.model, Snapshots(np.array([0.0, strike.values["t"]]), *map(np.array, states)))
+
+
 def keep_fields(outcome: Any, folder: Path) -> None:
     """Write the fields of a run into the folder, where some were kept."""
     if outcome.run.snapshots is not None:

@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from postprocess.contours.contours import ContourField, Setting, draw_contours
+from postprocess.fields.contours import ContourField, Setting, draw_contours
 from postprocess.report.units import SI, Units
 from tailslap.progress import announced
 from tailslap.scene_run import Outcome
@@ -32,10 +32,8 @@ def draw_pictures(outcome: Outcome, folder: Path, units: Units = SI) -> Outcome:
     ]
     with announced("Drawing the pictures ..."):
         setting = Setting(
-            strike.positions.T[:drawn],
-            discretisation.cells,
-            wall_points=None if wall is None else wall.points[:, :2],
-            wall_quads=None if wall is None else wall.cells_dict["quad"],
+            (strike.positions.T[:drawn], discretisation.cells),
+            wall=None if wall is None else (wall.points[:, :2], wall.cells_dict["quad"]),
             corner=strike.positions[:, discretisation.corner].tolist(),
             centroid=(strike.positions @ masses / masses.sum()).tolist(),
             scene=fe_plan.case.scene.name,

@@ -119,13 +119,13 @@ def test_results_are_there_before_the_pictures_start(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """No window can be opened here: the numbers stay, whole, and the command says what is missing."""
-    from postprocess.contours import contours
+    from postprocess.fields import contours
 
-    def refused(view: Any) -> None:
+    def refused() -> None:
         assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
         raise RuntimeError("pictures need a display")
 
-    monkeypatch.setattr(contours, "canvas", refused)
+    monkeypatch.setattr(contours, "choose_window", refused)
     small = ("run", "paper-table-3", "--set", "plate.elements=[10,3]", "--out", str(tmp_path / "out"))
     assert _status(list(small)) == 3
     assert "pictures need a display" in capsys.readouterr().err

@@ -198,25 +198,70 @@ def test_pictures_of_all_instants_have_one_scale(result: Result, tmp_path: Path)
         tailslap.export(result, "gif", tmp_path / "x", field="colour")
 
 
-def test_a_drawing_shows_values_where_the_plate_is(result: Result) -> None:
-    from postprocess.fields.pictures import DRAWN, Drawing, element_values
+@pytest.mark.parametrize("name", ["stress_von_mises", "velocity_y"])
+def test_a_picture_shows_values_where_the_plate_is(name: str, result: Result, tmp_path: Path) -> None:
+    """The middle of an element has the colour of its value, or of its nodes' mean, on the scale of all instants."""
+    import matplotlib as mpl
+    from matplotlib.image import imread
+
+    from postprocess.fields.contours import SIZE, colour_scale, draw_instants, view_of_plate
 
     series = result.fields
-    speed = element_values(series, "velocity")
-    np.testing.assert_allclose(
-        speed, np.hypot(*np.moveaxis(series.nodal["velocity"], -1, 0))[:, series.cells].mean(axis=-1)
-    )
-    drawing = Drawing(series, "velocity_y", 500.0)
-    (plate,) = drawing.at(3).axes[0].collections
-    np.testing.assert_array_equal(plate.get_array(), element_values(series, "velocity_y")[3])
-    moved = series.nodal["displacement"][3] + 499.0 * series.nodal["elastic_displacement"][3]
-    corners = (series.points + moved)[series.cells[:, :4]]
-    np.testing.assert_allclose([path.vertices[:4] for path in plate.get_paths()], corners)
-    assert plate.get_clim() == (
-        element_values(series, "velocity_y").min(),
-        element_values(series, "velocity_y").max(),
-    )
-    assert {"stress_principal_1", "strain_energy_density", "displacement_x"} <= {*DRAWN}
+    (path,) = draw_instants(tmp_path, series, name, 500.0, [-1])
+    assert path.name == f"{name}_0003.png"
+    elastic = series.nodal["elastic_displacement"]
+    places = series.points + series.nodal["displacement"] + 499.0 * elastic
+    np.testing.assert_allclose(series.places(500.0), places, rtol=1e-15)
+    values, scale = series.scalar(name), colour_scale(series.scalar(name))
+    corners = series.cells[:, :4]
+    at = values[-1] if name in ELEMENTS else values[-1][corners].mean(axis=1)
+    part = (at - scale.low) / (scale.high - scale.low)
+    inside = np.abs(part * scale.bands - np.rint(part * scale.bands)) > 0.02
+    assert inside.sum() > 8
+    middles = view_of_plate(places.reshape(-1, 2)).pixel(places[-1][corners].mean(axis=1))
+    column, row = np.floor(middles[inside]).astype(int).T
+    expected = mpl.colormaps["viridis"].resampled(scale.bands)(part[inside])[:, :3]
+    np.testing.assert_allclose(imread(path)[SIZE[1] - 1 - row, column, :3], expected, atol=6 / 255)
+
+
+def test_scalars_are_components_sizes_and_fields_of_elements(result: Result) -> None:
+    series = result.fields
+    velocity = series.nodal["velocity"]
+    np.testing.assert_allclose(series.scalar("velocity"), np.hypot(velocity[..., 0], velocity[..., 1]))
+    np.testing.assert_array_equal(series.scalar("velocity_y"), velocity[..., 1])
+    np.testing.assert_array_equal(series.scalar("stress_principal_1"), series.elemental["stress_principal_1"])
+    for name in ("velocity_z", "colour", "stress_von_mises_x"):
+        with pytest.raises(KeyError):
+            series.scalar(name)
+
+
+def test_mesh_is_a_grid_of_pyvista_with_the_fields(result: Result) -> None:
+    series = result.fields
+    for t, k in ((None, 3), (0.0, 0), (0.6 * series.t[1], 1), (99.0, 3)):
+        mesh = result.mesh(t)
+        assert mesh.field_data["t"] == series.t[k]
+        check_mesh(mesh, series, k, suffix=False)
+        np.testing.assert_array_equal(mesh["velocity_y"], series.nodal["velocity"][k, :, 1])
+    moved = mesh.warp_by_vector("displacement").points[:, :2]
+    same(moved, series.points + series.nodal["displacement"][3])
+    assert (mesh.celltypes == 28).all()
+    assert mesh.compute_cell_sizes()["Area"].sum() == pytest.approx(10.0 * 2.438)
+
+
+def test_without_fields_there_is_the_mesh_at_the_tail_slap(tmp_path: Path) -> None:
+    """The same fields as those of a run that keeps them."""
+    changes = {"plate.elements": [6, 2]}
+    bare = tailslap.run("paper-table-3", changes)
+    kept = tailslap.run("paper-table-3", changes | {"output.fields": 3}).mesh()
+    mesh = bare.mesh()
+    np.testing.assert_array_equal(mesh.points, kept.points)
+    assert {*mesh.array_names} == {*kept.array_names} >= {*NODES, *ELEMENTS, "velocity_x"}
+    for name in mesh.array_names:
+        np.testing.assert_array_equal(mesh[name], kept[name])
+    loaded = tailslap.load(bare.save(tmp_path / "run", pictures=False))
+    for without in (lambda: bare.mesh(0.1), loaded.mesh, tailslap.rigid("paper-table-3").mesh):
+        with pytest.raises(InputError, match=r"no fields were kept; run with \{'output\.fields': 20\}"):
+            without()
 
 
 MEMORY = """
@@ -237,18 +282,18 @@ print(used() - before)
 """
 FIELDS = """
 from tests_series import series
-from postprocess.fields.pictures import draw_instants
+from postprocess.fields.contours import draw_instants
 folder = Path(tempfile.mkdtemp())
 draw = lambda: draw_instants(folder, series, "velocity_y")
 """
 CONTOURS = """
-from postprocess.contours.contours import ContourField, Setting, draw_contours
+from postprocess.fields.contours import ContourField, Setting, draw_contours
 x, y = np.meshgrid(np.linspace(0, 10, 21), np.linspace(1, 3.4, 7))
 points = np.column_stack([x.ravel(), y.ravel()])
 first = (np.arange(20) + 21 * np.arange(6)[:, None]).ravel()
 quads = np.column_stack([first, first + 1, first + 22, first + 21])
 folder = Path(tempfile.mkdtemp())
-draw = lambda: draw_contours(Setting(points, quads), [ContourField("v", "V", "m/s", points[:, 0])], folder)
+draw = lambda: draw_contours(Setting((points, quads)), [ContourField("v", "V", "m/s", points[:, 0])], folder)
 """
 SERIES = """
 import numpy as np

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.contours import contours
-from postprocess.contours.contours import ContourField, Setting, draw_contours
-from postprocess.fields.pictures import Drawing, element_values
+from postprocess.fields.contours import ContourField, Setting, Sheet, draw_contours, draw_instants
 from postprocess.figures.impact.animation import write_animation
 from postprocess.report.units import US
 from tailslap import Result
@@ -37,19 +36,17 @@ def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return result.save(tmp_path_factory.mktemp("us") / "reference", pictures=False)
 
 
-def texts_of(monkeypatch: pytest.MonkeyPatch, folder: Path, *units: Any) -> list[str]:
-    """Words of a picture of the square: the rulers' numbers and what stands beside them."""
+def texts_of(monkeypatch: pytest.MonkeyPatch, draw: Callable[[], Any]) -> list[str]:
+    """Words of a picture: the rulers' numbers and what stands beside them."""
     said: list[str] = []
-    plain = contours.add_text
+    plain = Sheet.write
 
-    def add_text(plotter: Any, text: str, *more: Any, **others: Any) -> Any:
+    def write(sheet: Sheet, text: str, *more: Any, **others: Any) -> None:
         said.append(text)
-        return plain(plotter, text, *more, **others)
+        plain(sheet, text, *more, **others)
 
-    monkeypatch.setattr(contours, "add_text", add_text)
-    field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
-    setting = Setting(SQUARE, np.array([[0, 1, 2, 3]]), corner=(0.0, 0.0), centroid=(1.5, 0.5))
-    draw_contours(setting, [field], folder, *units)
+    monkeypatch.setattr(Sheet, "write", write)
+    draw()
     monkeypatch.undo()
     return said
 
@@ -61,7 +58,12 @@ def numbers(texts: list[str]) -> list[float]:
 def test_contours_have_rulers_title_and_values_in_feet(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    metres, feet = texts_of(monkeypatch, tmp_path), texts_of(monkeypatch, tmp_path, US)
+    field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
+    setting = Setting((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
+    metres, feet = (
+        texts_of(monkeypatch, lambda units=units: draw_contours(setting, [field], tmp_path, *units))  # type: ignore[misc]
+        for units in ((), (US,))
+    )
     for said, length, speed, middle in (
         (metres, "m", "m/s", "G: 1.5 m/s"),
         (feet, "ft", "ft/s", "G: 4.921 ft/s"),
@@ -74,18 +76,26 @@ def test_contours_have_rulers_title_and_values_in_feet(
     assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
 
 
-def test_drawn_fields_are_in_feet_and_ksi(result: Result) -> None:
-    """Colours, places, and the labels of both."""
+def test_drawn_fields_are_in_feet_and_ksi(
+    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Title, range and rulers; the picture itself is the same but for round numbers."""
     series = result.fields
-    drawing, plain = Drawing(series, "stress_von_mises", 1.0, US), Drawing(series, "stress_von_mises", 1.0)
-    axes, colours = drawing.at(1).axes
-    (plate,) = axes.collections
-    stress = element_values(series, "stress_von_mises")[1]
-    np.testing.assert_allclose(plate.get_array(), stress / (1e3 * PSI), rtol=1e-12)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("X along the wall [ft]", "Y [ft]")
-    assert colours.get_xlabel() == "stress_von_mises [ksi]"
-    np.testing.assert_allclose(axes.get_xlim(), np.array(plain.at(1).axes[0].get_xlim()) / FOOT, rtol=1e-12)
-    assert plain.at(1).axes[1].get_xlabel() == "stress_von_mises [Pa]"
+    feet, metres = (
+        texts_of(
+            monkeypatch,
+            lambda units=units: draw_instants(  # type: ignore[misc]
+                tmp_path, series, "stress_von_mises", instants=[1], **units
+            ),
+        )
+        for units in ({"units": US}, {})
+    )
+    stress = series.elemental["stress_von_mises"][1]
+    least, most = (f"{end / (1e3 * PSI):.4g}" for end in (stress.min(), stress.max()))
+    assert {"stress_von_mises [ksi]", "Y [ft]", "X [ft], driving direction →"} <= {*feet}
+    assert f"element values from {least} to {most} ksi" in feet
+    assert {"stress_von_mises [Pa]", "Y [m]", f"t = {series.t[1]:.4f} s"} <= {*metres}
+    assert f"element values from {stress.min():.4g} to {stress.max():.4g} Pa" in metres
 
 
 def test_exported_pictures_take_units_and_tables_refuse_them(
@@ -93,7 +103,7 @@ def test_exported_pictures_take_units_and_tables_refuse_them(
 ) -> None:
     given: list[str] = []
     monkeypatch.setattr(
-        "postprocess.fields.pictures.draw_instants",
+        "postprocess.fields.contours.draw_instants",
         lambda *_, units, **__: given.append(units.name),
     )
     tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")

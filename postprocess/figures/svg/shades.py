@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postprocess.contours.viridis import viridis
-from postprocess.figures.svg.drawing import Floats, extent
+from postprocess.figures.svg.drawing import Floats, extent, viridis
 from postprocess.figures.svg.marks import Swatch
 from postprocess.figures.svg.scale import Scale, tick_texts
 

@@ -1,23 +1,32 @@
-"""Verification: pictures of a rigidly rotating plate have the colours of its exact velocities."""
+"""Verification: pictures of a rigidly rotating plate have the colours of its exact velocities; the scale by hand."""
 
 import ctypes
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import pytest
+import pyvista
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
-from postprocess.contours import canvas, contours
-from postprocess.contours.colour_scale import colour_scale
-from postprocess.contours.contours import SIZE, WALL, WALL_EDGE, ContourField, Setting, draw_contours
-from postprocess.contours.view import view_of_plate
-from postprocess.contours.viridis import viridis
+from postprocess.fields import contours
+from postprocess.fields.contours import (
+    SIZE,
+    WALL,
+    WALL_EDGE,
+    ContourField,
+    Setting,
+    Sheet,
+    colour_scale,
+    draw_contours,
+    round_between,
+    view_of_plate,
+)
+from postprocess.figures.svg.drawing import viridis
 
 pytestmark = pytest.mark.verification
 
@@ -44,8 +53,8 @@ def velocities(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.column_stack([SPEED[0] - OMEGA * arm[:, 1], SPEED[1] + OMEGA * arm[:, 0]])
 
 
-PLATE = Setting(POINTS, QUADS, corner=(SLIDE, 0.0), centroid=CENTROID)
-WITH_WALL = replace(PLATE, wall_points=WALL_POINTS, wall_quads=WALL_QUADS)
+PLATE = Setting((POINTS, QUADS), corner=(SLIDE, 0.0), centroid=CENTROID)
+WITH_WALL = replace(PLATE, wall=(WALL_POINTS, WALL_QUADS))
 
 
 def fields() -> list[ContourField]:
@@ -68,9 +77,8 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, NDArray[np.u
 
 def pixels(picture: NDArray[np.uint8], points: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Colours at points (k, 2) [m]; shape (k, 3)."""
-    view = view_of_plate(POINTS, SIZE)
-    column, row = view.pixel(points[:, 0], points[:, 1])  # type: ignore[arg-type]
-    return picture[SIZE[1] - 1 - np.floor(row).astype(int), np.floor(column).astype(int)]
+    column, row = np.floor(view_of_plate(POINTS).pixel(points)).astype(int).T
+    return picture[SIZE[1] - 1 - row, column]
 
 
 def element_points(quads: list[int]) -> NDArray[np.float64]:
@@ -127,7 +135,7 @@ def test_corner_and_centroid_are_marked(pictures: dict[str, NDArray[np.uint8]]) 
 
 
 def test_without_a_wall_mesh_there_is_a_line(tmp_path: Path) -> None:
-    (path,) = draw_contours(Setting(POINTS, QUADS), fields()[:1], tmp_path)
+    (path,) = draw_contours(Setting((POINTS, QUADS)), fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
     below = pixels(picture, np.array([[2.3, -0.3], [9.8, -0.13]]))
     np.testing.assert_array_equal(below, np.full((2, 3), 255))
@@ -135,7 +143,7 @@ def test_without_a_wall_mesh_there_is_a_line(tmp_path: Path) -> None:
 
 
 def test_a_wall_out_of_sight_is_not_drawn(tmp_path: Path) -> None:
-    beyond = replace(WITH_WALL, wall_points=WALL_POINTS + np.array([500.0, 0.0]))
+    beyond = replace(WITH_WALL, wall=(WALL_POINTS + np.array([500.0, 0.0]), WALL_QUADS))
     (path,) = draw_contours(beyond, fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(int)
     np.testing.assert_array_equal(pixels(picture, np.array([[2.3, -0.3]])), np.full((1, 3), 255))
@@ -143,14 +151,16 @@ def test_a_wall_out_of_sight_is_not_drawn(tmp_path: Path) -> None:
 
 def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words: list[str] = []
+    write = Sheet.write
 
-    def remember(plotter: object, text: str, *rest: object, **named: object) -> object:
+    def remember(sheet: Sheet, text: str, *rest: Any, **named: Any) -> None:
         words.append(text)
-        return canvas.add_text(plotter, text, *rest, **named)  # type: ignore[arg-type]
+        write(sheet, text, *rest, **named)
 
-    monkeypatch.setattr(contours, "add_text", remember)
+    monkeypatch.setattr(Sheet, "write", remember)
     draw_contours(replace(PLATE, scene="a-scene", time=0.38395974), fields()[1:], tmp_path)
-    assert words.count("a-scene,  tail-slap at t = 0.384 s") == 1, "it stays for the second picture"
+    assert words.count("a-scene,  tail-slap at t = 0.384 s") == 2, "in both pictures"
+    assert words.count("wall line, Y = 0") == 1, "it stays for the second picture"
     assert {
         "v_GY: nodal velocity along Y [m/s]",
         "ω: nodal angular velocity [rad/s]",
@@ -168,26 +178,27 @@ def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     )
 
 
-def test_every_canvas_is_closed_even_when_drawing_fails(
+def test_every_plotter_is_closed_even_when_drawing_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    opened: list[canvas.Canvas] = []
-    make = canvas.Canvas.__init__
+    opened: list[Any] = []
+    make = pyvista.Plotter.__init__
 
-    def remember(self: canvas.Canvas, *rest: object) -> None:
-        make(self, *rest)  # type: ignore[arg-type]
+    def remember(self: Any, *rest: Any, **named: Any) -> None:
+        make(self, *rest, **named)
         opened.append(self)
 
-    monkeypatch.setattr(canvas.Canvas, "__init__", remember)
+    monkeypatch.setattr(pyvista.Plotter, "__init__", remember)
     draw_contours(PLATE, fields(), tmp_path)
-    assert len(opened) == 1, "one canvas for all pictures"
+    assert len(opened) == 1, "one plotter for all pictures"
     with pytest.raises(ValueError, match="3 values"):
         draw_contours(PLATE, [ContourField("bad", "too few", "m", np.zeros(3))], tmp_path)
-    assert [each.is_open for each in opened] == [False, False]
+    assert len(opened) == 2
+    assert all(plotter.render_window is None for plotter in opened)
     assert not (tmp_path / "contour_bad.png").exists()
 
 
-def test_pictures_of_a_canvas_are_those_of_canvases_of_their_own(
+def test_pictures_of_one_plotter_are_those_of_plotters_of_their_own(
     tmp_path: Path, pictures: dict[str, NDArray[np.uint8]]
 ) -> None:
     """Nothing of an earlier field is left in the next picture."""
@@ -203,20 +214,6 @@ def test_own_colour_map_is_viridis(count: int) -> None:
     np.testing.assert_allclose(viridis(count), expected, atol=1.0 / 255.0)
 
 
-def test_pictures_need_vtk_alone(tmp_path: Path) -> None:
-    code = (
-        "import sys, numpy as np; from pathlib import Path\n"
-        "from postprocess.contours.contours import ContourField, Setting, draw_contours\n"
-        "square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])\n"
-        "field = ContourField('v', 'v', 'm/s', square[:, 0])\n"
-        f"draw_contours(Setting(square, np.array([[0, 1, 2, 3]])), [field], Path({str(tmp_path)!r}))\n"
-        "print(*({'pyvista', 'matplotlib'} & set(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
-    assert (tmp_path / "contour_v.png").exists()
-
-
 def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(name: str) -> None:
         raise OSError(name)
@@ -225,4 +222,89 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch: pytest.Mon
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.setattr(ctypes, "CDLL", missing)
     with pytest.raises(RuntimeError, match="libegl1"):
-        canvas.choose_window()
+        contours.choose_window()
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [
+        (22.4747, 24.0719),
+        (0.65507, 0.65613),
+        (-6.551, 0.0),
+        (0.6551053, 0.6553),
+        (1e7, 1.1e7),
+        (1e7, 1.002e7),
+        (-3e-9, 2e-9),
+        (0.0, 7.0),
+    ],
+)
+def test_labels_differ_and_are_round(low: float, high: float) -> None:
+    """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
+    scale = colour_scale(np.array([low, high]))
+    assert not scale.uniform
+    assert len(set(scale.labels)) == len(scale.labels)
+    assert 4 <= len(scale.labels) <= 9
+    printed = np.array([float(tick.replace("−", "-")) for tick in scale.labels])
+    steps = np.diff(printed)
+    size = float(f"{steps[0]:.0e}")
+    assert f"{size:e}"[0] in "125"
+    np.testing.assert_allclose(steps, size, rtol=1e-6)
+    np.testing.assert_allclose(printed / size, np.rint(printed / size), atol=1e-6)
+    assert low - size < scale.low <= low + 1e-9 * size
+    assert high - 1e-9 * size <= scale.high < high + size
+    assert scale.bands == 2 * (len(scale.labels) - 1)
+
+
+def test_next_to_nothing_is_uniform_not_a_drama() -> None:
+    """Rounding, and eight parts in a million: one colour in a range of a hundredth."""
+    for spread in (1e-13, 4e-6):
+        scale = colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
+        assert scale.uniform
+        assert scale.high - scale.low == pytest.approx(0.655e-2, rel=1e-4)
+        assert 0.5 * (scale.high + scale.low) == pytest.approx(0.655, rel=1e-6)
+        assert scale.bands % 2 == 1
+        assert scale.labels == ["0.652", "0.655", "0.658"]
+
+
+def test_uniform_threshold_is_1e_4() -> None:
+    assert colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
+    assert not colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
+
+
+def test_zero_everywhere() -> None:
+    scale = colour_scale(np.zeros(4))
+    assert (scale.low, scale.high, scale.uniform) == (-5e-3, 5e-3, True)
+
+
+def test_a_zero_has_no_sign_and_others_a_true_minus() -> None:
+    scale = colour_scale(np.array([-6.5, -1e-12]))
+    assert (scale.high, scale.labels[-1]) == (0.0, "0.0")
+    assert scale.labels[0] == "−7.0"
+
+
+def test_values_that_are_not_finite_are_refused() -> None:
+    with pytest.raises(ValueError, match="not finite"):
+        colour_scale(np.array([1.0, np.nan]))
+
+
+def test_the_view_holds_plate_and_wall_line() -> None:
+    points = np.array([[-1.0, 0.0], [9.0, 0.0], [9.0, 2.4], [-1.0, 2.4]])
+    view = view_of_plate(points)
+    (left, bottom), (right, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
+    assert (left, right) == pytest.approx((70.0, 1530.0))
+    assert (top - bottom) / (right - left) == pytest.approx(0.24)
+    assert bottom >= 120.0
+    assert top <= 700.0 - 190.0
+    assert view.length == pytest.approx(10.0 / 1460.0)
+
+
+def test_the_view_reaches_down_to_the_wall_from_a_plate_above_it() -> None:
+    view = view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
+    assert view.pixel([0.0, 0.0])[1] >= 120.0 - 1e-9
+    assert view.pixel([0.0, 5.0])[1] <= 510.0 + 1e-9
+
+
+def test_round_positions() -> None:
+    assert round_between(-0.9, 3.2, 12) == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+    assert round_between(0.0, 100.0, 12) == pytest.approx(np.arange(0.0, 101.0, 10.0))
+    assert round_between(3.0, 3.0, 12) == round_between(3.0, 2.0, 12) == []

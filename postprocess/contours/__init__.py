@@ -1,1 +1,0 @@
-"""Contour pictures of the plate, drawn off-screen by VTK."""
