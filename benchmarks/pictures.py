@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
-from postprocess.figures.svg.chart import Chart
+from postprocess.svg.chart import Chart
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.report import RIGID, SOFT, charts
 from tailslap.studies.stability.against_rigid import KINDS

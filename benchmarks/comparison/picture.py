@@ -13,9 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from comparison.entries import ALIKE, ANGLE, COMMAND, EXACT, EXUDYN, RIGID, SAME_MODEL, Entry
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line, Mark, Words
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Line, Mark, Words
 
 COLOURS = {
     COMMAND: "fe",

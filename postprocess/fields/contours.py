@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from postprocess.fields.series import UNITS, FieldSeries
-from postprocess.figures.svg.scale import round_step, round_ticks
 from postprocess.report.units import SI, Units
+from postprocess.svg.scale import round_step, round_ticks
 
 if TYPE_CHECKING:
     import pyvista

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures.panels import COMPARED, LEDGER, Panel
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.scale import SUPERSCRIPTS
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Line
+from postprocess.svg.scale import SUPERSCRIPTS
 
 Floats = NDArray[np.float64]
 History = Mapping[str, Floats]

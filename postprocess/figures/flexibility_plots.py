@@ -8,11 +8,9 @@ from itertools import cycle
 
 import numpy as np
 
-from postprocess.figures.svg.areas import Span
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Level, Line, Mark, key
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Level, Line, Mark, Span, key
 
 LINE, RINGS, DOTS = "line", "rings", "dots"
 COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")

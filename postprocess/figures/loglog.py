@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Line, Mark
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Line, Mark
 
 
 class Series(NamedTuple):

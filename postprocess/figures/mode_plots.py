@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Line
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Line
 
 Integers = NDArray[np.integer]
 

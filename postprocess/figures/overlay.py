@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from postprocess.figures.curves import TIME, thinned
 from postprocess.figures.style import style
-from postprocess.figures.svg import marks, plot
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.drawing import PALETTE
+from postprocess.svg import chart, marks
+from postprocess.svg.chart import Chart, draw_chart
+from postprocess.svg.drawing import PALETTE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,7 +100,7 @@ def overlay_curve(name: str, panel: Overlay, caption: str) -> Chart:
         marks.Line(line.label, *thinned(line.t, line.values), SHADES[number % len(SHADES)])
         for number, line in enumerate(panel.lines)
     )
-    return draw_chart(name, caption, (plot.Plot(lines, plot.Axis(panel.heading)),), TIME)
+    return draw_chart(name, caption, (chart.Plot(lines, chart.Axis(panel.heading)),), TIME)
 
 
 def _figure(panels: Sequence[Overlay]) -> Figure:

@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line, Mark, Words
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.scale import Scale, power_text
-from postprocess.figures.svg.shades import Shades
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Line, Mark, Shades, Words
+from postprocess.svg.scale import Scale, power_text
 
 Values = NDArray[Any]
 

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postprocess.figures.svg.areas import Boxes
-from postprocess.figures.svg.chart import Chart, draw_chart, draw_legend
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Swatch
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.scale import Scale, power_text, tick_texts
-from postprocess.figures.svg.shades import cells_about
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Boxes, Swatch, cells_about
+from postprocess.svg.scale import Scale, power_text, tick_texts
 
 COLOURS: Mapping[str, str] = {
     "right": "green",

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.figures.svg.areas import Boxes
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Line, Mark
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Plot
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Boxes, Line, Mark
 
 ROW = 34.0
 """Pixels of a row."""

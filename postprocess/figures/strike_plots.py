@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures.rows import bars, heights, row_plot
-from postprocess.figures.svg.areas import Span
-from postprocess.figures.svg.chart import Chart, draw_chart, draw_legend
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Line, Mark, Words, key
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Line, Mark, Span, Words, key
 
 COLOURS = {1: "fe", 2: "rigid"}
 """Of the first and the second strike."""

@@ -13,11 +13,8 @@ from numpy.typing import NDArray
 
 from postprocess.comparison.comparison import TAIL_SLAP, Compared
 from postprocess.figures.parallels import Scaled, draw_lines, scaled
-from postprocess.figures.svg.areas import Boxes
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line, Mark, Swatch
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.shades import Shades, cells_about
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Boxes, Line, Mark, Shades, Swatch, cells_about
 
 Values = NDArray[Any]
 

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures.rows import bars, heights, intervals, row_plot
-from postprocess.figures.svg.areas import Boxes, Span
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.marks import Line, Mark, key
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Boxes, Line, Mark, Span, key
 
 WIDTH, BAR = 400.0, 0.36
 INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", -0.19, "steel"))

@@ -12,11 +12,11 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from postprocess.figures.svg.scale import SUPERSCRIPTS
 from postprocess.report.table import Table
+from postprocess.svg.scale import SUPERSCRIPTS
 
 if TYPE_CHECKING:
-    from postprocess.figures.svg.chart import Chart
+    from postprocess.svg.chart import Chart
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
@@ -82,7 +82,7 @@ class Page:
     @property
     def charts(self) -> list[Chart]:
         """All charts."""
-        from postprocess.figures.svg.chart import Chart
+        from postprocess.svg.chart import Chart
 
         figures = (figure for section in self.sections for figure in section.figures)
         return [figure for figure in figures if isinstance(figure, Chart)]

@@ -10,13 +10,13 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from postprocess.figures.svg.chart import Chart
 from postprocess.files.histories import write_history
 from postprocess.files.summary import plain, write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Table
 from postprocess.report.terminal import Part, place_line, printed
 from postprocess.report.units import SI, Units
+from postprocess.svg.chart import Chart
 
 PAGE, SUMMARY = "report.html", "summary.json"
 SHOWN = ("figures", "tables", "sentences")

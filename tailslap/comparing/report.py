@@ -12,12 +12,12 @@ from postprocess.comparison.comparison import QUANTITIES
 from postprocess.comparison.side_by_side import LIMITS, Beside, beside
 from postprocess.figures.overlay import Line, Overlay, overlay_curve
 from postprocess.figures.panels import COMPARED
-from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns
 from postprocess.report.units import SI
+from postprocess.svg.chart import Chart
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
 from tailslap.errors import InputError, Verbatim
 from tailslap.report.common import footer

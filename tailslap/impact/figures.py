@@ -16,7 +16,7 @@ from tailslap.progress import announced
 
 if TYPE_CHECKING:
     from postprocess.figures.impact.strikes import StrikeMark
-    from postprocess.figures.svg.chart import Chart
+    from postprocess.svg.chart import Chart
 
 PARTS = {
     "crush_energy": "crush, lost",

@@ -17,13 +17,12 @@ import tailslap
 from postprocess.comparison.comparison import QUANTITIES, Quantity
 from postprocess.figures.curves import TIME, History, thinned
 from postprocess.figures.panels import COMPARED
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line
-from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Form, Table, pairs
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Line
 from tailslap.paper import data, tables
 from tailslap.paper.tables import FIGURES, Numbers
 from tailslap.report.common import footer

@@ -26,7 +26,7 @@ from postprocess.fields.contours import (
     round_between,
     view_of_plate,
 )
-from postprocess.figures.svg.drawing import viridis
+from postprocess.svg.drawing import viridis
 
 pytestmark = pytest.mark.verification
 

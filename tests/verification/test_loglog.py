@@ -8,7 +8,7 @@ import re
 import pytest
 
 from postprocess.figures.loglog import Series, draw_precision
-from postprocess.figures.svg.chart import Chart
+from postprocess.svg.chart import Chart
 
 pytestmark = pytest.mark.verification
 

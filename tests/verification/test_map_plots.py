@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings
-from postprocess.figures.svg.chart import Chart
-from postprocess.figures.svg.drawing import text_width
-from postprocess.figures.svg.shades import cells_about
+from postprocess.svg.chart import Chart
+from postprocess.svg.drawing import text_width
+from postprocess.svg.marks import cells_about
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.against_rigid import KINDS
 from tailslap.studies.stability.axes import stability_axes

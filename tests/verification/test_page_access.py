@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from postprocess.figures.svg.chart import draw_chart, draw_legend
-from postprocess.figures.svg.drawing import PALETTE
-from postprocess.figures.svg.marks import Line, Swatch
-from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Table, text_table
+from postprocess.svg.chart import Axis, Plot, draw_chart, draw_legend
+from postprocess.svg.drawing import PALETTE
+from postprocess.svg.marks import Line, Swatch
 from tailslap.command_line import _status
 from tailslap.report.parts import DESIGN
 from tailslap.report.run_report import run_report

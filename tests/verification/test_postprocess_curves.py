@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures.curves import draw_histories, power_of_ten, thinned
-from postprocess.figures.svg.chart import Chart
+from postprocess.svg.chart import Chart
 
 pytestmark = pytest.mark.verification
 

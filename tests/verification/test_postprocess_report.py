@@ -15,7 +15,6 @@ from typing import Any
 
 import pytest
 
-from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import duration, grouped, number, shown
 from postprocess.report.page import (
     NO_BREAK,
@@ -29,6 +28,7 @@ from postprocess.report.page import (
 )
 from postprocess.report.report import Report, report_text, write_report
 from postprocess.report.table import Column, Table, pairs
+from postprocess.svg.chart import Chart
 from tailslap.report.run_report import run_report
 from tailslap.report.run_text import diagnosis, prediction
 from tailslap.verification.checks import advice

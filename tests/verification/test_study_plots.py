@@ -20,11 +20,9 @@ from postprocess.figures.strike_plots import (
     draw_inputs,
     draw_plates,
 )
-from postprocess.figures.svg.areas import Boxes, Span
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.shades import Shades
 from postprocess.figures.uncertainty_plots import draw_histogram, draw_sensitivity
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Boxes, Shades, Span
 
 pytestmark = pytest.mark.verification
 

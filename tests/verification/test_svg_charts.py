@@ -8,12 +8,10 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures.svg.areas import Layer, Span
-from postprocess.figures.svg.chart import draw_chart
-from postprocess.figures.svg.drawing import PALETTE
-from postprocess.figures.svg.marks import Level, Line, Swatch, Words
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
+from postprocess.svg.chart import Axis, Plot, draw_chart
+from postprocess.svg.drawing import PALETTE
+from postprocess.svg.marks import Layer, Level, Line, Span, Swatch, Words
+from postprocess.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
 
 pytestmark = pytest.mark.verification
 

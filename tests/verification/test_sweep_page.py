@@ -12,9 +12,9 @@ import pytest
 
 from postprocess.comparison.comparison import KEYS
 from postprocess.figures.parallels import scaled
-from postprocess.figures.svg.chart import Chart
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.report.page import Page, write_page
+from postprocess.svg.chart import Chart
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
 from tailslap.sweeps.complete import Effort, Sweep

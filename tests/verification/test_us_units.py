@@ -9,13 +9,12 @@ import sys
 import numpy as np
 import pytest
 
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Level, Line
-from postprocess.figures.svg.plot import Axis, Plot
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.units import SI, US
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Level, Line
 from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError

@@ -8,10 +8,8 @@ from numpy.typing import NDArray
 from postprocess.figures.curves import STRETCHES
 from postprocess.figures.impact.forces import START, WIDE
 from postprocess.figures.impact.strikes import StrikeMark, shaded
-from postprocess.figures.svg.areas import Layer
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Layer, Line
 
 Floats = NDArray[np.float64]
 

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from postprocess.figures.curves import TIME, thinned
 from postprocess.figures.impact.strikes import StrikeMark, corner_colour, shaded
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Level, Line
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Level, Line
 
 Floats = NDArray[np.float64]
 

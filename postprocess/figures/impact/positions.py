@@ -6,10 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures.impact.strikes import StrikeMark
-from postprocess.figures.svg.areas import Outline
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.marks import Line, Mark, Words
-from postprocess.figures.svg.plot import Axis, Plot
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Line, Mark, Outline, Words
 
 Floats = NDArray[np.float64]
 

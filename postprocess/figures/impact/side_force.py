@@ -9,11 +9,9 @@ import numpy as np
 
 from postprocess.figures.impact.forces import START, WIDE
 from postprocess.figures.impact.strikes import StrikeMark, shaded
-from postprocess.figures.svg.areas import Boxes
-from postprocess.figures.svg.chart import Chart, draw_chart
-from postprocess.figures.svg.drawing import Floats
-from postprocess.figures.svg.plot import Axis, Plot
-from postprocess.figures.svg.shades import Shades
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Boxes, Shades
 
 COLUMNS = 240
 """Columns of cells at most; each is the largest force of its time."""

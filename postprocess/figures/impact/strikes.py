@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from postprocess.figures.svg.areas import Span
+from postprocess.svg.marks import Span
 
 COLOURS = {"front": "red", "rear": "fe"}
 

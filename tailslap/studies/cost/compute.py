@@ -18,11 +18,11 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from fem.run.corner import Stepper, simulate
-from fem.run.impact import compile_impact_loop
 
 from fem.discretisation.model import PlateModel
 from fem.explicit.time_loop import State
+from fem.run.corner import Stepper, simulate
+from fem.run.impact import compile_impact_loop
 from fem.start.rigid_state import RigidStart
 from postprocess.comparison.comparison import KEYS, largest, largest_relative, relative_difference
 from postprocess.comparison.grid_convergence import (

@@ -9,12 +9,12 @@ import numpy as np
 
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.figures.loglog import Series, draw_precision
-from postprocess.figures.svg.chart import Chart
-from postprocess.figures.svg.scale import power_text
 from postprocess.report.numbers import duration, known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
+from postprocess.svg.chart import Chart
+from postprocess.svg.scale import power_text
 from tailslap.report.common import study_page, study_summary
 from tailslap.studies.cost import compute
 from tailslap.studies.cost.compute import (

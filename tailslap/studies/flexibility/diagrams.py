@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from postprocess.comparison.comparison import KEYS, QUANTITIES
 from postprocess.figures.flexibility_plots import DOTS, RINGS, SweepAxis, SweepLine, draw_sweep
-from postprocess.figures.svg.chart import Chart
+from postprocess.svg.chart import Chart
 from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
 from tailslap.studies.flexibility.sweep import STARTS
 

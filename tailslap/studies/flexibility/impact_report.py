@@ -6,11 +6,11 @@ import math
 from typing import Any
 
 from postprocess.figures.flexibility_plots import SweepAxis, SweepLine, draw_sweep
-from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
+from postprocess.svg.chart import Chart
 from tailslap.impact.rigid_text import rigid_numbers
 from tailslap.report.common import study_page, study_summary
 from tailslap.studies.flexibility.impacts import IMPACT_LEVELS, NAMES, ImpactFlexibility

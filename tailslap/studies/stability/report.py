@@ -8,11 +8,11 @@ from itertools import combinations
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
-from postprocess.figures.svg.chart import Chart
 from postprocess.report.numbers import known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, text_table
+from postprocess.svg.chart import Chart
 from tailslap.report.common import study_page, study_summary
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability.against_reference import GOOD, WRONG_FROM

@@ -14,7 +14,7 @@ from postprocess.figures.strike_plots import (
     draw_inputs,
     draw_plates,
 )
-from postprocess.figures.svg.chart import Chart
+from postprocess.svg.chart import Chart
 from tailslap.studies.strike.campaign import Curve as Varied
 from tailslap.studies.strike.campaign import StrikeResults
 from tailslap.studies.strike.limits import LABELS

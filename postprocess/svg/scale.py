@@ -1,5 +1,7 @@
 """Scales of a plot's axes: from values to places, and ticks at round values."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from itertools import pairwise

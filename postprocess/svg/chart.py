@@ -1,0 +1,299 @@
+"""A chart: plots one below the other over one x axis, with legend, ticks at round values, and units in the labels.
+
+The text stands by itself as an SVG file, and goes into a page as it is: it has no ids, text stays text, and colours of
+`PALETTE` are classes that a page may change. Lines and layers carry their values for pages that show them (`page.js`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from html import escape
+from typing import Literal
+
+import numpy as np
+
+from postprocess.report.units import Units
+from postprocess.svg.drawing import coloured, text_width, words
+from postprocess.svg.marks import Level, Mark, found_ranges
+from postprocess.svg.scale import Scale, fitted, tick_texts
+
+SIZE, SMALL = 12.0, 11.0
+"""Letters of labels, and of ticks."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: its label with unit, its ends where they are not those of what is drawn, and its own ticks, which may be
+    none."""
+
+    label: str = ""
+    low: float | None = None
+    high: float | None = None
+    is_log: bool = False
+    margin: float = 0.05
+    named: tuple[tuple[float, str], ...] | None = None
+
+    def scale(self, found: tuple[float, float]) -> Scale:
+        """A scale for what is drawn, without its places."""
+        low, high = fitted(*found, self.margin, self.is_log)
+        low = low if self.low is None else self.low
+        high = high if self.high is None else self.high
+        return Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
+
+    @property
+    def unit(self) -> str:
+        """What stands in brackets behind the label."""
+        return self.label.partition("[")[2].rstrip("]")
+
+    def named_as(self, label: str) -> Axis:
+        """The same with a label."""
+        return replace(self, label=label)
+
+    def scaled(self, factor: float, unit: str) -> Axis:
+        """The axis of values so many times as large, in another unit."""
+        low, high = (None if end is None else factor * end for end in (self.low, self.high))
+        named = self.named and tuple((factor * value, text) for value, text in self.named)
+        return replace(
+            self, label=self.label.replace(f"[{self.unit}]", f"[{unit}]"), low=low, high=high, named=named
+        )
+
+    def ticks(self, scale: Scale, room: float) -> list[tuple[float, str]]:
+        """Values and their texts; room: for one of them."""
+        if self.named is not None:
+            return [
+                (value, text)
+                for value, text in self.named
+                if min(scale.low, scale.high) <= value <= max(scale.low, scale.high)
+            ]
+        values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
+        return list(zip(values, tick_texts(values, self.is_log), strict=True))
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Marks in a frame, if there are ticks. height: of the frame, None for equal scales of both axes; nearest: along
+    which axes points are near whose values are shown."""
+
+    marks: tuple[Mark, ...]
+    y: Axis = Axis()
+    height: float | None = 190.0
+    nearest: Literal["x", "y", "xy"] = "x"
+    has_grid: bool = True
+    has_legend: bool = True
+
+
+HEAD, RIGHT, BARE = 23.0, 12.0, 4.0
+"""Room above a plot, to the right of the plots, and beside a bare axis."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A plot with its scales in place, and its ticks."""
+
+    plot: Plot
+    x: Scale
+    y: Scale
+    y_ticks: list[tuple[float, str]]
+
+
+def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
+    """The plots one below the other, from `top` on, over one x axis."""
+    ranges = [found_ranges(plot.marks) for plot in plots]
+    scales = [plot.y.scale(y) for plot, (_, y) in zip(plots, ranges, strict=True)]
+    along = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
+    sized = [
+        replace(scale, start=200.0 if plot.height is None else plot.height, end=0.0)
+        for scale, plot in zip(scales, plots, strict=True)
+    ]
+    ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
+    left = 8.0 + max(text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
+    beside = [
+        text_width(line, 10.0)
+        for plot in plots
+        for level in _levels(plot)
+        for line in _level_lines(plot, level)
+    ]
+    along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
+    frames = []
+    for plot, scale, marked in zip(plots, sized, ticks, strict=True):
+        height = _equal_height(along, scale) if plot.height is None else plot.height
+        top += HEAD if plot.y.label else BARE
+        frames.append(Frame(plot, along, replace(scale, start=top + height, end=top), marked))
+        top += height
+    return frames
+
+
+def _equal_height(x: Scale, y: Scale) -> float:
+    return (x.end - x.start) * abs((y.high - y.low) / (x.high - x.low))
+
+
+def drawn(frame: Frame) -> str:
+    """Grid, marks, box and y axis."""
+    x, y, plot = frame.x, frame.y, frame.plot
+    width, height = x.end - x.start, y.start - y.end
+    box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
+    near = f' data-nearest="{plot.nearest}" data-y="{escape(plot.y.label)}"'
+    kind = f' data-log="{int(x.is_log)}"'
+    edges = (
+        f'data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" data-x="{x.low:.7g} {x.high:.7g}"'
+    )
+    return (
+        f'<g class="plot" {edges}{kind}{near}>'
+        + (_grid(frame) if plot.has_grid else "")
+        + "".join(mark.draw(x, y) for mark in plot.marks)
+        + (
+            coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
+            if frame.y_ticks
+            else ""
+        )
+        + _y_axis(frame)
+        + _level_names(frame)
+        + "</g>"
+    )
+
+
+def _grid(frame: Frame) -> str:
+    lines = "".join(
+        f"M{frame.x.start:.2f} {frame.y.at(value):.2f}H{frame.x.end:.2f}" for value, _ in frame.y_ticks
+    )
+    return coloured(f'<path d="{lines}" stroke="currentColor" stroke-width="0.8"/>', "grid")
+
+
+def _y_axis(frame: Frame) -> str:
+    texts = [
+        words(text, frame.x.start - 5.0, float(frame.y.at(value)) + 4.0, "end", SMALL)
+        for value, text in frame.y_ticks
+    ]
+    return coloured("".join(texts), "soft") + coloured(
+        words(frame.plot.y.label, 0.0, frame.y.end - 7.0), "ink"
+    )
+
+
+def _levels(plot: Plot) -> list[Level]:
+    return [mark for mark in plot.marks if isinstance(mark, Level)]
+
+
+def _level_lines(plot: Plot, level: Level) -> list[str]:
+    """Name, if it has one, and value of a level."""
+    return [*([level.label] if level.label else []), f"{level.value:.4g} {plot.y.unit}".rstrip()]
+
+
+def _level_names(frame: Frame) -> str:
+    """Names of levels beside the plot, from below, each clear of the one before and none above the plot."""
+    lowest, placed = np.inf, []
+    for level in sorted(_levels(frame.plot), key=lambda level: level.value):
+        lines = _level_lines(frame.plot, level)
+        lowest = min(float(frame.y.at(level.value)) + 3.0, lowest - 12.0 * len(lines))
+        placed.append((level, lines, lowest))
+    lower = max(0.0, frame.y.end + 22.0 - lowest) if placed else 0.0
+    drawn = [
+        coloured(
+            words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
+            level.colour,
+        )
+        for level, lines, at in placed
+        for number, line in enumerate(lines)
+    ]
+    return "".join(drawn)
+
+
+FOOT, ROW = 36.0, 16.0
+"""Room below the last plot, and of a row of words."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A drawn chart: short name, heading of the group it belongs to, caption, SVG text, width in pixels; and what it
+    was drawn from, to be drawn in other units."""
+
+    name: str
+    group: str
+    caption: str
+    svg: str
+    width: float = 0.0
+    plots: tuple[Plot, ...] = field(default=(), compare=False)
+    x: Axis = field(default=Axis(), compare=False)
+
+    @property
+    def is_legend(self) -> bool:
+        """Whether it is the legend of several charts, and shows nothing else."""
+        return bool(self.plots) and all(plot.height == 0.0 for plot in self.plots)
+
+    def in_units(self, units: Units) -> Chart:
+        """The same in other units."""
+        along, x_unit = units.of(self.x.unit)
+        plots = []
+        for plot in self.plots:
+            up, unit = units.of(plot.y.unit)
+            marks = tuple(mark.scaled(along, up) for mark in plot.marks)
+            plots.append(replace(plot, marks=marks, y=plot.y.scaled(up, unit)))
+        made = draw_chart(
+            self.name, units.said(self.caption), plots, self.x.scaled(along, x_unit), self.group, self.width
+        )
+        return replace(made, svg=units.said(made.svg))
+
+
+def draw_chart(
+    name: str, caption: str, plots: Sequence[Plot], x: Axis, group: str = "", width: float = 400.0
+) -> Chart:
+    """The chart as SVG text of so many pixels' width."""
+    with np.errstate(all="ignore"):
+        legend, top = _legend(plots[0], width)
+        frames = framed(plots, x, width, top)
+        parts = [legend, *map(drawn, frames), _x_axis(x, frames)]
+    height = frames[-1].y.start + _foot(x)
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:.0f}" width="{width:g}" '
+        f'height="{height:.0f}" role="img" aria-label="{escape(caption)}" class="chart" '
+        f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
+        '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
+    )
+    return Chart(name, group, caption, head + "".join(parts) + "</svg>", width, tuple(plots), x)
+
+
+def draw_legend(
+    name: str, caption: str, marks: Sequence[Mark], group: str = "", width: float = 300.0
+) -> Chart:
+    """A chart of nothing but the keys of these marks, for several charts that have none."""
+    bare = Axis(named=())
+    return draw_chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, width)
+
+
+def _foot(x: Axis) -> float:
+    """Room below the last plot."""
+    rows = max((text.count("\n") for _, text in x.named or ()), default=0)
+    return BARE + (FOOT - BARE - ROW) * (x.named != ()) + ROW * (bool(x.label) + rows)
+
+
+def _legend(plot: Plot, width: float) -> tuple[str, float]:
+    """The keys of the marks in rows above the first plot, and how much room they take."""
+    shown = {mark.label: mark for mark in plot.marks if mark.label and mark.key()}
+    if not (shown and plot.has_legend):
+        return "", 0.0
+    across, row, keys = 0.0, 0, []
+    for label, mark in shown.items():
+        wide = 24.0 + text_width(label, SMALL)
+        if across and across + wide > width:
+            across, row = 0.0, row + 1
+        text = words(label, 23.0, 9.0, size=SMALL)
+        place = f'<g transform="translate({across:.1f} {row * ROW + 2.0:.1f})">'
+        keys.append(place + mark.key() + coloured(text, "ink") + "</g>")
+        across += wide + 12.0
+    return "".join(keys), (row + 1) * ROW + 2.0
+
+
+def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
+    """Ticks and label below the last plot, lines of the grid in all of them."""
+    last = frames[-1]
+    ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
+    down = last.y.start + 15.0
+    texts = [
+        words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
+        for value, text in ticks
+        for row, line in enumerate(text.split("\n"))
+    ]
+    marks = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
+    label = words(axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle")
+    line = f'<path d="{marks}" stroke="currentColor" stroke-width="0.8"/>'
+    return coloured(line, "grey") + coloured("".join(texts), "soft") + coloured(label, "ink")

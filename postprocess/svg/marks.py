@@ -1,0 +1,311 @@
+"""Marks that a plot shows, each a record that draws itself in a colour of `drawing`, and colours of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import compress
+from typing import Any, ClassVar
+
+import numpy as np
+
+from postprocess.svg.drawing import Floats, Range, coloured, extent, named, path, viridis, words
+from postprocess.svg.scale import Scale, tick_texts
+
+HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
+
+
+class Mark:
+    """Something drawn in a plot. Its label stands in the legend, if it has a key; ranges are of its finite values."""
+
+    label: str
+    ACROSS: ClassVar[tuple[str, ...]] = ()
+    UP: ClassVar[tuple[str, ...]] = ()
+
+    def ranges(self) -> tuple[Range, Range]:
+        """Smallest and largest x and y, of the entries that ACROSS and UP name."""
+        along, up = ([np.ravel(getattr(self, name)) for name in names] for names in (self.ACROSS, self.UP))
+        return extent(np.concatenate([np.zeros(0), *along])), extent(np.concatenate([np.zeros(0), *up]))
+
+    def scaled(self, along: float, up: float) -> Mark:
+        """The same with x and y so many times as large."""
+        changed = {name: along * np.asarray(getattr(self, name)) for name in self.ACROSS}
+        changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
+        return replace(self, **changed)  # type: ignore[type-var]
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """SVG elements."""
+        return ""
+
+    def key(self) -> str:
+        """SVG of 18 by 10 that shows its look in the legend; empty for what is not in it."""
+        return ""
+
+
+@dataclass(frozen=True)
+class Line(Mark):
+    """A line through points, shape (n,), with gaps where they are not finite. Pages show y of each, or `values`, and
+    where it is, or `at`. width: 0 for points alone; dots: their radius."""
+
+    ACROSS = ("x",)
+    UP = ("y",)
+    label: str
+    x: Floats
+    y: Floats
+    colour: str = "fe"
+    width: float = 1.4
+    dashes: str = ""
+    dots: float = 0.0
+    values: Sequence[Any] = ()
+    at: Sequence[str] = ()
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """A path, and dots at its points where it has any; of dots alone each is a stroke of no length."""
+        places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
+        sound = np.isfinite(places).all(axis=-1)
+        edge = path(places) if self.width else "".join(f"M{a:.2f} {b:.2f}Z" for a, b in places[sound])
+        values, at = (list(compress(of, sound)) for of in (self.values or self.y, self.at))
+        shown = f'<path {named(self.label, values, at)}d="{edge}" fill="none"{self._look()}/>'
+        dotted = places[sound] if self.dots and self.width else places[:0]
+        dots = "".join(f'<circle cx="{a:.2f}" cy="{b:.2f}" r="{self.dots:g}"/>' for a, b in dotted)
+        return coloured(shown + dots, self.colour)
+
+    def key(self) -> str:
+        """A piece of the line."""
+        dot = f'<circle cx="9" cy="5" r="{self.dots:g}"/>' if self.dots else ""
+        line = f'<path d="M0 5H18"{self._look()}/>' if self.width else ""
+        return coloured(line + dot, self.colour)
+
+    def _look(self) -> str:
+        dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
+        round_ends = ' stroke-linecap="round"' if not self.width else ""
+        width = self.width or 2.0 * self.dots
+        return f' stroke="currentColor" stroke-width="{width:g}" stroke-linejoin="round"{dashes}{round_ends}'
+
+
+@dataclass(frozen=True)
+class Level(Mark):
+    """A line across the plot at a value of y, its name beside the plot."""
+
+    UP = ("value",)
+    label: str
+    value: float
+    colour: str = "difference"
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """The line; charts set the name, which may have to make room for others."""
+        height = float(y.at(self.value))
+        line = f'<path d="M{x.start:.2f} {height:.2f}H{x.end:.2f}" stroke-dasharray="5 2" '
+        return coloured(line + 'stroke="currentColor"/>', self.colour)
+
+
+@dataclass(frozen=True)
+class Words(Mark):
+    """A text at a point, shifted by pixels, y downwards; anchor: "start", "middle" or "end"."""
+
+    ACROSS = ("x",)
+    UP = ("y",)
+    label: str
+    x: float
+    y: float
+    shift: tuple[float, float] = (0.0, 0.0)
+    anchor: str = "start"
+    colour: str = "ink"
+    size: float = 10.0
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """The text, with an edge that sets it off from lines."""
+        across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
+        return coloured(words(self.label, across, down, self.anchor, self.size, HALO), self.colour)
+
+
+@dataclass(frozen=True)
+class Swatch(Mark):
+    """An entry of the legend alone: a colour, and what it stands for."""
+
+    label: str
+    colour: str
+
+    def key(self) -> str:
+        """A patch of the colour."""
+        return patch(self.colour)
+
+
+def key(label: str, colour: str, width: float, dashes: str = "", dots: float = 0.0) -> Line:
+    """A line of no points: an entry of the legend alone."""
+    return Line(label, np.zeros(0), np.zeros(0), colour, width, dashes, dots)
+
+
+def patch(colour: str, strength: float = 1.0) -> str:
+    """A filled key of the legend."""
+    return coloured(f'<rect width="18" height="10" fill-opacity="{strength:g}"/>', colour)
+
+
+def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:
+    """Ranges of all marks together."""
+    each = np.array([mark.ranges() for mark in marks])
+    (low_x, low_y), (high_x, high_y) = each[:, :, 0].min(axis=0), each[:, :, 1].max(axis=0)
+    return (float(low_x), float(high_x)), (float(low_y), float(high_y))
+
+
+SMALL_BOX = 4.0
+"""Pixels of a box."""
+
+
+@dataclass(frozen=True)
+class Layer(Mark):
+    """What lies between two lines over the same x, shape (n,); the value shown on pages is their distance."""
+
+    ACROSS = ("x",)
+    UP = ("low", "high")
+    label: str
+    x: Floats
+    low: Floats
+    high: Floats
+    colour: str = "steel"
+    strength: float = 0.7
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """The upper line forth, the lower line back."""
+        along = x.at(self.x)
+        forth = np.stack([along, y.at(self.high)], axis=-1)
+        back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
+        name, edge = named(self.label, self.high - self.low), path(np.concatenate([forth, back]))
+        return coloured(f'<path {name}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour)
+
+    def key(self) -> str:
+        """A patch of it."""
+        return patch(self.colour, self.strength)
+
+
+@dataclass(frozen=True)
+class Boxes(Mark):
+    """Bars and cells: boxes between two values of x and two of y, shape (n, 2) each, all of one colour or each of its
+    own. Pages show the value of each, and where it is; strength: how much covers what is behind."""
+
+    ACROSS = ("x",)
+    UP = ("y",)
+    label: str
+    x: Floats
+    y: Floats
+    colour: str | Sequence[str] = "steel"
+    values: Sequence[Any] = ()
+    at: Sequence[str] = ()
+    strength: float = 1.0
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """A path a colour, with a gap between boxes that are not small, and an unseen one through the centres."""
+        left, right = np.sort(x.at(self.x)).T
+        top, bottom = np.sort(y.at(self.y)).T
+        is_small = bool((np.minimum(right - left, bottom - top) < SMALL_BOX).any())
+        gap = 0.0 if is_small else 0.4
+        edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
+        look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
+        shown = self._shown(
+            ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges], look
+        )
+        if not self.values:
+            return shown
+        centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
+        unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
+        return f'{shown}<path {named(self.label, self.values, self.at)}d="{unseen}"/>'
+
+    def _shown(self, drawn: list[str], look: str) -> str:
+        """The boxes of each colour as one path."""
+        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
+        paths = {
+            one: "".join(compress(drawn, [each == one for each in colours])) for one in dict.fromkeys(colours)
+        }
+        return "".join(coloured(f'<path d="{edge}"{look}/>', one) for one, edge in paths.items())
+
+    def key(self) -> str:
+        """A patch, if it has one colour."""
+        return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
+
+
+@dataclass(frozen=True)
+class Span(Mark):
+    """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top."""
+
+    ACROSS = ("start", "end")
+    label: str
+    start: float
+    end: float
+    colour: str = "soft"
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """The band, and the name at its top."""
+        left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
+        if self.start == self.end:
+            line = f'<path d="M{left:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
+            return coloured(line + words(self.label, left + 3.0, y.end + 11.0, size=10.0), self.colour)
+        box = f'x="{left:.2f}" y="{y.end:.2f}" width="{right - left:.2f}" height="{y.start - y.end:.2f}"'
+        name = words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 10.0)
+        return coloured(f'<rect {box} fill-opacity="0.1"/>{name}', self.colour)
+
+
+@dataclass(frozen=True)
+class Outline(Mark):
+    """A closed polygon through points, shape (n,), its area faintly filled."""
+
+    ACROSS = ("x",)
+    UP = ("y",)
+    x: Floats
+    y: Floats
+    colour: str = "fe"
+    strength: float = 1.0
+    fill: float = 0.04
+    label: str = ""
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """A closed path."""
+        edge = path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
+        look = f'fill-opacity="{self.fill:g}" stroke="currentColor" '
+        return coloured(f'<path d="{edge}Z" {look}stroke-opacity="{self.strength:.3g}"/>', self.colour)
+
+
+COUNT = 65
+"""Colours of a scale."""
+
+UNIFORM = 1e-3
+"""Range of values, over their size, that has all colours at least: less would make much of next to nothing."""
+
+
+@dataclass(frozen=True)
+class Shades:
+    """Colours of values between two ends; is_log: by their logarithms."""
+
+    low: float
+    high: float
+    is_log: bool = False
+
+    @classmethod
+    def of(cls, values: Floats, is_log: bool = False) -> Shades:
+        """Those of the finite values, one at least."""
+        low, high = extent(values)
+        if is_log:
+            return cls(low, high if high > low else 10.0 * low, True)
+        more = 0.5 * max(0.0, UNIFORM * max(abs(low), abs(high), 1e-300) - (high - low))
+        return cls(low - more, high + more)
+
+    def colours(self, values: Floats) -> list[str]:
+        """As "#rrggbb", of finite values."""
+        share = np.clip(Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
+        table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * viridis(COUNT)).astype(np.uint8)]
+        return [table[number] for number in np.rint((COUNT - 1) * share).astype(int)]
+
+    def keys(self, unit: str) -> list[Swatch]:
+        """Round values for the legend, in this unit."""
+        ticks = Scale(self.low, self.high, is_log=self.is_log).ticks(6)
+        texts = [f"{text} {unit}".rstrip() for text in tick_texts(ticks, self.is_log)]
+        return [Swatch(*pair) for pair in zip(texts, self.colours(np.array(ticks)), strict=True)]
+
+
+def cells_about(values: Floats, is_log: bool) -> Floats:
+    """Ends of the cell about each value, half-way to its neighbours, by ratios if is_log: shape (n, 2) for values of
+    shape (n,), two different ones at least. No cell reaches below zero where no value does."""
+    centres, place = np.unique(np.log(values) if is_log else values, return_inverse=True)
+    middle = 0.5 * (centres[1:] + centres[:-1])
+    edges = np.concatenate([[2.0 * centres[0] - middle[0]], middle, [2.0 * centres[-1] - middle[-1]]])
+    edges = np.exp(edges) if is_log else np.maximum(edges, 0.0) if centres[0] >= 0.0 else edges
+    return np.stack([edges[:-1], edges[1:]], axis=-1)[place]
