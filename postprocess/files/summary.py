@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from postprocess.report.units import SI
+
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:
     """Writes the mapping, nested as wished, with its own key order, indented by two."""
@@ -38,6 +40,8 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, Path):
         return str(value)
+    if isinstance(value, str):
+        return SI.rendered(value)
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value

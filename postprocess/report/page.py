@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.report.table import Table
+from postprocess.report.units import SI
 from postprocess.svg.scale import SUPERSCRIPTS
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def prose(text: str) -> Any:
     Greek letters as in print, and names with numbers, like TL-4, are never broken."""
     from markupsafe import Markup, escape
 
-    parts = CODE.split(glued(str(escape(text))))
+    parts = CODE.split(glued(str(escape(SI.rendered(text)))))
     parts[1::2] = [f"<code>{part}</code>" for part in parts[1::2]]
     parts[::2] = [SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", printed_numbers(part)) for part in parts[::2]]
     parts[::2] = [NAMED.sub(r'<span class="whole">\g<0></span>', part) for part in parts[::2]]

@@ -72,7 +72,7 @@ class Column:
     def text(self, record: Any) -> str:
         """The entry as people read it."""
         text = self._text(record)
-        return text if self.units is SI else self.units.said(text)
+        return self.units.rendered(text) if self.units is SI else self.units.said(text)
 
     def _text(self, record: Any) -> str:
         value = self.value(record)

@@ -10,6 +10,7 @@ from itertools import chain, zip_longest
 
 from postprocess.report.page import NO_BREAK, Section, glued
 from postprocess.report.table import Table
+from postprocess.report.units import SI
 
 WIDEST, NARROWEST, LEAST = 100, 40, 12
 """Columns that lines have at most and at least, and that a column of words keeps."""
@@ -36,7 +37,7 @@ def wrapped(text: str, before: str = "") -> list[str]:
     wrapper = textwrap.TextWrapper(
         line_width(), before, " " * len(before), break_long_words=False, break_on_hyphens=False
     )
-    return [line.replace(NO_BREAK, " ") for line in wrapper.wrap(glued(text))]
+    return [line.replace(NO_BREAK, " ") for line in wrapper.wrap(glued(SI.rendered(text)))]
 
 
 def place_line(label: str, place: object) -> str:

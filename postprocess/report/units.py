@@ -8,6 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
+OPEN, SEPARATOR, CLOSE = "\x02", "\x1f", "\x03"
+MEASURE = re.compile(f"{OPEN}([^{SEPARATOR}]*){SEPARATOR}([^{SEPARATOR}]*){SEPARATOR}([^{CLOSE}]*){CLOSE}")
+"""A value, its unit and its format within a text."""
+
 FOOT, POUND, KIP = 0.3048, 0.45359237, 4448.2216152605
 """[m], [kg], [N]; 1 kip is 1000 lbf."""
 
@@ -16,6 +20,23 @@ NUMBER = rf"[+\-−]?(?:\d{{1,3}}(?:[ {NO_BREAK}]\d{{3}})+|\d+(?:\.\d+)?(?:e[+\-
 ANOTHER = rf"(?:,|,?[ {NO_BREAK}](?:to|and|by))[ {NO_BREAK}]{NUMBER}"
 CODE = re.compile(r"(`[^`]+`)")
 POWER = re.compile(r"^(10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) (.*)$")
+
+
+def measure(value: float, unit: str, form: str = ".4g", named: bool = True) -> str:
+    """Text of a value, to stand in a sentence, which `Units.rendered` shows in the units of its reader.
+
+    Parameters
+    ----------
+    value : float
+        In `unit`.
+    unit : str
+        Unit in which SI shows it, like "kN"; of "N", "N s", "J" and "rad" SI shows "kN", "kN s", "kJ" and "deg".
+    form : str
+        Format specification in SI; other units have as many digits, but three at least.
+    named : bool
+        Whether the unit stands behind the number; False for all but the last of a list.
+    """
+    return f"{OPEN}{value!r}{SEPARATOR}{unit if named else '!' + unit}{SEPARATOR}{form}{CLOSE}"
 
 
 @dataclass(frozen=True)
@@ -35,9 +56,24 @@ class Units:
             return factor, f"{power[1]} {name}"
         return 1.0, unit
 
+    def rendered(self, text: str) -> str:
+        """A text with its measures in these units."""
+        return MEASURE.sub(self._measure, text) if OPEN in text else text
+
+    def _measure(self, found: re.Match[str]) -> str:
+        value, unit, form = float(found[1]), found[2].removeprefix("!"), found[3]
+        factor, name = SI.of(unit)
+        text = format(factor * value, form)
+        factor_here, name_here = self.of(unit)
+        if name_here != name:
+            digits = len(re.sub(r"\D", "", text.split("e")[0]).lstrip("0"))
+            text = f"{factor_here * value:.{max(3, digits)}g}"
+            text = f"{float(text):.0f}" if "e+" in text else text
+        return text if found[2].startswith("!") else f"{text} {name_here}"
+
     def said(self, text: str) -> str:
         """A text with its values in these units, and of as many digits, but three at least; `keys` stay as they are."""
-        parts = CODE.split(text)
+        parts = CODE.split(self.rendered(text))
         parts[::2] = [_values(tuple(self.others)).sub(self._value, part) for part in parts[::2]]
         return "".join(parts)
 

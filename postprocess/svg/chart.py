@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from postprocess.report.units import Units
+from postprocess.report.units import SI, Units
 from postprocess.svg.drawing import coloured, text_width, words
 from postprocess.svg.marks import Level, Mark, found_ranges
 from postprocess.svg.scale import Scale, fitted, tick_texts
@@ -228,16 +228,21 @@ class Chart:
             up, unit = units.of(plot.y.unit)
             marks = tuple(mark.scaled(along, up) for mark in plot.marks)
             plots.append(replace(plot, marks=marks, y=plot.y.scaled(up, unit)))
-        made = draw_chart(
-            self.name, units.said(self.caption), plots, self.x.scaled(along, x_unit), self.group, self.width
-        )
+        across = self.x.scaled(along, x_unit)
+        made = draw_chart(self.name, units.said(self.caption), plots, across, self.group, self.width, units)
         return replace(made, svg=units.said(made.svg))
 
 
 def draw_chart(
-    name: str, caption: str, plots: Sequence[Plot], x: Axis, group: str = "", width: float = 400.0
+    name: str,
+    caption: str,
+    plots: Sequence[Plot],
+    x: Axis,
+    group: str = "",
+    width: float = 400.0,
+    units: Units = SI,
 ) -> Chart:
-    """The chart as SVG text of so many pixels' width."""
+    """Draw a chart as SVG text of so many pixels' width; units: of the measures in its texts."""
     with np.errstate(all="ignore"):
         legend, top = _legend(plots[0], width)
         frames = framed(plots, x, width, top)
@@ -249,7 +254,8 @@ def draw_chart(
         f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
         '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
     )
-    return Chart(name, group, caption, head + "".join(parts) + "</svg>", width, tuple(plots), x)
+    svg = units.rendered(head + "".join(parts) + "</svg>")
+    return Chart(name, group, caption, svg, width, tuple(plots), x)
 
 
 def draw_legend(
