@@ -66,12 +66,12 @@ def draw_contour_pictures(folder: Path, count: int) -> None:
 
 def draw_plots(folder: Path, count: int) -> None:
     """Curves of two histories in two panels."""
-    from postprocess.figures.overlay import Line, Overlay, overlay_plot
+    from postprocess.figures.histories import Curve, plot_overlays
 
     t = np.linspace(0.0, 0.4, 400)
-    lines = (Line("FE", t, np.sin(20.0 * t)), Line("rigid", t, np.cos(20.0 * t)))
+    curves = (Curve("FE", t, np.sin(20.0 * t)), Curve("rigid", t, np.cos(20.0 * t)))
     for _ in range(count):
-        overlay_plot([Overlay("v_gx", "m/s", lines), Overlay("v_gy", "m/s", lines)]).save(folder / "a.png")
+        plot_overlays({"v_gx [m/s]": curves, "v_gy [m/s]": curves}).save(folder / "a.png")
 
 
 KINDS: dict[str, Callable[[Path, int], None]] = {

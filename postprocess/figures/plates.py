@@ -1,4 +1,4 @@
-"""Maps of verdicts over pairs of axes: one small chart a pair, a colour a verdict."""
+"""Plates: verdicts over pairs of axes as small maps, and mode shapes over the plate at rest."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import Floats
-from postprocess.svg.marks import Boxes, Swatch, cells_about
+from postprocess.svg.marks import Boxes, Line, Swatch, cells_about
 from postprocess.svg.scale import Scale, power_text, tick_texts
 
 COLOURS: Mapping[str, str] = {
@@ -81,3 +82,53 @@ def draw_meanings(meanings: Mapping[str, str], caption: str) -> Chart:
     """What every colour means, the same for all maps."""
     keys = [Swatch(f"{kind}: {meaning}", COLOURS[kind]) for kind, meaning in meanings.items()]
     return draw_legend("map-legend", caption, keys, "Maps", LEGEND)
+
+
+Integers = NDArray[np.integer]
+
+REACH = 0.3
+"""Largest displacement as drawn, over the plate's width."""
+
+MAX_EDGES = 3000
+"""A finer mesh is drawn by its outline alone: the page stays small."""
+
+
+def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> Chart:
+    """One mode: positions [m] and displacements of largest length one, shape (nodes, 2); cells (elements, corners).
+    Pages show the length of the displacement on the outline."""
+    edges, outline = mesh_edges(cells)
+    reach = REACH * np.ptp(positions, axis=0).min()
+    deformed, sizes = positions + reach * shape, np.linalg.norm(shape, axis=1)
+    nodes = np.unique(outline)
+    marks = (
+        _segments(positions, outline, "grey", 0.9),
+        *([_segments(deformed, edges, "steel", 0.6)] if len(edges) <= MAX_EDGES else []),
+        _segments(deformed, outline, "fe", 1.6),
+        Line(
+            "displacement",
+            deformed[nodes, 0],
+            deformed[nodes, 1],
+            width=0.0,
+            values=sizes[nodes].tolist(),
+            at=[f"{x:.3g} m; {y:.3g} m" for x, y in positions[nodes]],
+        ),
+    )
+    (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
+    x, y = Axis(low=left, high=right, named=()), Axis(low=low, high=high, named=())
+    plot = Plot(marks, y, None, nearest="xy", has_grid=False, has_legend=False)
+    return draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
+
+
+def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:
+    """Straight lines between pairs of places."""
+    ends = np.pad(places[pairs], ((0, 0), (0, 1), (0, 0)), constant_values=np.nan)
+    return Line("", ends[..., 0].ravel(), ends[..., 1].ravel(), colour, width)
+
+
+def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:
+    """Edges inside the mesh and on its outline, as pairs of nodes: shape (edges, 2) each."""
+    pairs = np.concatenate(
+        [np.stack([cells[:, i], np.roll(cells, -1, 1)[:, i]], 1) for i in range(cells.shape[1])]
+    )
+    edges, times = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)
+    return edges[times > 1], edges[times == 1]

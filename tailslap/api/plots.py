@@ -9,7 +9,7 @@ from tailslap.api.columns import Columns
 from tailslap.errors import InputError, Missing, Verbatim
 
 if TYPE_CHECKING:
-    from postprocess.figures.overlay import Plot
+    from postprocess.figures.histories import HistoryPlot
 
 FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
 """What is drawn unless the caller says otherwise, where it is there."""
@@ -17,9 +17,9 @@ FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
 MOST = 4
 
 
-def plot_histories(histories: Mapping[str, Columns], names: Sequence[str]) -> Plot:
+def plot_histories(histories: Mapping[str, Columns], names: Sequence[str]) -> HistoryPlot:
     """Panels of these columns over time, one line a history. Raises InputError."""
-    from postprocess.figures.overlay import Line, Overlay, overlay_plot
+    from postprocess.figures.histories import Curve, plot_overlays
 
     drawn = {label: columns for label, columns in histories.items() if "t" in columns}
     if not drawn:
@@ -29,17 +29,10 @@ def plot_histories(histories: Mapping[str, Columns], names: Sequence[str]) -> Pl
     for name in chosen:
         if name not in known:
             raise InputError("plot", Verbatim(name), f"allowed are {', '.join(known)}")
-    return overlay_plot(
-        [
-            Overlay(
-                name,
-                next(columns.units.get(name, "") for columns in drawn.values() if name in columns),
-                [
-                    Line(label, columns["t"], columns[name])
-                    for label, columns in drawn.items()
-                    if name in columns
-                ],
-            )
-            for name in chosen
-        ]
-    )
+    panels = {}
+    for name in chosen:
+        having = {label: columns for label, columns in drawn.items() if name in columns}
+        unit = next(columns.units.get(name, "") for columns in having.values())
+        curves = [Curve(label, columns["t"], columns[name]) for label, columns in having.items()]
+        panels[f"{name} [{unit}]" if unit else name] = curves
+    return plot_overlays(panels)

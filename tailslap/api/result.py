@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pyvista
 
     from postprocess.fields.series import FieldSeries
-    from postprocess.figures.overlay import Plot
+    from postprocess.figures.histories import HistoryPlot
     from postprocess.report.report import Report
 
 Fill = Callable[[Path, bool], None]
@@ -127,7 +127,7 @@ class Result:
         series = self.fields
         return series.grid(-1 if t is None else int(abs(series.t - t).argmin()))
 
-    def plot(self, *names: str) -> Plot:
+    def plot(self, *names: str) -> HistoryPlot:
         """Draw columns over time, the rigid vehicle's beside the FE run's.
 
         Parameters
@@ -137,7 +137,7 @@ class Result:
 
         Returns
         -------
-        Plot
+        HistoryPlot
             Shown by a notebook as it is; `save` writes it as PNG, SVG or PDF.
 
         Raises

@@ -10,8 +10,7 @@ from typing import Any
 import tailslap
 from postprocess.comparison.comparison import QUANTITIES
 from postprocess.comparison.side_by_side import LIMITS, Beside, beside
-from postprocess.figures.overlay import Line, Overlay, overlay_curve
-from postprocess.figures.panels import COMPARED
+from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
@@ -206,13 +205,14 @@ def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
     for name in dict.fromkeys(each.name for _, each in found.pairs):
         symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
         if less:
-            lines = [Line(label, x.t, x.difference) for label, x in found.pairs if x.name == name]
+            curves = [Curve(label, x.t, x.difference) for label, x in found.pairs if x.name == name]
             file, title = f"difference_{name}", f"difference of {symbol}"
             caption = f"{caption.partition(',')[0]}, less that of {found.reference.label}"
         else:
-            lines = [
-                Line(i.label, i.columns[TIME], i.columns[name]) for i in found.items if name in i.columns
+            curves = [
+                Curve(i.label, i.columns[TIME], i.columns[name]) for i in found.items if name in i.columns
             ]
             file, title = name, symbol
-        panel = Overlay(title, found.reference.units.get(name, ""), lines)
-        yield overlay_curve(file, panel, caption).in_units(SI)
+        unit = found.reference.units.get(name)
+        heading = f"{title} [{unit}]" if unit else title
+        yield draw_overlay(file, heading, curves, caption).in_units(SI)

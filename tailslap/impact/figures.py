@@ -15,7 +15,7 @@ from tailslap.impact.outcome import ImpactOutcome
 from tailslap.progress import announced
 
 if TYPE_CHECKING:
-    from postprocess.figures.impact.strikes import StrikeMark
+    from postprocess.figures.impact import StrikeMark
     from postprocess.svg.chart import Chart
 
 PARTS = {
@@ -35,7 +35,7 @@ INSTANTS = 9
 
 def marks(answer: ImpactAnswer) -> list[StrikeMark]:
     """The strikes as figures mark them."""
-    from postprocess.figures.impact.strikes import StrikeMark
+    from postprocess.figures.impact import StrikeMark
 
     t, x = answer.history["t"], answer.history["x_g"]
 
@@ -52,7 +52,7 @@ def marks(answer: ImpactAnswer) -> list[StrikeMark]:
 
 def outlines(outcome: ImpactOutcome) -> np.ndarray:
     """Corners of the vehicle at every row, shape (rows, 4, 2) [m]."""
-    from postprocess.figures.impact.positions import vehicle_outlines
+    from postprocess.figures.impact import vehicle_outlines
 
     h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
     return vehicle_outlines(
@@ -62,7 +62,7 @@ def outlines(outcome: ImpactOutcome) -> np.ndarray:
 
 def position_strip(outcome: ImpactOutcome) -> Chart:
     """Where the vehicle is at even instants."""
-    from postprocess.figures.impact.positions import draw_positions
+    from postprocess.figures.impact import draw_positions
 
     t = outcome.run.history["t"]
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
@@ -71,7 +71,7 @@ def position_strip(outcome: ImpactOutcome) -> Chart:
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
     """Lateral and longitudinal force, raw and filtered; the rigid vehicle's lateral force beside the plate's."""
-    from postprocess.figures.impact.forces import draw_forces
+    from postprocess.figures.impact import draw_forces
 
     strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
     lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
@@ -92,7 +92,7 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
 
 def energy_figure(outcome: ImpactOutcome) -> Chart:
     """What becomes of the kinetic energy."""
-    from postprocess.figures.impact.energy import draw_energies
+    from postprocess.figures.impact import draw_energies
 
     h = outcome.run.history
     parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items()}
@@ -101,8 +101,7 @@ def energy_figure(outcome: ImpactOutcome) -> Chart:
 
 def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     """Force over crush of the corners that struck, and with more points than corners the force along the side."""
-    from postprocess.figures.impact.forces import draw_loops
-    from postprocess.figures.impact.side_force import draw_side_force
+    from postprocess.figures.impact import draw_loops, draw_side_force
 
     run, length = outcome.run, outcome.fe_plan.case.vehicle.length
     corner = nearest_corner(run.points, length)
@@ -127,7 +126,7 @@ def animation(outcome: ImpactOutcome, folder: Path, units: Units = SI) -> Pictur
     """The impact as a GIF, its axes in these units."""
     h = outcome.run.history
     with announced("Drawing the animation ..."):
-        from postprocess.figures.impact.animation import write_animation
+        from postprocess.figures.animation import write_animation
 
         path = write_animation(
             folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"], units=units

@@ -19,7 +19,7 @@ from fem.modal.beam_theory import (
 )
 from fem.modal.mode_kinds import mode_kinds
 from fem.modal.modes import FreeModes, free_modes, most_modes
-from postprocess.figures.mode_plots import draw_mode
+from postprocess.figures.plates import draw_mode
 from postprocess.report.numbers import percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report

@@ -15,8 +15,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.comparison import QUANTITIES, Quantity
-from postprocess.figures.curves import TIME, History, thinned
-from postprocess.figures.panels import COMPARED
+from postprocess.figures.histories import COMPARED, TIME, History, thinned
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from fem.explicit.columns import COLUMNS
 from postprocess.comparison.comparison import PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
-from postprocess.figures.curves import draw_histories
-from postprocess.figures.panels import Panel
+from postprocess.figures.histories import Panel, draw_histories
 from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs

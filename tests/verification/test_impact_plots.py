@@ -9,12 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.figures.impact.animation import MAX_FRAMES, write_animation
-from postprocess.figures.impact.energy import draw_energies
-from postprocess.figures.impact.forces import draw_forces, draw_loops
-from postprocess.figures.impact.positions import draw_positions, vehicle_outlines
-from postprocess.figures.impact.side_force import COLUMNS, draw_side_force
-from postprocess.figures.impact.strikes import StrikeMark
+from postprocess.figures.animation import MAX_FRAMES, write_animation
+from postprocess.figures.impact import (
+    COLUMNS,
+    StrikeMark,
+    draw_energies,
+    draw_forces,
+    draw_loops,
+    draw_positions,
+    draw_side_force,
+    vehicle_outlines,
+)
 
 pytestmark = pytest.mark.verification
 

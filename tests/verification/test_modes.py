@@ -21,7 +21,7 @@ from fem.modal.beam_theory import (
 from fem.modal.mode_kinds import mode_kinds
 from fem.modal.modes import FreeModes, free_modes, most_modes
 from meshes import plate_mesh
-from postprocess.figures.mode_plots import draw_mode, mesh_edges
+from postprocess.figures.plates import draw_mode, mesh_edges
 from tailslap.command_line import DONE, WRONG_INPUT, _status
 from tailslap.files.manifest import NAME as MANIFEST
 

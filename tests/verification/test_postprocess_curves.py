@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures.curves import draw_histories, power_of_ten, thinned
+from postprocess.figures.histories import draw_histories, power_of_ten, thinned
 from postprocess.svg.chart import Chart
 
 pytestmark = pytest.mark.verification

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures.flexibility_plots import RINGS, SweepAxis, SweepLine, draw_sweep
-from postprocess.figures.mode_plots import draw_mode
+from postprocess.figures.plates import draw_mode
 from postprocess.figures.strike_plots import (
     BandBar,
     InputPanel,

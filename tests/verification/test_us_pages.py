@@ -13,7 +13,7 @@ import pytest
 
 import tailslap
 from postprocess.fields.contours import ContourField, Setting, Sheet, draw_contours, draw_instants
-from postprocess.figures.impact.animation import write_animation
+from postprocess.figures.animation import write_animation
 from postprocess.report.units import US
 from tailslap import Result
 from tailslap.command_line import _status

@@ -1,0 +1,257 @@
+"""Histories as line plots: FE over rigid on a run's page, several origins over one another on pages and in Python.
+
+On pages a history is thinned to the smallest and the largest value of each of 200 stretches of it: peaks survive.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import PALETTE, Floats
+from postprocess.svg.marks import Line
+from postprocess.svg.scale import SUPERSCRIPTS
+
+History = Mapping[str, Floats]
+
+STRETCHES = 200
+COLOURS = ("fe", "red", "green", "violet")
+TIME = Axis("t [s]", margin=0.0)
+
+
+class Panel(NamedTuple):
+    """A plot: short name, columns with their labels, axis symbol and unit, group and caption; from_start: of what
+    changes since the start."""
+
+    name: str
+    columns: tuple[tuple[str, str], ...]
+    symbol: str
+    unit: str
+    group: str
+    caption: str
+    from_start: bool = False
+
+
+COMPARED = tuple(
+    Panel(name, ((name, "FE"),), symbol, unit, group, caption)
+    for name, symbol, unit, group, caption in (
+        ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
+        ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive where it closes the angle"),
+        ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
+        ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
+        ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
+        ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
+        ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),
+    )
+)
+EXCHANGED = (("kinetic_energy", "kinetic, change"), ("friction_work", "work of friction"))
+STORED = (
+    ("strain_energy", "strain"),
+    ("contact_energy", "spring"),
+    ("vibration_energy", "vibration"),
+    ("damping_work", "damping"),
+)
+ERROR = (("energy_error", "error"),)
+ENERGIES = tuple(
+    Panel(name, columns, "energy", "J", "Energy", caption, columns is EXCHANGED)
+    for name, columns, caption in (
+        ("energy_exchanged", EXCHANGED, "What the motion loses, and what friction does"),
+        (
+            "energy_stored",
+            STORED,
+            "Strain, contact spring and vibration of the plate, and the work of damping",
+        ),
+        ("energy_error", ERROR, "What the energy balance leaves unaccounted for"),
+    )
+)
+
+
+def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[Chart, ...]:
+    """The plots of all known columns that the FE history has: motion first, then reaction, then energy.
+
+    fe, rigid: column name -> values of shape (n,), SI, each with its instants "t" [s]; the rigid ones are
+    interpolated to the instants of the FE run. A compared column that `rigid` lacks is not drawn.
+    more: plots beside these.
+    """
+    both = {*fe} & {*rigid}
+    compared = [_draw_compared(panel, fe, rigid) for panel in COMPARED if panel.name in both]
+    energies = [_draw_columns(panel, fe) for panel in (*ENERGIES, *more) if {*fe} & {*dict(panel.columns)}]
+    return (*compared, *energies)
+
+
+def _draw_compared(panel: Panel, fe: History, rigid: History) -> Chart:
+    t, values = fe["t"], fe[panel.name]
+    with np.errstate(all="ignore"):
+        exact = np.interp(t, rigid["t"], rigid[panel.name])
+        apart = values - exact
+    own, power = (3 if panel.unit == "N" else 0), power_of_ten(apart)
+    lines = (
+        Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0),
+        Line("FE", *thinned(t, values * 10.0**-own)),
+    )
+    difference = Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
+    plots = (
+        Plot(lines, Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), 130.0),
+        Plot((difference,), Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
+    )
+    return draw_chart(panel.name, panel.caption, plots, TIME, panel.group)
+
+
+def _draw_columns(panel: Panel, fe: History) -> Chart:
+    found = {label: fe[name] for name, label in panel.columns if name in fe}
+    if panel.from_start:
+        found = {label: values - values[0] for label, values in found.items()}
+    power = power_of_ten(np.concatenate([*found.values()]))
+    lines = tuple(
+        Line(
+            label,
+            *thinned(fe["t"], values * 10.0**-power),
+            colour,
+            3.0 if panel.from_start and colour == "fe" else 1.3,
+        )
+        for (label, values), colour in zip(found.items(), COLOURS, strict=False)
+    )
+    axis = Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
+    height = 216.0 - (18.0 if len(lines) > 1 else 0.0)
+    return draw_chart(panel.name, panel.caption, (Plot(lines, axis, height),), TIME, panel.group)
+
+
+def thinned(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Times and values, shape (k,), k <= 402: both ends, smallest and largest value of each stretch."""
+    if len(t) <= 2 * STRETCHES:
+        return t, values
+    stretch = np.arange(len(t)) * STRETCHES // len(t)
+    rising = np.lexsort((values, stretch))
+    first = np.flatnonzero(np.diff(stretch, prepend=-1))
+    last = np.append(first[1:], len(t)) - 1
+    index = np.unique(np.concatenate([[0, len(t) - 1], rising[first], rising[last]]))
+    return t[index], values[index]
+
+
+def power_of_ten(values: Floats) -> int:
+    """Exponent, a multiple of three, that leaves the largest magnitude between 1 and 1000; 0 for zeros."""
+    size = float(np.max(np.abs(values), initial=0.0))
+    return 3 * math.floor(math.log10(size) / 3) if 1e-250 < size < math.inf else 0
+
+
+def unit_with_power(unit: str, power: int) -> str:
+    """A unit with a power of ten before it, or where it has one, with its prefix."""
+    if power == 3 and unit in ("N", "J"):
+        return "k" + unit
+    return f"10{str(power).translate(SUPERSCRIPTS)} {unit}" if power else unit
+
+
+class Curve(NamedTuple):
+    """A history of some origin: its label, instants [s] and values, shape (instants,) each."""
+
+    label: str
+    t: Floats
+    values: Floats
+
+
+ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
+"""Colours of curves of several origins, in order."""
+
+DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
+WIDTH, HEIGHT = 6.4, 2.5
+"""Size of a panel that matplotlib draws [inches]."""
+
+
+def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str) -> Chart:
+    """Curves over one another as SVG for a page; name: of its file, heading: of their axis, with unit."""
+    lines = tuple(
+        Line(curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)])
+        for number, curve in enumerate(curves)
+    )
+    return draw_chart(name, caption, (Plot(lines, Axis(heading)),), TIME)
+
+
+@dataclass(frozen=True)
+class HistoryPlot:
+    """Panels of curves, drawn.
+
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+        To be changed at will.
+    """
+
+    figure: Any
+
+    def save(self, path: str | Path) -> Path:
+        """Write the plot.
+
+        Parameters
+        ----------
+        path : str or Path
+            Its ending is the format: .png, .svg or .pdf.
+
+        Returns
+        -------
+        Path
+            The file.
+        """
+        self.figure.savefig(path)
+        return Path(path)
+
+    def _repr_svg_(self) -> str:
+        buffer = io.StringIO()
+        self.figure.savefig(buffer, format="svg")
+        return buffer.getvalue()
+
+    def __repr__(self) -> str:
+        return f"<Plot of {', '.join(axes.get_ylabel() for axes in self.figure.axes)}>"
+
+
+def plot_overlays(panels: Mapping[str, Sequence[Curve]]) -> HistoryPlot:
+    """All panels, by their headings with units, in one figure, one below the other, with a common axis of time."""
+    with style():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(WIDTH, HEIGHT * len(panels)), layout="tight")
+        grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (heading, curves) in zip(grid, panels.items(), strict=True):
+            for number, (label, t, values) in enumerate(curves):
+                dashes = DASHES[(number // len(ORIGINS) + number) % len(DASHES)]
+                colour = PALETTE[ORIGINS[number % len(ORIGINS)]]
+                axes.plot(t, values, label=label, color=colour, ls=dashes, lw=1.4)
+            axes.set_ylabel(heading)
+        grid[-1].set_xlabel("t [s]")
+        if any(len(curves) > 1 for curves in panels.values()):
+            grid[0].legend(loc="best", frameon=False, fontsize="small")
+    return HistoryPlot(figure)
+
+
+STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "font.family": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-6, 9),
+    "axes.unicode_minus": True,
+    "axes.grid": True,
+    "grid.color": "#e3e6ea",
+    "grid.linewidth": 0.6,
+    "axes.edgecolor": "#8a929b",
+    "axes.axisbelow": True,
+    "axes.xmargin": 0.0,
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The style of all figures that matplotlib draws, whatever the user's own settings are."""
+    from matplotlib import rc_context, rcdefaults, rcParams
+
+    with rc_context():
+        rcdefaults()
+        rcParams.update(STYLE)
+        yield

@@ -1,0 +1,225 @@
+"""Charts of a whole impact: positions along the wall, forces, energies, crush, contact along the side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from postprocess.figures.histories import STRETCHES, TIME, thinned
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import Floats
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Shades, Span, Words
+
+CORNERS = {"front": "red", "rear": "fe"}
+
+
+@dataclass(frozen=True)
+class StrikeMark:
+    """A strike: its corner, "front" or "rear", instants [s], and where along the wall it begins and ends [m]."""
+
+    corner: str
+    start: float
+    end: float
+    places: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def colour(self) -> str:
+        """Of everything that shows this corner."""
+        return corner_colour(self.corner)
+
+
+def corner_colour(corner: str) -> str:
+    """One colour for each of the two corners, grey for what is none."""
+    return CORNERS.get(corner, "soft")
+
+
+def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
+    """Their times as bands behind the plot, each with its corner's name on top."""
+    return tuple(Span(strike.corner, strike.start, strike.end, strike.colour) for strike in strikes)
+
+
+WIDTH, EDGE = 900.0, 0.4
+"""Width of the figure [pixels]; free space about what is drawn [m]."""
+
+TOP, ROW = 0.9, 0.5
+"""Height of the row of instants above the vehicle, and of each strike's row below the wall's face [m]."""
+
+
+def vehicle_outlines(
+    x: Floats, y: Floats, theta: Floats, length: float, width: float, centre: float
+) -> Floats:
+    """Corners of a rigid vehicle, front and rear of the wall's side first: shape (n, 4, 2) [m].
+
+    x, y: centre of mass [m], theta: angle between side and wall [rad], shape (n,); centre: how far behind the front the
+    centre of mass lies [m].
+    """
+    heading = np.stack([np.cos(theta), -np.sin(theta)], axis=-1)
+    left = np.stack([np.sin(theta), np.cos(theta)], axis=-1)
+    ends = [centre * heading - 0.5 * width * left, (centre - length) * heading - 0.5 * width * left]
+    across = [ends[1] + width * left, ends[0] + width * left]
+    return np.asarray(np.stack([x, y], axis=-1)[:, None] + np.stack([*ends, *across], axis=1))
+
+
+def draw_positions(
+    outlines: Floats,
+    instants: Sequence[float],
+    strikes: Sequence[StrikeMark] = (),
+    path: Floats | None = None,
+) -> Chart:
+    """Outlines at these instants [s], later ones darker, over the wall Y = 0; strikes as bars below its face.
+
+    outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m].
+    """
+    caption = (
+        "Positions of the vehicle, later ones darker; below the wall's face what is crushed, and the strikes"
+    )
+    points = outlines.reshape(-1, 2)
+    low, high = points.min(axis=0) - EDGE, points.max(axis=0) + np.array([2.0 * EDGE, TOP])
+    rows = low[1] - ROW * np.arange(len(strikes))
+    low[1] -= ROW * len(strikes)
+    wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
+    marks: list[Mark] = [Outline(wall[:, 0], wall[:, 1], "grey", fill=0.25)]
+    marks += [] if path is None else [Line("", path[:, 0], path[:, 1], "soft", 0.8, "4 3")]
+    for number, (outline, instant) in enumerate(zip(outlines, instants, strict=True)):
+        marks += _position(outline, instant, (number + 1) / len(outlines), high[1])
+    for strike, row in zip(strikes, rows, strict=True):
+        marks += _strike(strike, row, high[0])
+    x, y = Axis("X along the wall [m]", low[0], high[0]), Axis("Y [m]", low[1], high[1])
+    return draw_chart(
+        "positions", caption, (Plot(tuple(marks), y, None, has_grid=False),), x, "Motion", WIDTH
+    )
+
+
+def _position(outline: Floats, instant: float, shade: float, top: float) -> list[Mark]:
+    """One outline; its instant on top, over the point that lies farthest along the wall."""
+    x, y = outline[outline[:, 0].argmax()]
+    foot = top - 0.5 * TOP
+    return [
+        Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade),
+        Line("", np.array([x, x]), np.array([y, foot]), "steel", 0.7, "1 2"),
+        Words(f"{instant:.2f} s", x, foot, (0.0, -3.0), "middle", "fe"),
+    ]
+
+
+def _strike(strike: StrikeMark, height: float, end: float) -> list[Mark]:
+    """A bar where it is, named behind it or, near the end of the strip, before it."""
+    (first, last), near = sorted(strike.places), max(strike.places) > end - 3.5
+    place, shift, anchor = (first, -6.0, "end") if near else (last, 6.0, "start")
+    text = f"{strike.corner} {strike.start:.3f} to {strike.end:.3f} s"
+    bar = Line("", np.array(strike.places), np.full(2, height), strike.colour, 4.0)
+    return [bar, Words(text, place, height, (shift, 3.5), anchor, strike.colour)]
+
+
+START = replace(TIME, low=0.0)
+WIDE = 540.0
+"""Time from first touch on; width of the plots over time [pixels]."""
+
+LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
+    "raw": ("raw", {"colour": "grey", "width": 2.4}),
+    "cfc180": ("CFC 180", {"colour": "green", "width": 1.0}),
+    "cfc60": ("CFC 60", {"colour": "fe"}),
+    "cutoff_60hz": ("60 Hz cut-off", {"colour": "violet", "dashes": "5 2"}),
+    "mean_50ms": ("50 ms mean", {"colour": "rigid", "width": 2.2}),
+}
+"""Label and look of each curve, in the order in which they are drawn."""
+
+
+def draw_forces(
+    name: str,
+    caption: str,
+    t: Floats,
+    curves: Mapping[str, Floats],
+    strikes: Sequence[StrikeMark] = (),
+    levels: Mapping[str, float] | None = None,
+) -> Chart:
+    """Curves of one force by the names of `force_curves`, shape (n,) [N], over t [s]; drawn in kN.
+
+    levels: what a design force is called -> force [N], drawn as a line.
+    """
+    lines = [
+        Line(label, *thinned(t, curves[key] / 1e3), **look)
+        for key, (label, look) in LINES.items()
+        if key in curves
+    ]
+    across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
+    plot = Plot((*shaded(strikes), *across, *lines), Axis("force on the wall [kN]"), 230.0)
+    return draw_chart(name, caption, (plot,), START, "Force", WIDE)
+
+
+def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
+    """Force [N] over crush [m] of each contact point by its name, shape (n,) each; drawn in kN and mm."""
+    caption = "Force over crush of each contact point: what a loop encloses is lost"
+    lines = tuple(
+        Line(label, *_cornered(crush * 1e3, force / 1e3), corner_colour(label))
+        for label, (crush, force) in contacts.items()
+    )
+    plot = Plot(lines, Axis("force [kN]", low=0.0), 230.0, nearest="xy")
+    return draw_chart("loops", caption, (plot,), Axis("crush [mm]", low=0.0), "Force")
+
+
+def _cornered(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """The points of a line without those that lie on the straight line between their neighbours, shape (k,)."""
+    moved = np.append(True, (np.diff(x) != 0.0) | (np.diff(y) != 0.0))
+    x, y = x[moved], y[moved]
+    steps = np.diff(x) / (np.ptp(x) or 1.0) + 1j * np.diff(y) / (np.ptp(y) or 1.0)
+    kept = np.concatenate([[True], np.abs(np.angle(steps[1:] / steps[:-1])) > 1e-6, [True]])
+    return x[kept], y[kept]
+
+
+LAYERS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
+
+
+def draw_energies(
+    t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strikes: Sequence[StrikeMark] = ()
+) -> Chart:
+    """What the motion gave up, as a line, and below it what it went into, layer upon layer; in kJ.
+
+    t [s], kinetic and each of `parts` [J], shape (n,): crush lost, friction, damping, crush stored, strain and so on,
+    the first at the bottom. Where layers and line part, the balance is open.
+    """
+    caption = "Energy that the motion gave up (line), and what it went into (layers)"
+    shown = np.unique(np.linspace(0, t.size - 1, 2 * STRETCHES).astype(int))
+    kept = {label: values[shown] / 1e3 for label, values in parts.items() if np.any(values)}
+    tops = np.cumsum([np.zeros(shown.size), *kept.values()], axis=0)
+    layers = tuple(
+        Layer(label, t[shown], tops[number], tops[number + 1], colour)
+        for number, (label, colour) in enumerate(zip(kept, LAYERS, strict=False))
+    )
+    line = Line("given up", t[shown], (kinetic[0] - kinetic[shown]) / 1e3, "ink", 1.3)
+    plot = Plot((*shaded(strikes), *layers, line), Axis("energy [kJ]"), 220.0)
+    return draw_chart("energies", caption, (plot,), START, "Energy", WIDE)
+
+
+COLUMNS = 240
+"""Columns of cells at most; each is the largest force of its time."""
+
+
+def draw_side_force(
+    t: Floats, distances: Floats, force: Floats, unit: str, strikes: Sequence[StrikeMark] = ()
+) -> Chart:
+    """Force at each distance from the front and instant, the largest darkest; nothing where there is none.
+
+    t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force, shape (n, k), in `unit`, for
+    example "kN" of each node or "kN/m".
+    """
+    caption = "Contact force along the side that faces the wall, over time"
+    edges = np.concatenate([distances[:1], 0.5 * (distances[1:] + distances[:-1]), distances[-1:]])
+    starts = np.unique(np.linspace(0, t.size, min(COLUMNS, t.size), endpoint=False).astype(int))
+    table, times = np.maximum.reduceat(force, starts, axis=0), np.append(t[starts], t[-1])
+    column, row = np.nonzero(table > 0.0)
+    pressed, shades = table[column, row], Shades(float(table.max()) or 1.0, 0.0)
+    cells = Boxes(
+        "force",
+        np.stack([times[column], times[column + 1]], axis=-1),
+        np.stack([edges[row], edges[row + 1]], axis=-1),
+        shades.colours(pressed),
+        [f"{value:.4g} {unit}" for value in pressed],
+        [f"{time:.4g} s; {place:.4g} m" for time, place in zip(times[column], distances[row], strict=True)],
+    )
+    x = replace(START, high=float(t[-1]))
+    y = Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
+    plot = Plot((*shades.keys(unit), cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
+    return draw_chart("side-force", caption, (plot,), x, "Force", WIDE)
