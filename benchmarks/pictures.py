@@ -18,8 +18,7 @@ from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.report import RIGID, SOFT, charts
-from tailslap.studies.stability.against_rigid import KINDS
-from tailslap.studies.stability.axes import stability_axes
+from tailslap.studies.stability.compute import MAP_KINDS, axes_of
 
 DOCS = Path(__file__).parents[1] / "docs"
 SHOWN = (
@@ -28,7 +27,7 @@ SHOWN = (
 )
 """Pairs of axes that docs/studies.md shows."""
 
-MEANINGS = {axis.name: axis.meaning for axis in stability_axes(read_scene("paper-table-3")[0], 2)}
+MEANINGS = {axis.name: axis.meaning for axis in axes_of(read_scene("paper-table-3")[0], 2)}
 
 
 def draw_cost(folder: Path, target: Path) -> None:
@@ -58,7 +57,7 @@ def draw_stability(folder: Path, target: Path) -> None:
     """Some of the maps, those that the folder has, and before them what the colours mean."""
     maps = read_maps(folder / "cells.csv")
     charts = [draw_map("-".join(pair), *maps[pair], "") for pair in SHOWN if pair in maps]
-    target.write_text(side_by_side([*charts, draw_meanings(KINDS, "")]), encoding="utf-8")
+    target.write_text(side_by_side([*charts, draw_meanings(MAP_KINDS, "")]), encoding="utf-8")
 
 
 def read_maps(path: Path) -> dict[tuple[str, str], tuple[MapAxis, MapAxis, list[list[str]]]]:

@@ -14,12 +14,12 @@ from postprocess.svg.chart import Chart
 from postprocess.svg.drawing import text_width
 from postprocess.svg.marks import cells_about
 from tailslap.scene.read import read_scene
-from tailslap.studies.stability.against_rigid import KINDS
-from tailslap.studies.stability.axes import stability_axes
+from tailslap.studies.stability.compute import MAP_KINDS as KINDS
+from tailslap.studies.stability.compute import axes_of
 
 pytestmark = pytest.mark.verification
 
-AXES = {axis.name: axis for axis in stability_axes(read_scene("paper-table-3")[0], 10)}
+AXES = {axis.name: axis for axis in axes_of(read_scene("paper-table-3")[0], 10)}
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -54,7 +54,7 @@ def test_cells_are_of_equal_size_on_the_axis_own_scale() -> None:
 def small_map(points: int, across: str, up: str) -> Chart:
     axes = {
         axis.name: MapAxis(axis.meaning, axis.values)
-        for axis in stability_axes(read_scene("paper-table-3")[0], points)
+        for axis in axes_of(read_scene("paper-table-3")[0], points)
     }
     return draw_map("m", axes[across], axes[up], [["right"] * points] * points, "")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -19,26 +19,29 @@ from tailslap.command_line import _status
 from tailslap.errors import InputError, Interrupted
 from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.validate import validate
-from tailslap.scene.vary import Changes, vary
+from tailslap.scene.vary import Changes, changed_tables, vary
 from tailslap.scene.write import scene_file
-from tailslap.scene_run import run_scene
-from tailslap.studies.stability import against_reference
-from tailslap.studies.stability.against_reference import KINDS, grade
-from tailslap.studies.stability.axes import base_source
-from tailslap.studies.stability.campaign import Campaign, run_campaign
-from tailslap.studies.stability.choices import COMBINATIONS, ELEMENTS, choices_of
-from tailslap.studies.stability.draw import draw, flat, random_cells
-from tailslap.studies.stability.reference import (
+from tailslap.studies.stability import compute as study
+from tailslap.studies.stability.compute import (
+    COMBINATIONS,
+    ELEMENTS,
+    FINER,
+    FINEST,
     MAX_ELEMENTS,
+    RANDOM_KINDS,
+    Found,
     Reference,
-    find_reference,
+    base_source,
+    choices_of,
+    draw,
+    flat,
+    grade,
     reference_changes,
-    reference_counts,
-    second_opinion,
+    references,
     trustworthy,
+    verdict,
 )
-from tailslap.studies.stability.report import stability_report
-from tailslap.studies.stability.verdict import Verdict, verdict_on
+from tailslap.studies.stability.report import report
 from tailslap.studies.study import Call
 from tailslap.verification.check import Check
 from tailslap.verification.checks import CHECKS, advice
@@ -47,12 +50,12 @@ pytestmark = pytest.mark.verification
 
 TRUCK = read_scene("mash-tl4-sut")[0]
 BASE = base_source(TRUCK)
-DRAWN = [cell.tables for cell in random_cells(TRUCK, 1, 90)]
+DRAWN = [changed_tables(BASE.given, draw(TRUCK, BASE, 1, number))[0] for number in range(90)]
 
 
 def test_a_draw_is_known_by_seed_and_number() -> None:
     assert draw(TRUCK, BASE, 1, 7) == draw(TRUCK, BASE, 1, 7) != draw(TRUCK, BASE, 2, 7)
-    assert random_cells(TRUCK, 1, 8)[7].tables == DRAWN[7] != DRAWN[8]
+    assert DRAWN[7] != DRAWN[8]
 
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
@@ -97,14 +100,14 @@ def test_cells_of_a_combination_share_choices_and_nothing_else() -> None:
     chosen = choices_of(1, 5, 0)
     for key in ("corner.reaction", "material.law", "plate.lumping"):
         assert len({cell.get(key) for cell in cells}) == 1
-    assert {cell["corner.reaction"] for cell in cells} == {chosen.reaction}
-    assert {"corner.patch_length" in cell for cell in cells} == {chosen.patch}
+    assert {cell["corner.reaction"] for cell in cells} == {chosen["reaction"]}
+    assert {"corner.patch_length" in cell for cell in cells} == {chosen["patch"]}
     assert len({cell["plate.start"] for cell in cells}) == 3
     assert len({cell["vehicle.length"] for cell in cells}) == 6
 
 
 def test_nearly_any_two_choices_meet() -> None:
-    drawn = [asdict(choices_of(1, number, 0)).items() for number in range(COMBINATIONS)]
+    drawn = [choices_of(1, number, 0).items() for number in range(COMBINATIONS)]
     values = {item for choices in drawn for item in choices}
     pairs = {frozenset(pair) for choices in drawn for pair in combinations(choices, 2)}
     possible = {frozenset(pair) for pair in combinations(values, 2) if pair[0][0] != pair[1][0]}
@@ -112,8 +115,8 @@ def test_nearly_any_two_choices_meet() -> None:
 
 
 def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.draw.MAX_STEPS", 10)
-    monkeypatch.setattr("tailslap.studies.stability.draw.MAX_TRIES", 5)
+    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_STEPS", 10)
+    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_TRIES", 5)
     with pytest.raises(InputError, match="none of 5 draws"):
         draw(TRUCK, BASE, 1, 0)
 
@@ -150,22 +153,22 @@ def five(value: float) -> dict[str, float]:
 )
 def test_verdicts(found: float | None, failed: tuple[str, ...], truth: float | None, kind: str) -> None:
     reference = None if truth is None else Reference(five(truth), "quad9", 1.0, ({}, {}))
-    verdict = grade({} if found is None else five(found), failed, reference, 0.0)
-    assert (verdict.kind, verdict.failed) == (kind, ", ".join(failed))
+    graded = grade({} if found is None else five(found), failed, reference, 0.0)
+    assert (graded["kind"], graded["failed"]) == (kind, ", ".join(failed))
 
 
 def test_the_distance_is_that_of_the_quantity_that_is_farthest_off() -> None:
-    verdict = grade(five(0.01) | {"omega": 0.5}, (), Reference(five(0.01), "quad9", 1.0, ({}, {})), 0.0)
-    assert verdict.distance == pytest.approx(0.495)
-    assert verdict.allowed == pytest.approx(1e-3 + 0.25 * 0.01)
+    graded = grade(five(0.01) | {"omega": 0.5}, (), Reference(five(0.01), "quad9", 1.0, ({}, {})), 0.0)
+    assert graded["distance"] == pytest.approx(0.495)
+    assert graded["allowed"] == pytest.approx(1e-3 + 0.25 * 0.01)
 
 
 def test_what_is_right_by_chance_is_not_right_beyond_doubt() -> None:
     """Oscillations that agree at the strike, and lie apart before it: a check that fails for it has its reason."""
     reference = Reference(five(0.1), "quad9", 1.0, ({}, {}))
-    kinds = [grade(five(0.1), ("numerical error",), reference, apart).kind for apart in (0.008, 0.009)]
+    kinds = [grade(five(0.1), ("numerical error",), reference, apart)["kind"] for apart in (0.008, 0.009)]
     assert kinds == ["good but failed", "caught"]
-    assert grade(five(0.1), (), reference, 0.5).kind == "right"
+    assert grade(five(0.1), (), reference, 0.5)["kind"] == "right"
 
 
 @pytest.mark.parametrize(("other", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")])
@@ -173,26 +176,21 @@ def test_two_references_say_what_is_beyond_doubt(
     other: float | None, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One may agree by chance, and where there is no other there is doubt."""
-    outcome = run_scene(CornerCase(*vary(SMALL, {})))
+    outcome = CornerCase(*vary(SMALL, {})).run()
     histories = outcome.fe_history, outcome.rigid_history
     mesh = Check.at_most("mesh", 1.0, 0.0, "made to fail")
     failed = replace(outcome, difference=five(0.1), checks=(mesh,))
     first = Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
     second = None if other is None else Reference(five(other), "quad9 20 x 6", 1.0, histories)
-    monkeypatch.setattr(against_reference, "find_reference", lambda *given: first)
-    monkeypatch.setattr(against_reference, "second_opinion", lambda *given: second)
-    assert against_reference.against_reference(failed).kind == kind
+    found = {FINER: iter([first]), FINEST: iter([first, second] if second else [first])}
+    monkeypatch.setattr(study, "references", lambda cell, plate, finest: found[finest])
+    assert study.against_reference(failed)["kind"] == kind
 
 
 def test_a_second_reference_is_another_model() -> None:
-    plate = vary(SMALL, {})[0].plate
-    assert plate is not None
-    first = find_reference(SMALL, plate)
-    assert first is not None
-    second = second_opinion(SMALL, plate, first)
-    assert second is not None
-    assert (first.model, second.model) == ("quad9 15 x 5", "quad9 20 x 6")
-    assert second_opinion(SMALL, plate, second).model == "quad9 10 x 3"  # type: ignore[union-attr]
+    plate = vary(SMALL, {})[0].needed_plate
+    assert next(references(SMALL, plate, FINER)).model == "quad9 15 x 5"
+    assert [found.model for found in references(SMALL, plate, FINEST)][:2] == ["quad9 20 x 6", "quad9 10 x 3"]
 
 
 def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -202,12 +200,12 @@ def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch: pytest.M
         asked.append(ratio)
         raise InputError("plate.elements", finer, "no model")
 
-    monkeypatch.setattr("tailslap.studies.stability.reference.reference_changes", noted)
+    monkeypatch.setattr("tailslap.studies.stability.compute.reference_changes", noted)
     for start, damped in (("inertia-relief", True), ("unstressed", False)):
         asked.clear()
         plate = vary(SMALL, {"plate.start": start})[0].plate
         assert plate is not None
-        assert find_reference(SMALL, plate) is None
+        assert next(references(SMALL, plate, FINER), None) is None
         assert any(asked) is damped
 
 
@@ -216,7 +214,7 @@ SMALL = base_source(read_scene("paper-table-3", ("plate.elements=[10,3]", "plate
 
 
 def verdict_of(changes: Changes) -> dict[str, Any]:
-    return verdict_on(SMALL, changes, against_reference.against_reference)
+    return study.judge(SMALL, changes, study.against_reference)
 
 
 def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
@@ -239,8 +237,13 @@ def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
 
 
 def test_a_refined_mesh_has_its_limit() -> None:
-    assert reference_counts((10, 4), 1.5) == (15, 6)
-    along, across = reference_counts((40, 12), 1.5)
+    plate = vary(SMALL, {})[0].needed_plate
+    refined = {
+        counts: reference_changes(plate.model_copy(update={"elements": counts}), 1.5)["plate.elements"]
+        for counts in ((10, 4), (40, 12))
+    }
+    assert refined[10, 4] == (15, 6)
+    along, across = refined[40, 12]
     assert along * across <= 1.1 * MAX_ELEMENTS
 
 
@@ -258,13 +261,13 @@ def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.Monke
 @pytest.mark.long
 def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     assert verdict_of({"plate.element": "hexagon"})["kind"] == "refused"
-    monkeypatch.setattr(against_reference, "find_reference", lambda *arguments: None)
+    monkeypatch.setattr(study, "references", lambda *arguments: iter(()))
     assert verdict_of({})["kind"] == "unjudged"
 
     def breaks(*arguments: Any) -> None:
         raise ZeroDivisionError("boom")
 
-    monkeypatch.setattr(against_reference, "find_reference", breaks)
+    monkeypatch.setattr(study, "references", breaks)
     assert verdict_of({})["reason"] == "reference broke: ZeroDivisionError: boom"
     monkeypatch.setattr("tailslap.scene_run.run_checks", breaks)
     broken = verdict_of({})
@@ -272,7 +275,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted() -> None:
-    outcome = run_scene(CornerCase(*vary(SMALL, {})))
+    outcome = CornerCase(*vary(SMALL, {})).run()
     assert trustworthy(outcome)
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
     assert trustworthy(replace(outcome, checks=(ringing,)))
@@ -289,56 +292,53 @@ def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted() -> 
 def test_where_no_reference_is_trusted_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     plate = vary(SMALL, {})[0].plate
     assert plate is not None
-    found = find_reference(SMALL, plate)
-    assert found is not None
-    assert found.model == "quad9 15 x 5"
-    monkeypatch.setattr("tailslap.studies.stability.reference.MAX_SECONDS", 0.0)
-    assert find_reference(SMALL, plate) is None
+    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_REFERENCE_S", 0.0)
+    assert not list(references(SMALL, plate, FINER))
 
 
-def campaign_of(*kinds: str) -> Campaign:
-    plan = CornerCase(*read_scene("mash-tl4-sut"))
-    cells = {cell.key: cell for cell in random_cells(TRUCK, 1, len(kinds))}
-    failed = {"caught": "mesh, time step", "good but failed": "mesh"}
-    verdicts = [Verdict(kind, failed.get(kind, ""), distance=0.1, allowed=0.01) for kind in kinds]
-    return Campaign(plan, (), {"seed": 1}, KINDS, cells, dict(zip(cells, verdicts, strict=True)), 1.0)
+def campaign_of(*kinds: str) -> Found:
+    case = CornerCase(*read_scene("mash-tl4-sut"))
+    failed, cells, rows = {"caught": "mesh, time step", "good but failed": "mesh"}, {}, {}
+    for number, kind in enumerate(kinds):
+        key = f"{number:04d}"
+        cells[key] = draw(TRUCK, BASE, 1, number)
+        rows[key] = {"number": number, **flat(DRAWN[number])}
+        rows[key] |= verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
+    return Found(case, BASE, (), {"seed": 1}, RANDOM_KINDS, cells, rows, 1.0)
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: Path) -> None:
-    report = stability_report(campaign_of(*KINDS))
-    write_report(report, tmp_path)
+    made = report(campaign_of(*RANDOM_KINDS))
+    write_report(made, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"report.html", "cells.csv", "summary.json", "cell-0002.toml", "cell-0006.toml"}
-    assert json.loads((tmp_path / "summary.json").read_text())["counts"] == dict.fromkeys(KINDS, 1)
+    assert json.loads((tmp_path / "summary.json").read_text())["counts"] == dict.fromkeys(RANDOM_KINDS, 1)
     with (tmp_path / "cells.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["kind"] for row in rows] == list(KINDS)
-    assert "time.safety_factor" in rows[list(KINDS).index("caught")]["what could be changed"]
+    assert [row["kind"] for row in rows] == list(RANDOM_KINDS)
+    assert "time.safety_factor" in rows[list(RANDOM_KINDS).index("caught")]["what could be changed"]
     assert float(rows[0]["vehicle.length"]) == flat(DRAWN[0])["vehicle.length"]
     page = (tmp_path / "report.html").read_text()
     assert "unjudged" in page
     assert "failed</span>" in page
-    assert re.search("0006 +wrong", report_text(report, tmp_path))
+    assert re.search("0006 +wrong", report_text(made, tmp_path))
 
 
 @pytest.mark.long
 def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
-    found = campaign_of("wrong")
-    found = replace(
-        found, cells={key: replace(cell, base=SMALL, changes={}) for key, cell in found.cells.items()}
-    )
-    write_report(stability_report(found), tmp_path)
-    assert run_scene(CornerCase(*read_scene(str(tmp_path / "cell-0000.toml")))).fe
+    found = campaign_of("wrong")._replace(base=SMALL, cells={"0000": {}})
+    write_report(report(found), tmp_path)
+    assert CornerCase(*read_scene(str(tmp_path / "cell-0000.toml"))).run().fe
 
 
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right())
     call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
-    found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
-    assert [cell.tables for cell in found.cells.values()] == DRAWN[:4]
-    assert found.counts["right"] == 4
+    found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [changed_tables(found.base.given, cell)[0] for cell in found.cells.values()] == DRAWN[:4]
+    assert len(found.of_kind("right")) == 4
     assert list(tmp_path.iterdir()) == []
 
 
@@ -350,7 +350,7 @@ def all_right(stop_at: str = "") -> Any:
             if key == stop_at:
                 raise KeyboardInterrupt
             if key not in journal.records:
-                journal.add(key, asdict(Verdict("right", steps=len(parts))))
+                journal.add(key, verdict("right", steps=len(parts)))
 
     return run
 
@@ -358,13 +358,13 @@ def all_right(stop_at: str = "") -> Any:
 def test_an_interrupted_campaign_goes_on_with_more_cells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right(stop_at="0002"))
+    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right(stop_at="0002"))
     call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     with pytest.raises(Interrupted, match="2 parts are kept"):
-        run_campaign(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
-    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
-    found = run_campaign(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
-    assert [verdict.steps for verdict in found.verdicts.values()] == [3, 3, 4, 4]
+        study.compute(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right())
+    found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [row["steps"] for row in found.rows.values()] == [3, 3, 4, 4]
 
 
 @pytest.mark.long
@@ -375,7 +375,7 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(
 def test_map_and_random_cells_have_folders_of_their_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], folder: str, cells: int
 ) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.campaign.run_parts", all_right())
+    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right())
     monkeypatch.chdir(tmp_path)
     assert _status(["study", "stability", "paper-table-3", *arguments]) == 0
     summary = json.loads((tmp_path / "results" / folder / "summary.json").read_text())
@@ -385,7 +385,7 @@ def test_map_and_random_cells_have_folders_of_their_own(
 @pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
 def test_every_check_has_advice(start: str) -> None:
     scene, source = vary(SMALL, {"plate.start": start, "verify.tolerance": 1e-3})
-    names = {check.name for check in run_scene(CornerCase(scene, source)).checks}
+    names = {check.name for check in CornerCase(scene, source).run().checks}
     assert names <= {name for name, kind in CHECKS.items() if kind.advice}
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import asdict
 from itertools import combinations
 from typing import Any
 
@@ -14,11 +13,21 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, text_table
 from postprocess.svg.chart import Chart
 from tailslap.report.common import study_page, study_summary
+from tailslap.scene.vary import changed_tables
 from tailslap.scene.write import scene_file
-from tailslap.studies.stability.against_reference import GOOD, WRONG_FROM
-from tailslap.studies.stability.axes import Axis
-from tailslap.studies.stability.campaign import Campaign
-from tailslap.studies.stability.verdict import CAUGHT, RIGHT, WRONG
+from tailslap.studies.stability.compute import (
+    CAUGHT,
+    GOOD,
+    REFUSED,
+    RIGHT,
+    UNJUDGED,
+    UNKNOWN,
+    WRONG,
+    WRONG_FROM,
+    Found,
+    Row,
+    cell_key,
+)
 from tailslap.verification.checks import advice
 
 MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
@@ -31,8 +40,7 @@ AXES = (
     Column("meaning", "What it is"),
     Column("values", "Range", form=lambda values: f"{values[0]:.3g} to {values[-1]:.3g}"),
 )
-
-
+VERDICTS = (Column("kind", "Verdict"), Column("meaning", "Meaning"), Column("cells", "Cells", form="d"))
 SMALL = known(".1e")
 LISTED = (
     Column("cell", "Cell"),
@@ -45,111 +53,128 @@ LISTED = (
 )
 
 
-def stability_report(found: Campaign) -> Report:
-    """Page, summary, table of cells, and random cells that matter as scene files."""
-    said, name = headline(found), found.plan.scene.name
+def report(found: Found) -> Report:
+    """Page, summary, table of cells, and cells that matter as scene files, to run again."""
+    said, name, counted = headline(found), found.case.scene.name, counts(found)
+    verdicts = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in counted.items()]
+    title = f"{name}: {len(found.rows)} cells in {found.seconds:.0f} s"
+    checks = Counter(row["failed"] for row in found.of_kind(CAUGHT).values())
+    caught = [(check, advice([check]), str(n), str(checks[check])) for check, n in caught_by(found).items()]
+    refused = [(key, str(n)) for key, n in refused_by(found).items()]
+    why = (
+        text_table("Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Caught by"),
+        text_table("Key", "Cells", rows=refused, title="Refused by"),
+        _listed(found, LISTED, *listed_kinds(found)),
+    )
     page = study_page(
-        found.plan,
+        found.case,
         MAP if found.axes else RANDOM,
         said,
         (
-            Section("Verdicts", tables=(_verdicts(found), Table(AXES, found.axes, "Axes"))),
-            Section("A picture per pair of axes", figures=_maps(found), layout="narrow"),
-            Section("Why", tables=(*_causes(found), _listed(found, LISTED, *found.listed))),
+            Section("Verdicts", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
+            Section("A picture per pair of axes", figures=maps(found), layout="narrow"),
+            Section("Why", tables=why),
         ),
         FILES,
-        not found.counts[WRONG],
+        not counted[WRONG],
     )
-    title = f"{name}: {len(found.cells)} cells in {found.seconds:.0f} s"
-    shown = (_verdicts(found, title), _listed(found, LISTED[:5], WRONG, GOOD))
-    tables, texts = {"cells.csv": cells_table(found)}, scene_files(found)
-    return Report(page, summary(found), (*shown, said), tables, texts=texts)
+    shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], WRONG, GOOD), said)
+    numbers = {key: number for number, key in enumerate(found.rows)}
+    texts = {f"cell-{numbers[key]:04d}.toml": _scene_file(found, key) for key in found.of_kind(WRONG, GOOD)}
+    return Report(page, summary(found), shown, {"cells.csv": cells_table(found)}, texts=texts)
 
 
-def headline(found: Campaign) -> str:
+def counts(found: Found) -> dict[str, int]:
+    """Number of cells by verdict."""
+    return {kind: len(found.of_kind(kind)) for kind in found.kinds}
+
+
+def caught_by(found: Found) -> dict[str, int]:
+    """How many cells each check caught, the most first."""
+    caught = found.of_kind(CAUGHT).values()
+    return dict(Counter(name for row in caught for name in row["failed"].split(", ")).most_common())
+
+
+def refused_by(found: Found) -> dict[str, int]:
+    """How many cells were refused for what, the most first: the key and, unless it has numbers, what is allowed."""
+    names: Counter[str] = Counter()
+    for row in found.of_kind(REFUSED).values():
+        key, _, rest = row["reason"].partition(": given ")
+        allowed = rest.partition("; ")[2]
+        names[key if any(map(str.isdigit, allowed[:60])) else f"{key}: {allowed}"] += 1
+    return dict(names.most_common())
+
+
+def listed_kinds(found: Found) -> tuple[str, ...]:
+    """Kinds whose cells are listed; what is drawn is valid by itself, so that a refusal needs its reason."""
+    return (WRONG, GOOD, UNJUDGED) if found.axes else (WRONG, GOOD, UNJUDGED, REFUSED)
+
+
+def headline(found: Found) -> str:
     """The result in two sentences."""
-    counts, wrong = found.counts, found.counts[WRONG]
-    limit = f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
-    others = [f"{counts[kind]} {kind}" for kind in counts if kind not in (RIGHT, WRONG) and counts[kind]]
-    ends = ", ".join([f"{counts[RIGHT]} are right to {limit}", *others])
-    return f"Of {len(found.cells)} cells {ends}. {f'{wrong} are' if wrong else 'None is'} wrong without being caught."
+    number, limit = counts(found), f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
+    others = [f"{n} {kind}" for kind, n in number.items() if n and kind not in (RIGHT, WRONG)]
+    ends, wrong = ", ".join([f"{number[RIGHT]} are right to {limit}", *others]), number[WRONG]
+    return f"Of {len(found.rows)} cells {ends}. {f'{wrong} are' if wrong else 'None is'} wrong without being caught."
 
 
-def summary(found: Campaign) -> dict[str, Any]:
+def summary(found: Found) -> dict[str, Any]:
     """The numbers of the study."""
     return {
-        **study_summary("stability" if found.axes else "stability, random", found.plan),
-        "passed": not found.counts[WRONG],
+        **study_summary("stability" if found.axes else "stability, random", found.case),
+        "passed": not counts(found)[WRONG],
         **found.settings,
-        "cells": len(found.cells),
-        "counts": found.counts,
+        "cells": len(found.rows),
+        "counts": counts(found),
         "axes": Table(AXES, found.axes).records(),
-        "caught_by": found.caught_by,
+        "caught_by": caught_by(found),
         "wrong": _records(found, WRONG),
-        "listed": _records(found, *found.listed),
+        "listed": _records(found, *listed_kinds(found)),
         "cost": {"seconds": found.seconds},
     }
 
 
-def cells_table(found: Campaign) -> Table:
+def cells_table(found: Found) -> Table:
     """Every cell with its verdict; an entry that a cell lacks is empty."""
-    names = dict.fromkeys((name for cell in found.cells.values() for name in cell.entries), "")
-    rows = [names | cell.entries | _verdict(found, key) for key, cell in found.cells.items()]
+    places = dict.fromkeys((name for row in found.rows.values() for name in row if name not in UNKNOWN), "")
+    rows = []
+    for row in found.rows.values():
+        told = advice(row["failed"].split(", ")) if row["kind"] == CAUGHT else ""
+        rows.append({**places, **UNKNOWN, **row, ADVISED: told})
     return Table(tuple(Column(key, key) for key in rows[0]), rows)
 
 
-def _verdict(found: Campaign, key: str) -> dict[str, Any]:
-    its = found.verdicts[key]
-    return {**asdict(its), ADVISED: advice(its.failed.split(", ")) if its.kind == CAUGHT else ""}
+def _scene_file(found: Found, key: str) -> str:
+    row, settings = found.rows[key], ", ".join(f"{name} {value}" for name, value in found.settings.items())
+    off = f"{row['distance']:.1e} off, {row['allowed']:.1e} allowed, own estimate {row['error']:.1e}"
+    why = _why(row) or "no check failed"
+    title = f"Cell {key} from {found.case.scene.name}, {settings}: {row['kind']}; {off}; {why}"
+    return scene_file(changed_tables(found.base.given, found.cells[key])[0], title)
 
 
-def scene_files(found: Campaign) -> dict[str, str]:
-    """The cells that matter as scene files, to run again."""
-    numbers = {key: number for number, key in enumerate(found.cells)}
-    return {f"cell-{numbers[key]:04d}.toml": _scene_file(found, key) for key in found.of_kind(WRONG, GOOD)}
+def _why(row: Row) -> str:
+    """Failed checks, or the reason."""
+    return row["failed"] or row["reason"]
 
 
-def _scene_file(found: Campaign, key: str) -> str:
-    its, settings = (
-        found.verdicts[key],
-        ", ".join(f"{name} {value}" for name, value in found.settings.items()),
-    )
-    off = f"{its.distance:.1e} off, {its.allowed:.1e} allowed, own estimate {its.error:.1e}"
-    title = f"Cell {key} from {found.plan.scene.name}, {settings}: {its.kind}; {off}; {its.why or 'no check failed'}"
-    return scene_file(found.cells[key].tables, title)
+def _records(found: Found, *kinds: str) -> list[Row]:
+    rows = found.of_kind(*kinds)
+    return [
+        {"cell": key, "why": _why(row)} | {name: row[name] for name in UNKNOWN} for key, row in rows.items()
+    ]
 
 
-def _records(found: Campaign, *kinds: str) -> list[dict[str, Any]]:
-    return [{"cell": key, "why": its.why, **asdict(its)} for key, its in found.of_kind(*kinds).items()]
-
-
-def _listed(found: Campaign, columns: tuple[Column, ...], *kinds: str) -> Table:
+def _listed(found: Found, columns: tuple[Column, ...], *kinds: str) -> Table:
     return Table(columns, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
 
 
-def _verdicts(found: Campaign, title: str = "") -> Table:
-    columns = (Column("kind", "Verdict"), Column("meaning", "Meaning"), Column("cells", "Cells", form="d"))
-    rows = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in found.counts.items()]
-    return Table(columns, rows, title)
-
-
-def _causes(found: Campaign) -> tuple[Table, Table]:
-    alone = Counter(verdict.failed for verdict in found.of_kind(CAUGHT).values())
-    caught = [(name, advice([name]), str(n), str(alone[name])) for name, n in found.caught_by.items()]
-    refused = [(name, str(n)) for name, n in found.refused_by.items()]
-    checks = text_table(
-        "Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Caught by"
-    )
-    return checks, text_table("Key", "Cells", rows=refused, title="Refused by")
-
-
-def _maps(found: Campaign) -> tuple[Chart, ...]:
-    maps = tuple(_map(found, *pair) for pair in combinations(found.axes, 2))
-    return maps and (draw_meanings(found.kinds, "What the colours mean, in every picture"), *maps)
-
-
-def _map(found: Campaign, across: Axis, up: Axis) -> Chart:
-    columns, rows = (MapAxis(axis.meaning, axis.values) for axis in (across, up))
-    name = f"map-{across.name}-{up.name}".replace(" ", "-")
-    caption = f"{up.name} over {across.name}".capitalize()
-    return draw_map(name, columns, rows, found.map_of(across, up), caption)
+def maps(found: Found) -> tuple[Chart, ...]:
+    """A picture of every pair of axes, and before them what the colours mean."""
+    charts = [draw_meanings(found.kinds, "What the colours mean, in every picture")] if found.axes else []
+    for across, up in combinations(found.axes, 2):
+        points = [[{across.name: x, up.name: y} for x in across.values] for y in up.values]
+        kinds = [[found.rows[cell_key(point)]["kind"] for point in row] for row in points]
+        axes = MapAxis(across.meaning, across.values), MapAxis(up.meaning, up.values)
+        name = f"map-{across.name}-{up.name}".replace(" ", "-")
+        charts.append(draw_map(name, *axes, kinds, f"{up.name} over {across.name}".capitalize()))
+    return tuple(charts)
