@@ -28,8 +28,8 @@ import psutil
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from tailslap.campaign.table import CIRCUMSTANCES
 from tailslap.files.manifest import NAME, clear_leftovers, entry, read_manifest
-from tailslap.sweeps.row import CIRCUMSTANCES
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SCENE = ("paper-table-3", "--set", "plate.elements=[10,3]")

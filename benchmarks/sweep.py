@@ -10,8 +10,10 @@ they change little, says what two free cores would give.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -21,11 +23,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import psutil
 from main_job import row
 
-from tailslap.sweeps.folder import TABLE
-from tailslap.sweeps.journal import NAME as JOURNAL
-from tailslap.sweeps.row import CIRCUMSTANCES
+from tailslap.campaign.perform import RECORDS
+from tailslap.campaign.records import count
+from tailslap.campaign.table import CIRCUMSTANCES, TABLE
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),
@@ -36,6 +39,8 @@ KILLED = (
     *("--vary", "plate.youngs_modulus=log:1e9:1e11:20", "--vary", "corner.friction=0.1:0.5:15"),
 )
 TURNS = 2
+SUBREAPER = 36
+"""What makes this process the parent of those whose own has ended (linux/prctl.h)."""
 
 
 def sweep(place: Path, *arguments: str) -> subprocess.Popen[bytes]:
@@ -75,11 +80,14 @@ def rates(folder: Path) -> None:
 
 
 def finished(process: subprocess.Popen[bytes]) -> float:
-    """Wait for a sweep; its processor time [s], that of its workers included."""
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    assert process.returncode in (0, 1), f"exit status {process.returncode}"
-    return used.ru_utime + used.ru_stime
+    """Wait for a sweep; its processor time [s], that of its workers included, which are ours once it has ended."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert process.wait() in (0, 1), f"exit status {process.returncode}"
+    with contextlib.suppress(ChildProcessError):
+        while True:
+            os.wait()
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime
 
 
 def kills(folder: Path) -> None:
@@ -87,18 +95,18 @@ def kills(folder: Path) -> None:
     sweep(folder / "kill-nothing", *KILLED).wait()
     whom: dict[str, Callable[[int, list[int]], list[int]]] = {
         "a worker": lambda client, below: below[-1:],
-        "the client with the scheduler": lambda client, below: [client],
+        "the client": lambda client, below: [client],
         "everything": lambda client, below: [client, *below],
     }
     for number, (name, victims) in enumerate(whom.items()):
         place = folder / f"kill-{number}"
         process = sweep(place, *KILLED)
-        while process.poll() is None and _lines(place) < 20:
+        while process.poll() is None and count(place / RECORDS) < 20:
             time.sleep(0.01)
         for victim in victims(process.pid, workers_of(process.pid)):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(victim, signal.SIGKILL)
-        kept = _lines(place)
+        kept = count(place / RECORDS)
         status = process.wait()
         if status < 0:
             sweep(place, *KILLED).wait()
@@ -110,19 +118,10 @@ def kills(folder: Path) -> None:
 
 
 def workers_of(pid: int) -> list[int]:
-    """Worker processes that this process has started."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            parent = int(path.read_text().rpartition(")")[2].split()[1])
-            if parent == pid and b"spawn_main" in (path.parent / "cmdline").read_bytes():
-                found.append(int(path.parent.name))
-    return sorted(found)
-
-
-def _lines(place: Path) -> int:
-    journal = place / JOURNAL
-    return max(0, journal.read_bytes().count(b"\n") - 1) if journal.exists() else 0  # the first is its head
+    """Worker processes of this process: those that its server has forked."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return sorted(child.pid for server in psutil.Process(pid).children() for child in server.children())
+    return []
 
 
 def _table(place: Path) -> list[dict[str, Any]]:
@@ -139,6 +138,7 @@ def _same(folder: Path, pattern: str) -> bool:
 
 def main() -> None:
     """Print both parts."""
+    ctypes.CDLL(None).prctl(SUBREAPER, 1)
     with tempfile.TemporaryDirectory() as folder:
         kills(Path(folder))
         rates(Path(folder))

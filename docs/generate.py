@@ -174,6 +174,9 @@ def _sweep_columns() -> Iterator[str]:
 
     yield "## sweep.parquet"
     yield ""
+    yield "Each finished run is in `records.sqlite` already: in the table `record` with its values as JSON, in the view"
+    yield "`result` with the columns below that it has. At the end, or interrupted, they become `sweep.parquet`."
+    yield ""
     yield "A row a run: `run`, `status`, `reason`, the keys that vary, a column `check.NAME` for each check, and:"
     yield ""
     examples = {"constrained corner": "mash-tl4-sut", "whole impact": "impact-mash-tl4-sut"}

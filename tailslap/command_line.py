@@ -36,9 +36,9 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 import tailslap
 from tailslap.api.commands import compare, export
+from tailslap.campaign.command import sweep
 from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
 from tailslap.studies import study
-from tailslap.sweeps.command import sweep
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report

@@ -16,6 +16,8 @@ from tailslap.progress import shown_as
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+MAX_RUNS = 1_000_000
+"""Runs of one sweep; above it a mistyped range is likelier than patience."""
 
 
 class Whole(click.IntRange):

@@ -140,9 +140,9 @@ def sweep(
     >>> found = tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})  # doctest: +SKIP
     >>> found.history["difference.v_gy"]  # doctest: +SKIP
     """
+    from tailslap.campaign.definition import make_definition
+    from tailslap.campaign.perform import perform
     from tailslap.files.load import sweep_result
-    from tailslap.sweeps.definition import make_definition
-    from tailslap.sweeps.perform import perform
 
     if cluster and workers:
         raise InputError("workers", workers, "a cluster has its own workers; leave out one of the two")

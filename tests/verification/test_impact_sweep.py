@@ -12,15 +12,14 @@ import pytest
 
 from postprocess.comparison.comparison import STRIKES
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
+from tailslap.campaign.definition import make_definition
+from tailslap.campaign.perform import perform
+from tailslap.campaign.report import spreads
+from tailslap.campaign.table import compute_row, read_columns, table_schema
 from tailslap.case import case_of
 from tailslap.errors import InputError
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
-from tailslap.sweeps.definition import make_definition
-from tailslap.sweeps.perform import perform
-from tailslap.sweeps.report import spreads
-from tailslap.sweeps.row import compute_row
-from tailslap.sweeps.table import _schema, read_columns
 
 pytestmark = pytest.mark.verification
 
@@ -64,7 +63,9 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
     assert found["rigid.strike_1.peak_force"][1] / found["rigid.strike_1.peak_force"][0] == pytest.approx(
         2.0, rel=0.1
     )
-    assert not [name for name in _schema(definition, []).names if name.startswith(("fe.", "difference."))]
+    assert not [
+        name for name in table_schema(definition, []).names if name.startswith(("fe.", "difference."))
+    ]
     page = (tmp_path / "sweep" / "report.html").read_text()
     assert "Of both strikes" in page
     assert "Rigid, least" in page
@@ -85,14 +86,14 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
 
 def test_columns_of_both_calculations(tmp_path: Path) -> None:
     """The corner keeps its columns, whatever its rows; an impact with a plate has both models' strikes."""
-    corner = _schema(
+    corner = table_schema(
         make_definition("paper-table-3", (), ("plate.thickness=1,2",), None, 1), ["check.x"]
     ).names
     assert corner[:5] == ["run", "status", "reason", "plate.thickness", "rigid.t"]
     assert corner[18:22] == ["difference.slide", "rigid.peak_force", "deflection_ratio", "check.x"]
     assert corner[22:26] == ["cost.elements", "cost.nodes", "cost.steps", "cost.time_step"]
     impact = make_definition(scene_file(tmp_path, RIGID + PLATE), (), ("contact.friction=0,1",), None, 1)
-    names = _schema(impact, []).names
+    names = table_schema(impact, []).names
     assert {"fe.strike_2.mean_50ms", "difference.strike_2.impulse", "numerical_error"} <= set(names)
 
 

@@ -12,8 +12,8 @@ from fem import kept
 from fem.explicit.columns import COLUMNS, Column
 from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
+from tailslap.campaign.table import CIRCUMSTANCES, REUSED, compute_row
 from tailslap.scene.read import read_scene
-from tailslap.sweeps.row import CIRCUMSTANCES, REUSED, compute_row
 
 pytestmark = pytest.mark.verification
 

@@ -15,12 +15,12 @@ from postprocess.figures.parallels import scaled
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.report.page import Page, write_page
 from postprocess.svg.chart import Chart
+from tailslap.campaign.definition import Definition, Variation
+from tailslap.campaign.engine import Effort
+from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
+from tailslap.campaign.table import Sweep
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
-from tailslap.sweeps.complete import Effort, Sweep
-from tailslap.sweeps.definition import Definition
-from tailslap.sweeps.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
-from tailslap.sweeps.variation import Variation
 
 pytestmark = pytest.mark.verification
 

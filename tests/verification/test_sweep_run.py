@@ -13,31 +13,27 @@ import signal
 import subprocess
 import sys
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import pytest
 
 import tailslap
+from tailslap.campaign import engine, pools
+from tailslap.campaign.definition import Definition, make_definition
+from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform
+from tailslap.campaign.records import Records, count, program
+from tailslap.campaign.table import CIRCUMSTANCES, compute_row
 from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.execution import cluster as cluster_module
-from tailslap.execution.dispatch import Dispatcher, SchedulerLostError
-from tailslap.execution.record_file import RecordFile
-from tailslap.execution.worker import OtherVersionError, Part, run_batch
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 from tailslap.scene_run import run_scene
-from tailslap.sweeps.definition import Definition, make_definition
-from tailslap.sweeps.folder import _has_rows
-from tailslap.sweeps.journal import NAME as JOURNAL
-from tailslap.sweeps.perform import StoppedError, perform
-from tailslap.sweeps.row import CIRCUMSTANCES, compute_row
 
 pytestmark = pytest.mark.verification
 
@@ -95,7 +91,10 @@ def loopback(folder: Path, workers: int) -> Iterator[Loopback]:
     file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
+    settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
+    environment = (
+        os.environ | settings | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    )  # it loads this module too
     scheduler = [*dask, "scheduler", *host, "--port", "0", "--scheduler-file", str(file)]
     processes = [subprocess.Popen(scheduler, env=environment, **quiet)]
     try:
@@ -144,7 +143,7 @@ def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFacto
     done = perform(definition_of(scene), place, cluster)
     assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
     assert {path.name for path in place.iterdir() if path.suffix != ".svg"} == {
-        *("sweep.json", "journal.jsonl", "sweep.parquet", "summary.json", "report.html", ".lock", MANIFEST)
+        *("sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", ".lock", MANIFEST)
     }
     assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
     return table(place)
@@ -160,10 +159,10 @@ def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest
     for row, outcome in zip(rows, runs, strict=True):
         found = {name: row[f"fe.{name}"] for name in outcome.fe}
         assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
-    kept = (place / JOURNAL).read_bytes()
+    kept = (place / RECORDS).read_bytes()
     capsys.readouterr()
     assert _status(arguments) == 0
-    assert (place / JOURNAL).read_bytes() == kept
+    assert (place / RECORDS).read_bytes() == kept
     assert table(place) == rows
 
 
@@ -214,7 +213,7 @@ def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
     process = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
-    wait_until(lambda: process.poll() is not None or _has_rows(place))
+    wait_until(lambda: process.poll() is not None or ((place / RECORDS).exists() and count(place / RECORDS)))
     return process
 
 
@@ -243,16 +242,21 @@ def test_killed_in_mid_sweep_and_resumed(
     place = tmp_path / "sweep"
     process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
     below = children(process.pid)
-    assert (len(below) >= 2) == (where == "local")
+    assert (len(below) >= 4) == (where == "local")  # two workers, and what forks and tracks them
     process.kill()
     process.communicate()
     wait_until(lambda: not any(map(alive, below)))
     assert not (place / "summary.json").exists(), "it was done before it could be killed"
-    kept = (place / JOURNAL).read_bytes()
+    kept = records_of(scene, place)
     done = perform(definition_of(scene), place, cluster)
-    assert (place / JOURNAL).read_bytes().startswith(kept[: kept.rfind(b"\n") + 1])
-    assert done.effort.runs == RUNS - (kept.count(b"\n") - 1)
+    assert {run: row for run, row in records_of(scene, place).items() if run in kept} == kept
+    assert done.effort.runs == RUNS - len(kept)
     assert table(place) == undisturbed
+
+
+def records_of(scene: str, place: Path) -> dict[Any, Any]:
+    with open_records(place, definition_of(scene)) as rows:
+        return dict(rows)
 
 
 def known(row: dict[str, Any]) -> dict[str, Any]:
@@ -261,12 +265,14 @@ def known(row: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("where", ["local", "cluster"])
 def test_interrupted_and_resumed(
-    scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
+    where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
 ) -> None:
+    """By Ctrl-C, which all processes of the terminal get."""
     place = tmp_path / "sweep"
-    process = started(place, scene, "--cluster", cluster)
-    process.send_signal(signal.SIGINT)
+    process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
+    os.killpg(process.pid, signal.SIGINT)
     said = process.communicate(timeout=HANG)[1].decode()
     assert process.returncode == 130
     kept = table(place)
@@ -281,45 +287,63 @@ def test_interrupted_and_resumed(
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
 
 
+def dies_once(mark: Path, run: int, *rest: Any) -> dict[str, Any]:
+    with contextlib.suppress(FileExistsError):
+        if run == 20:
+            mark.touch(exist_ok=False)
+            os.kill(os.getpid(), signal.SIGKILL)
+    return compute_row(run, *rest)
+
+
 @pytest.mark.long
+@pytest.mark.parametrize("where", ["local", "cluster"])
 def test_a_worker_that_dies_is_survived(
-    scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
+    where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
 ) -> None:
     """The first worker to compute a certain run is killed under it, with kill -9."""
     mark, place = tmp_path / "mark", tmp_path / "sweep"
-
-    def compute(run: int, *rest: Any) -> dict[str, Any]:
-        with contextlib.suppress(FileExistsError):
-            if run == 20:
-                mark.touch(exist_ok=False)
-                os.kill(os.getpid(), signal.SIGKILL)
-        return compute_row(run, *rest)
-
-    done = perform(definition_of(scene), place, cluster, compute=compute)
+    compute = partial(dies_once, mark)
+    done = perform(definition_of(scene), place, cluster if where == "cluster" else None, 2, compute)
     assert mark.exists()
     assert done.failures == 0
     assert table(place) == undisturbed
 
 
-@pytest.mark.long
+def dies(runs: tuple[int, ...], pause: float, run: int, *rest: Any) -> dict[str, Any]:
+    if run in runs:
+        time.sleep(pause)
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"run": run, "status": "passed", "reason": ""}
+
+
+@pytest.mark.parametrize("where", ["local", pytest.param("cluster", marks=pytest.mark.long)])
 def test_a_run_that_kills_its_worker_again_and_again_is_a_row(
-    scene: str, cluster: str, tmp_path: Path
+    where: str, scene: str, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
-    """The runs that shared its batch are not blamed."""
-
-    def compute(run: int, *rest: Any) -> dict[str, Any]:
-        if run == 7:
-            time.sleep(0.5)  # Dask gives up a worker that dies while it is being started
-            os.kill(os.getpid(), signal.SIGKILL)
-        return {"run": run, "status": "passed", "reason": ""}
-
+    """The runs that shared its batch, or its processes, are not blamed."""
     definition = definition_of(scene, ("corner.friction=0.1:0.5:40",))
-    done = perform(definition, tmp_path / "sweep", cluster, compute=compute)
+    # Dask gives up a worker that dies while it is being started.
+    address, pause = (request.getfixturevalue("cluster"), 0.5) if where == "cluster" else (None, 0.0)
+    killing = (7,) if address else (7, 8, 30)
+    done = perform(definition, tmp_path / "sweep", address, 2, partial(dies, killing, pause))
     rows = table(tmp_path / "sweep")
     assert [row["run"] for row in rows] == list(range(40))
-    assert [row["run"] for row in rows if row["status"] != "passed"] == [7]
+    assert [row["run"] for row in rows if row["status"] != "passed"] == list(killing)
     assert "its worker died each time" in rows[7]["reason"]
-    assert done.failures == 1
+    if where == "local":
+        assert rows[7]["corner.friction"] == definition.inputs_of(7)["corner.friction"]
+    assert done.failures == len(killing)
+
+
+def test_processes_that_cannot_begin_are_told(
+    monkeypatch: pytest.MonkeyPatch, scene: str, tmp_path: Path
+) -> None:
+    """And no run is blamed."""
+    monkeypatch.setattr(pools, "make_ready", partial(os._exit, 1))
+    with pytest.raises(StoppedError, match="no worker is left; no run was finished") as stop:
+        perform(definition_of(scene), tmp_path / "sweep", workers=1)
+    assert stop.value.status == 3
+    assert not (tmp_path / "sweep").exists()
 
 
 def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -328,8 +352,8 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> Non
 
     monkeypatch.setattr("tailslap.scene_run.run_scene", broken)
     source = source_of_text(SCENE)
-    parts = [Part(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
-    rows = run_batch(tailslap.__version__, compute_row, parts).records.values()
+    parts: Any = [(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
+    rows = pools.run_batch(program(), compute_row, parts).records.values()
     assert [(row["run"], row["status"], row["reason"]) for row in rows] == [
         (3, "error", "ZeroDivisionError: by nought"),
         (4, "error", "ZeroDivisionError: by nought"),
@@ -354,13 +378,13 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) ->
                 process.kill()
 
         with pytest.MonkeyPatch.context() as patched:
-            add = RecordFile.add
+            add = Records.add
 
-            def add_and_kill(file: RecordFile, records: Any) -> None:
-                add(file, records)
+            def add_and_kill(file: Records, records: Any, seconds: Any) -> None:
+                add(file, records, seconds)
                 kill_all(None)
 
-            patched.setattr(RecordFile, "add", add_and_kill)
+            patched.setattr(Records, "add", add_and_kill)
             with pytest.raises(
                 StoppedError, match=r"the scheduler at tcp.* is gone; \d+ of 14 rows are kept"
             ) as stop:
@@ -372,7 +396,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) ->
 def test_a_scheduler_that_does_not_answer(
     scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(cluster_module, "ANSWER_S", 0.3)
+    monkeypatch.setattr(pools, "ANSWER_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
         arguments = [
             "--vary",
@@ -392,34 +416,47 @@ def test_a_scheduler_that_does_not_answer(
 def test_other_versions_are_refused(
     scene: str, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(OtherVersionError):
-        run_batch("0.0.0", compute_row, [])
-    monkeypatch.setattr(tailslap, "__version__", "9.9.9")
+    with pytest.raises(pools.OtherProgramError):
+        pools.run_batch("0.0.0", compute_row, [])
+    monkeypatch.setattr(pools, "program", lambda: "9.9.9")
     with pytest.raises(InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
         perform(definition_of(scene), tmp_path / "sweep", cluster)
     assert not (tmp_path / "sweep").exists()
 
 
-def test_connection_lost_while_rows_come_does_not_blame_a_worker() -> None:
-    """The connection may break before the client knows: the runs wait again, or the scheduler is called lost."""
-    from distributed.comm import CommClosedError
+class Flaky:
+    """A pool of one worker whose first call is lost on its way; the scheduler may be lost with it."""
 
-    class Broken:
-        def result(self, timeout: float) -> Any:
-            raise CommClosedError("reset by peer")
+    died: pools.Errors = (ZeroDivisionError,)
+    again: pools.Errors = (ConnectionError,)
 
-        def cancel(self) -> None:
-            pass
+    def __init__(self, gone: bool) -> None:
+        self.calls, self.gone = 0, gone
 
-    for status in ("running", "closed"):
-        dispatcher = Dispatcher.__new__(Dispatcher)
-        future, client = Broken(), SimpleNamespace(status=status)
-        vars(dispatcher).update(_client=client, _under_way={future: [3]}, _waiting=deque())
-        records: dict[str | int, Any] = {}
-        if status == "running":
-            dispatcher._add_records_of(future, records)  # type: ignore[arg-type]
-            assert records == {}
-            assert list(dispatcher._waiting) == [3]
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        self.calls += 1
+        if self.calls == 1:
+            future.set_exception(ConnectionError("reset by peer"))
         else:
-            with pytest.raises(SchedulerLostError):
-                dispatcher._add_records_of(future, records)  # type: ignore[arg-type]
+            future.set_result(function(*arguments))
+        return future
+
+    def threads(self) -> int:
+        if self.calls and self.gone:
+            raise pools.LostError("the scheduler is gone")
+        return 1
+
+    def fault(self, error: Exception) -> Exception:
+        return error
+
+
+def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path: Path) -> None:
+    """The connection may break before the client knows: the runs wait again, or the scheduler is called lost."""
+    records = Records(tmp_path / "r.sqlite", {})
+    parts = engine.Parts(abs, [3, 4, 5], lambda key: (-int(key),), lambda key: "died")
+    with pytest.raises(pools.LostError):
+        engine.perform(parts, records, Flaky(gone=True), lambda threads: None)
+    assert engine.perform(parts, records, Flaky(gone=False), lambda threads: None).runs == 3
+    assert dict(records) == {3: 3, 4: 4, 5: 5}
+    records.close()

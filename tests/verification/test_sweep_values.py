@@ -10,10 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tailslap.campaign.definition import (
+    Definition,
+    Given,
+    Span,
+    latin_hypercube,
+    make_definition,
+    parse_varied,
+    split_outside,
+)
 from tailslap.command_line import _status
 from tailslap.errors import InputError
-from tailslap.sweeps.definition import Definition, latin_hypercube, make_definition
-from tailslap.sweeps.values import Choices, Span, parse_values, split_outside
 
 pytestmark = pytest.mark.verification
 
@@ -31,19 +38,19 @@ def grid(*varied: str, changes: tuple[str, ...] = ()) -> Definition:
         ("0:0.6:13", Span("0", "0.6", 13, False)),
         ("log:1e8:1e13:40", Span("1e8", "1e13", 40, True)),
         ("50 mph : 60 mph : 5", Span("50 mph", "60 mph", 5, False)),
-        ("10deg,15deg", Choices(("10deg", "15deg"))),
-        ("quad4, tri3", Choices(("quad4", "tri3"))),
-        ("[6, 2],[12,4]", Choices(("[6, 2]", "[12,4]"))),
-        ('"a,b",c', Choices(('"a,b"', "c"))),
-        ("0.3", Choices(("0.3",))),
+        ("10deg,15deg", ("10deg", "15deg")),
+        ("quad4, tri3", ("quad4", "tri3")),
+        ("[6, 2],[12,4]", ("[6, 2]", "[12,4]")),
+        ('"a,b",c', ('"a,b"', "c")),
+        ("0.3", ("0.3",)),
     ],
 )
-def test_values_as_typed(text: str, found: Span | Choices) -> None:
-    assert parse_values("key", text, False) == found
+def test_values_as_typed(text: str, found: Given) -> None:
+    assert parse_varied(f"key={text}", False) == ("key", found)
 
 
 def test_sampled_ranges_have_no_count() -> None:
-    assert parse_values("key", "log:1:10", True) == Span("1", "10", None, True)
+    assert parse_varied("key=log:1:10", True)[1] == Span("1", "10", None, True)
     assert split_outside("a:[b:c]:'d:e'", ":") == ["a", "[b:c]", "'d:e'"]
 
 

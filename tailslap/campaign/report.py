@@ -18,16 +18,13 @@ from postprocess.report.report import page_in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
 from postprocess.report.units import SYSTEMS, Units
+from tailslap.campaign.definition import Definition, Variation
+from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, Sweep, read_columns
 from tailslap.files.manifest import listed_file
 from tailslap.progress import clock
 from tailslap.report.common import footer
-from tailslap.sweeps.complete import Sweep
-from tailslap.sweeps.definition import Definition
-from tailslap.sweeps.folder import REPORT, SUMMARY, TABLE
-from tailslap.sweeps.row import ERROR, FAILED, PASSED, REFUSED
-from tailslap.sweeps.table import read_columns
-from tailslap.sweeps.variation import Variation
 
+REPORT, SUMMARY = "report.html", "summary.json"
 MAX_LISTED = 15
 """Rows that did not pass which the page lists."""
 

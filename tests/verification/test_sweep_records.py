@@ -1,23 +1,28 @@
-"""Verification: what a sweep keeps on disk survives being torn, and belongs to one sweep and one process alone."""
+"""Verification: what a sweep keeps on disk survives kills, and belongs to one sweep and one process alone."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tailslap.campaign import records
+from tailslap.campaign.definition import Definition, make_definition
+from tailslap.campaign.perform import RECORDS, open_records, sweep_folder
+from tailslap.campaign.table import read_columns, write_table
 from tailslap.errors import InputError
 from tailslap.files.folder import result_folder
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.files.manifest import demand_ours, listed_file
-from tailslap.sweeps.definition import Definition, make_definition
-from tailslap.sweeps.folder import sweep_folder
-from tailslap.sweeps.journal import NAME, open_rows
-from tailslap.sweeps.table import read_columns, write_table
 
 pytestmark = pytest.mark.verification
 
@@ -33,67 +38,114 @@ def sweep(friction: str = "0:0.5:6") -> Definition:
 
 
 def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
-    with open_rows(tmp_path, sweep()) as rows:
-        rows.records.add(row(4, deflection_ratio=0.1) | row(1))
-        rows.records.add(row(0))
-    with open_rows(tmp_path, sweep()) as rows:
-        assert [found["run"] for found in rows.in_order()] == [0, 1, 4]
-        assert rows.missing(RUNS) == [2, 3, 5]
-        assert rows.statuses["passed"] == 3
+    with open_records(tmp_path, sweep()) as rows:
+        rows.add(row(4, deflection_ratio=0.1) | row(1))
+        rows.add(row(10) | row(0))
+    with open_records(tmp_path, sweep()) as rows:
+        assert [found["run"] for found in rows.in_order()] == list(rows) == [0, 1, 4, 10]
+        assert rows[4] == row(4, deflection_ratio=0.1)[4]
+        assert rows.statuses["passed"] == len(rows) == 4
+        assert 2 not in rows
+        with pytest.raises(KeyError):
+            rows[2]
 
 
 def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
-    with open_rows(tmp_path, sweep()) as rows:
-        rows.records.add(row(1, deflection_ratio=0.1))
-        rows.records.add(row(1, deflection_ratio=0.3))
+    with open_records(tmp_path, sweep()) as rows:
+        rows.add(row(1, deflection_ratio=0.1))
+        rows.add(row(1, deflection_ratio=0.3))
         assert [found["deflection_ratio"] for found in rows.in_order()] == [0.1]
         assert rows.statuses["passed"] == 1
-    assert (tmp_path / NAME).read_bytes().count(b"\n") == 2  # the first is the head
+    assert records.count(tmp_path / RECORDS) == 1
 
 
-def whole_journal(folder: Path) -> list[bytes]:
-    """Lines of a journal with three rows."""
-    with open_rows(folder, sweep()) as rows:
-        rows.records.add(
-            row(0, deflection_ratio=0.0) | row(1, deflection_ratio=1 / 3) | row(2, deflection_ratio=2 / 3)
-        )
-    return (folder / NAME).read_bytes().splitlines(keepends=True)
+def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path: Path) -> None:
+    """Also those that only some rows have, and numbers that JSON does not have; nothing lies beside the file."""
+    with open_records(tmp_path, sweep()) as rows:
+        rows.add(row(0, **{"fe.t": 1 / 3}), {0: 1.5})
+        rows.add(row(1, **{"fe.t": math.inf, "it's": "x"}))
+    (path,) = tmp_path.iterdir()
+    file = sqlite3.connect(path)
+    shown = file.execute('SELECT key, status, seconds, "fe.t", "it\'s" FROM result ORDER BY key').fetchall()
+    file.close()
+    assert shown == [(0, "passed", 1.5, 1 / 3, None), (1, "passed", None, '{"not finite":"inf"}', "x")]
 
 
-@pytest.mark.long
-def test_a_journal_cut_anywhere_keeps_its_whole_lines(tmp_path: Path) -> None:
-    """Cut after each byte in turn: the runs of whole lines are there, the torn one is missing and can be added."""
-    head, *lines = whole_journal(tmp_path)
-    whole = b"".join(lines)
-    for length in range(len(whole) + 1):
-        (tmp_path / NAME).write_bytes(head + whole[:length])
-        complete = [run for run in range(3) if length >= sum(map(len, lines[: run + 1])) - 1]
-        with open_rows(tmp_path, sweep()) as rows:
-            assert sorted(rows.records) == complete
-            for run in rows.missing(3):
-                rows.records.add(row(run, deflection_ratio=run / 3))
-        assert (tmp_path / NAME).read_bytes() == head + whole
+def test_records_of_another_definition_or_program_are_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "r.sqlite"
+    definition: dict[str, Any] = {"a": 1}
+    for change, program, kept in (({}, "1", []), ({}, "1", [0]), ({"a": 2}, "1", []), ({"a": 2}, "2", [])):
+        definition |= change
+        monkeypatch.setattr(records, "program", lambda program=program: program)
+        found = records.Records(path, definition)
+        assert list(found) == kept
+        found.add({0: {"status": "passed"}})
+        found.close()
 
 
-def test_a_damaged_line_in_the_middle_is_computed_again(tmp_path: Path) -> None:
-    head, first, _, last = whole_journal(tmp_path)
-    (tmp_path / NAME).write_bytes(b"".join([head, first, b"\0\0\0\n", b"[1]\n", last]))
-    with open_rows(tmp_path, sweep()) as rows:
-        assert rows.missing(3) == [1]
-        assert sorted(rows.records) == [0, 2]
+def test_the_program_is_known_by_its_sources() -> None:
+    """By version and digest, of what another process finds as well."""
+    code = "from tailslap.campaign.records import program; print(program())"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert said.strip() == records.program()
+    assert len(records.program().partition("+")[2]) == 16
 
 
-def test_a_journal_of_another_kind_is_refused_and_kept(tmp_path: Path) -> None:
-    (tmp_path / NAME).write_text("my diary\n")
-    with pytest.raises(InputError, match="no journal"), open_rows(tmp_path, sweep()):
+WRITER = """
+import itertools, sys
+from pathlib import Path
+from tailslap.campaign.records import Records
+found = Records(Path(sys.argv[1]), {})
+for run in itertools.count():
+    found.add({run: {"run": run}})
+    print(run, flush=True)
+"""
+
+
+def test_what_was_added_before_a_kill_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "r.sqlite"
+    writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True)
+    assert writer.stdout is not None
+    for _ in range(20):
+        writer.stdout.readline()
+    time.sleep(0.003)
+    writer.send_signal(signal.SIGKILL)
+    said = 20 + len(writer.communicate()[0].splitlines())
+    found = records.Records(path, {})
+    assert list(found) == list(range(len(found)))
+    assert said <= len(found) <= said + 1
+    found.close()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("content", [b"my diary\n", b"", b"SQLite format 3\0" + bytes(4080)])
+def test_records_of_another_kind_are_refused_and_kept(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / RECORDS).write_bytes(content)
+    with pytest.raises(InputError, match="no journal"), open_records(tmp_path, sweep()):
         pass
-    assert (tmp_path / NAME).read_text() == "my diary\n"
+    assert (tmp_path / RECORDS).read_bytes() == content
 
 
-def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
+def test_records_that_were_cut_off_are_refused_and_kept(tmp_path: Path) -> None:
+    with open_records(tmp_path, sweep()) as rows:
+        rows.add(row(0, text="x" * 10_000))
+    whole = (tmp_path / RECORDS).read_bytes()
+    for length in (100, len(whole) // 2):
+        (tmp_path / RECORDS).write_bytes(whole[:length])
+        with pytest.raises(InputError, match="no journal"), open_records(tmp_path, sweep()):
+            pass
+        assert (tmp_path / RECORDS).read_bytes() == whole[:length]
+
+
+def test_the_table_has_what_the_records_have(tmp_path: Path) -> None:
     numbers = {"fe.t": 0.1 + 0.2, "check.energy_balance": math.inf, "check.time_step": math.nan}
-    with open_rows(tmp_path, sweep()) as rows:
-        rows.records.add(row(5, **numbers) | row(2, status="refused", reason="no"))
+    with open_records(tmp_path, sweep()) as rows:
+        rows.add(
+            row(5, **numbers, **sweep().inputs_of(5))
+            | row(2, status="refused", reason="no", **sweep().inputs_of(2))
+        )
         path = write_table(tmp_path, sweep(), rows)
     found = read_columns(path, ["run", "status", "reason", "corner.friction", *numbers])
     assert found["run"].tolist() == [2, 5]
@@ -106,8 +158,8 @@ def test_the_table_has_what_the_journal_has(tmp_path: Path) -> None:
 
 def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
     place = tmp_path / "sweep"
-    with sweep_folder(place, sweep()) as folder, open_rows(folder, sweep()) as rows:
-        rows.records.add(row(0))
+    with sweep_folder(place, sweep()) as folder, open_records(folder, sweep()) as rows:
+        rows.add(row(0))
     with (
         pytest.raises(InputError, match=r"it holds another sweep: vary differ"),
         sweep_folder(place, sweep("0:1:6")),
@@ -126,8 +178,8 @@ def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
 def test_other_values_by_the_same_words_are_another_sweep(tmp_path: Path) -> None:
     """A new SciPy may draw other samples from the same seed: rows must not mix."""
     place = tmp_path / "sweep"
-    with sweep_folder(place, sweep()) as folder, open_rows(folder, sweep()) as rows:
-        rows.records.add(row(0))
+    with sweep_folder(place, sweep()) as folder, open_records(folder, sweep()) as rows:
+        rows.add(row(0))
     definition = json.loads((place / "sweep.json").read_text())
     (place / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
     with pytest.raises(InputError, match="another sweep: values differ"), sweep_folder(place, sweep()):
@@ -144,7 +196,7 @@ def test_two_sweeps_in_a_folder_at_once(tmp_path: Path) -> None:
 
 
 def test_nothing_is_left_of_a_sweep_without_rows(tmp_path: Path) -> None:
-    with sweep_folder(tmp_path / "a" / "b", sweep()), open_rows(tmp_path / "a" / "b", sweep()):
+    with sweep_folder(tmp_path / "a" / "b", sweep()), open_records(tmp_path / "a" / "b", sweep()):
         assert (tmp_path / "a" / "b" / "sweep.json").is_file()
     assert not list(tmp_path.iterdir())
 
@@ -170,8 +222,8 @@ def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path: Path)
 @pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
 def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path: Path, name: str) -> None:
     place = tmp_path / "sweep"
-    with sweep_folder(place, sweep()) as folder, open_rows(folder, sweep()) as rows:
-        rows.records.add(row(0))
+    with sweep_folder(place, sweep()) as folder, open_records(folder, sweep()) as rows:
+        rows.add(row(0))
         with listed_file(folder / name) as partial:
             partial.write_text("ours")
     with sweep_folder(place, sweep()) as folder, listed_file(folder / name) as partial:

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from tailslap.options import JSON, PROGRESS, QUIET, SCENE, SET, UNITS, Folder, Text, Whole, with_options
-from tailslap.sweeps.values import MAX_RUNS
+from tailslap import options
+from tailslap.errors import InputError
 
 SEED = 307
 
 
 @click.command("sweep")
-@with_options(SCENE, SET)
+@options.with_options(options.SCENE, options.SET)
 @click.option(
     "--vary",
     "varied",
@@ -24,20 +24,22 @@ SEED = 307
 )
 @click.option(
     "--sample",
-    type=Whole(2, MAX_RUNS),
+    type=options.Whole(2, options.MAX_RUNS),
     metavar="N",
     help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
 )
-@click.option("--seed", type=Whole(0), default=SEED, show_default=True, help="Of the samples.")
-@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-sweep]")
-@click.option("--cluster", type=Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786.")
+@click.option("--seed", type=options.Whole(0), default=SEED, show_default=True, help="Of the samples.")
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option(
+    "--cluster", type=options.Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786."
+)
 @click.option(
     "--workers",
-    type=Whole(1, 1024),
+    type=options.Whole(1, 1024),
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )
-@with_options(UNITS, JSON, QUIET, PROGRESS)
+@options.with_options(options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
 def sweep(
     name: str,
     varied: tuple[str, ...],
@@ -55,22 +57,23 @@ def sweep(
     Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
     checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
     """
-    from tailslap.errors import InputError
-    from tailslap.sweeps.definition import make_definition
-
     if cluster and workers:
         raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
+    from tailslap.campaign.definition import make_definition
+
     definition = make_definition(name, changes, varied, sample, seed)
     place = out or Path("results") / f"{definition.scene}-sweep"
 
-    from tailslap.sweeps.folder import SUMMARY
-    from tailslap.sweeps.perform import StoppedError, perform
-    from tailslap.sweeps.report import sweep_text
+    from tailslap.campaign import perform, report
 
     try:
-        done = perform(definition, place, cluster, workers, units=units)
-    except StoppedError as stopped:
+        done = perform.perform(definition, place, cluster, workers, units=units)
+    except perform.StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
-    click.echo((place / SUMMARY).read_text(encoding="utf-8").rstrip() if as_json else sweep_text(done, place))
+    click.echo(
+        (place / report.SUMMARY).read_text(encoding="utf-8").rstrip()
+        if as_json
+        else report.sweep_text(done, place)
+    )
     return 1 if done.failures else 0

@@ -1,0 +1,274 @@
+"""What a sweep is: a scene, and the values of the keys that vary. Its runs are numbered, and follow from it.
+
+VALUES of --vary are a range or a list; each is read as the scene would read it: with its units, bounds and messages.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+import tailslap
+from postprocess.comparison.comparison import TAIL_SLAP, Compared
+from tailslap.campaign import records
+from tailslap.case import kind_of
+from tailslap.errors import InputError
+from tailslap.options import MAX_RUNS
+from tailslap.scene import read, validate, vary, write
+from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Changes, Source
+
+ALLOWED = (
+    "allowed is KEY=VALUES, with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, like corner.friction=0:0.6:13; "
+    "with --sample, a:b or log:a:b or a list"
+)
+BRACKETS = {"[": 1, "]": -1}
+LOGARITHMIC = "log"
+
+Read = Callable[[str], tuple[Any, str]]
+"""From a value's text to the value that the scene has then, in SI or a word, and its unit. Raises InputError."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """A range as typed: its ends, how many values (None for samples), and whether they are in equal ratios."""
+
+    lower: str
+    upper: str
+    count: int | None
+    logarithmic: bool
+
+
+Given = Span | tuple[str, ...]
+"""A range, or the texts of a list."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A key's values, as the scene has them: in SI, words, or tuples.
+
+    In a grid each value is combined with those of the other keys; of samples the i-th belongs to run i.
+    """
+
+    key: str
+    unit: str
+    settings: tuple[Any, ...]
+    logarithmic: bool
+
+    @property
+    def values(self) -> tuple[float | int | str, ...]:
+        """The values as numbers and words."""
+        return tuple(map(plain, self.settings))
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the values are numbers."""
+        return all(isinstance(value, int | float) for value in self.settings)
+
+
+def plain(value: Any) -> float | int | str:
+    """A number or a word for a value: of a tuple, its members."""
+    return value if isinstance(value, int | float | str) else " x ".join(map(str, value))
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A sweep of a scene's text; `changes` and `given` are the --set and --vary options as typed, `source` is the
+    scene with the former put in, `sample` the number of samples, None for a grid; `kinds` and `compared` are what its
+    case tells of a run, see `Case`."""
+
+    scene: str
+    text: str
+    changes: tuple[str, ...]
+    source: Source
+    given: tuple[str, ...]
+    variations: tuple[Variation, ...]
+    sample: int | None
+    seed: int
+    kinds: Mapping[str, type] = field(default_factory=dict)
+    compared: Compared = TAIL_SLAP
+
+    @property
+    def runs(self) -> int:
+        """How many there are."""
+        return self.sample or math.prod(len(item.settings) for item in self.variations)
+
+    def changes_of(self, run: int) -> dict[str, Any]:
+        """What a run changes in the scene; in a grid the last key's value changes from run to run."""
+        places: Any = (run,) * len(self.variations)
+        if not self.sample:
+            places = np.unravel_index(run, [len(item.settings) for item in self.variations])
+        return {item.key: item.settings[int(i)] for item, i in zip(self.variations, places, strict=True)}
+
+    def inputs_of(self, run: int) -> dict[str, float | int | str]:
+        """Values of the keys that vary, SI or words, for a run."""
+        return {key: plain(value) for key, value in self.changes_of(run).items()}
+
+    def as_written(self) -> dict[str, Any]:
+        """What `sweep.json` holds: two sweeps are the same if this is. The digest is of all runs' values."""
+        values = json.dumps([[item.key, item.settings] for item in self.variations])
+        return {
+            "scene": self.scene,
+            "set": list(self.changes),
+            "vary": list(self.given),
+            "sample": self.sample,
+            "seed": self.seed if self.sample else None,
+            "runs": self.runs,
+            "digest": hashlib.sha256(values.encode()).hexdigest(),
+            "version": tailslap.__version__,
+            "program": records.program(),
+            "text": self.text,
+        }
+
+
+def make_definition(
+    name: str, changes: tuple[str, ...], varied: tuple[str, ...], sample: int | None, seed: int
+) -> Definition:
+    """The sweep of scene `name`; varied: KEY=VALUES each. Raises InputError for what cannot be in any scene.
+
+    Each value is checked by itself; what only a combination makes impossible is found when it is run.
+    """
+    text = read.scene_text(name)
+    given = [parse_varied(each, bool(sample)) for each in varied]
+    source = _fixed(read.source_of_text(text, name), changes, [key for key, _ in given])
+    counts = [(values.count or 1) if isinstance(values, Span) else len(values) for _, values in given]
+    if math.prod(counts) > MAX_RUNS:
+        shown = " x ".join(map(str, counts)) + " runs"
+        raise InputError("--vary", shown, f"allowed are at most {MAX_RUNS} runs")
+    first = {
+        key: vary.parse_value(values.lower if isinstance(values, Span) else values[0])
+        for key, values in given
+    }
+    scene = _scene(source, first)
+    kind = kind_of(scene)
+
+    def read_value(key: str, value: str) -> tuple[Any, str]:
+        scene = _scene(source, {**first, key: vary.parse_value(value)})
+        row = next((row for row in write.scene_inputs(scene, source) if row.key == key), None)
+        if row is None:
+            raise InputError("--vary", key, "this is a table; allowed are its keys")
+        return functools.reduce(getattr, key.split("."), scene), row.unit
+
+    fractions = latin_hypercube(len(given), sample, seed).T if sample else [None] * len(given)
+    variations = tuple(
+        _variation(key, values, functools.partial(read_value, key), places)
+        for (key, values), places in zip(given, fractions, strict=True)
+    )
+    fixed = (scene.name, text, changes, source, varied, variations, sample, seed)
+    return Definition(*fixed, kind.columns(scene), kind.compared)
+
+
+def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
+    """Fractions in [0, 1), shape (runs, keys): of each key one in each of `runs` equal parts."""
+    from scipy.stats import qmc
+
+    return np.asarray(qmc.LatinHypercube(keys, seed=np.random.default_rng(seed)).random(runs))
+
+
+def _scene(source: Source, changes: Changes) -> Scene:
+    return validate.key_by_key(vary.changed_tables(source.given, changes)[0])
+
+
+def _fixed(source: Source, changes: tuple[str, ...], keys: list[str]) -> Source:
+    """The source with the changes that all runs have; the keys are those that vary."""
+    fixed = vary.parse_changes(changes, source.given)
+    for number, key in enumerate(keys):
+        if key in keys[:number]:
+            raise InputError("--vary", key, "it is varied twice; allowed is one --vary for each key")
+        if key in fixed:
+            raise InputError("--vary", key, "--set fixes it; leave out one of the two")
+    tables, noted = vary.changed_tables(source.given, fixed)
+    return Source(source.text, tables, frozenset(noted))
+
+
+def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:
+    """Key and values of KEY=VALUES as typed; sampled: by --sample, so that a range has no count. Raises InputError."""
+    key, _, text = (part.strip() for part in varied.partition("="))
+    if not (text and re.fullmatch(vary.KEY, key)):
+        raise InputError("--vary", varied, ALLOWED)
+    if key == "name":
+        raise InputError(
+            "--vary", varied, "a scene's name changes nothing in a run; allowed are its other keys"
+        )
+    parts = split_outside(text, ":")
+    if len(parts) == 1:
+        texts = tuple(split_outside(text, ","))
+        if not all(texts):
+            raise InputError(key, text, ALLOWED)
+        return key, texts
+    logarithmic = parts[0] == LOGARITHMIC
+    ends = parts[logarithmic:]
+    if not 2 <= len(ends) <= 3 or not all(ends):
+        raise InputError(key, text, ALLOWED)
+    if sampled and len(ends) == 3:
+        raise InputError(key, text, "with --sample a range is a:b or log:a:b; --sample says how many")
+    count = ends[2] if len(ends) == 3 else ""
+    if not sampled and (not re.fullmatch("[0-9]{1,9}", count) or int(count) < 2):
+        raise InputError(key, text, "a range ends with how many values it has, a whole number from 2: a:b:n")
+    return key, Span(ends[0], ends[1], None if sampled else int(count), logarithmic)
+
+
+def split_outside(text: str, separator: str) -> list[str]:
+    """Parts of the text between separators that stand neither in brackets nor in quotes, stripped."""
+    parts, depth, quote = [""], 0, ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        else:
+            depth += BRACKETS.get(letter, 0)
+        if letter == separator and not depth and not quote:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part.strip() for part in parts]
+
+
+def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray | None) -> Variation:
+    """All values of a list, or of a range both ends and the others evenly or in equal ratios between.
+
+    fractions: of samples, where in the range or list each run's value lies, shape (runs,), each in [0, 1).
+    """
+    if not isinstance(given, Span):
+        listed, units = zip(*map(read_value, given), strict=True)
+        chosen = listed if fractions is None else tuple(listed[int(f * len(listed))] for f in fractions)
+        return Variation(key, units[0], chosen, False)
+    lower, upper, unit = _ends(key, given, read_value)
+    if fractions is not None:
+        if isinstance(lower, int):
+            shown = f"{given.lower}:{given.upper}"
+            raise InputError(key, shown, "whole numbers are sampled from a list v1,v2,v3")
+        between = (
+            lower * (upper / lower) ** fractions if given.logarithmic else lower + (upper - lower) * fractions
+        )
+        return Variation(key, unit, tuple(between.tolist()), given.logarithmic)
+    assert given.count is not None
+    values = (np.geomspace if given.logarithmic else np.linspace)(lower, upper, given.count).tolist()
+    if isinstance(lower, int) and isinstance(upper, int):
+        if any(value != round(value) for value in values):
+            shown = f"{given.lower}:{given.upper}:{given.count}"
+            raise InputError(key, shown, f"not all of its values are whole numbers, like {values[1]:g}")
+        values = [round(value) for value in values]
+    return Variation(key, unit, tuple(values), given.logarithmic)
+
+
+def _ends(key: str, given: Span, read_value: Read) -> tuple[Any, Any, str]:
+    """Both ends in SI, and the unit."""
+    (lower, unit), (upper, _) = read_value(given.lower), read_value(given.upper)
+    shown = f"{given.lower}:{given.upper}"
+    if not (isinstance(lower, int | float) and isinstance(upper, int | float)):
+        raise InputError(key, shown, "a range is of numbers; allowed here is a list v1,v2,v3")
+    if lower == upper:
+        raise InputError(key, shown, "the two ends of a range must differ")
+    if given.logarithmic and not min(lower, upper) > 0.0:
+        raise InputError(key, shown, "both ends of a range in equal ratios must be above 0")
+    return lower, upper, unit
