@@ -24,10 +24,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled, inlined
-from fem.constitutive.stress import stress
-from fem.contact.constraints import Penalty
-from fem.discretisation.elements import ElementTable
 from fem.explicit.internal_force import Scratch, scratch_for
 from fem.explicit.point_force import at_slot, point_of
 from fem.explicit.simd_blocks import (
@@ -40,8 +36,12 @@ from fem.explicit.simd_blocks import (
     subtract_first,
 )
 from fem.explicit.time_loop import LoopParameters, State, advance, copy_state, drift
+from fem.laws.constraints import Penalty
+from fem.laws.materials import stress
+from fem.machine_code.compiled import compiled, inlined
 from fem.machine_code.kernel import Kernel
 from fem.machine_code.numba_code import compile_for, make_dispatcher
+from fem.plate.elements import ElementTable
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError

@@ -21,7 +21,7 @@ import numpy as np
 
 from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart, to_global
-from fem.start.start import start_fields
+from fem.start.start_kinds import start_fields
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
 from tailslap.scene_run import Outcome, run_scene

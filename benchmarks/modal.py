@@ -12,7 +12,7 @@ import time
 
 from main_job import row
 
-from fem.modal.modes import free_modes
+from fem.plate.elastic import free_modes
 from fem.run.corner import Run, simulate
 from postprocess.comparison.comparison import KEYS
 from tailslap.case.corner.case import CornerCase

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from other_codes.plate import Plate
 
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
 
 LENGTH, WIDTH = 10.0, 2.438
 DISTORTION = 0.2
@@ -41,9 +41,9 @@ def make_mesh(elements: tuple[int, int], distortion: float) -> meshio.Mesh:
 
 def make_model(elements: tuple[int, int], distortion: float = 0.0, bare: bool = False) -> PlateModel:
     """The plate with friction and exact inertia; bare: as in the other codes, exact corner, no friction, row sums."""
-    from fem.contact.friction import Drag
-    from fem.discretisation.model import build_model
-    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
+    from fem.laws.friction import Drag
+    from fem.model.plate_model import build_model
+    from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
 
     plate = PlateProperties(0.053, 7800.0, 200e9, 0.3, lumping="row-sum" if bare else "exact")
     corner = CornerProperties(constraint="exact") if bare else CornerProperties(Drag(0.47))

@@ -31,8 +31,8 @@ MODULI, FRICTIONS = "plate.youngs_modulus=log:1e11:4e11:40", "corner.friction=0.
 STEPS = """
 import statistics, sys, time
 from dataclasses import replace
-from fem.discretisation.model import static_model
-from fem.discretisation.properties import CornerProperties, PlateProperties
+from fem.model.plate_model import static_model
+from fem.plate.kinds import CornerProperties, PlateProperties
 from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import plate_mesh

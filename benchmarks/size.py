@@ -64,9 +64,9 @@ def peak() -> float:
 
 def measure(elements: tuple[int, int]) -> None:
     """One size, in this process: set-up, steps, then inertia relief, the hungriest, last."""
-    from fem.contact.friction import Drag
-    from fem.discretisation.model import build_model
-    from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
+    from fem.laws.friction import Drag
+    from fem.model.plate_model import build_model
+    from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
     from fem.run.corner import Stepper
     from fem.start.rigid_state import RigidStart
     from meshes import plate_mesh

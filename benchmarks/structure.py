@@ -117,7 +117,7 @@ def flat(root: Path = ROOT) -> Counter[str]:
 
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
-    from fem.kept import forget
+    from fem.lazy import forget
     from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
     from tailslap.scene_run import run_scene

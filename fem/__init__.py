@@ -12,13 +12,12 @@ from fem.lazy import lazily
 __all__, __getattr__ = lazily(
     __name__,
     {
-        "constitutive.materials": "MATERIALS Material",
-        "contact.constraints": "CONSTRAINTS Constraint",
-        "contact.friction": "FRICTION_LAWS FrictionLaw",
-        "discretisation.element_kinds": "ELEMENT_KINDS ElementKind",
-        "discretisation.lumpings": "LUMPINGS Lumping",
-        "discretisation.model": "PlateModel build_model",
-        "discretisation.properties": "CornerProperties ModelError PlateProperties StepProperties",
+        "laws.materials": "MATERIALS Material",
+        "laws.constraints": "CONSTRAINTS Constraint",
+        "laws.friction": "FRICTION_LAWS FrictionLaw",
+        "model.plate_model": "PlateModel build_model",
+        "plate.kinds": "ELEMENT_KINDS LUMPINGS CornerProperties ElementKind Lumping ModelError PlateProperties "
+        "StepProperties",
         "explicit.columns": "COLUMNS Column",
         "run.corner": "Run simulate",
         "start.rigid_state": "RigidStart",

@@ -1,7 +1,7 @@
 """Registries: what a scene may name, and the one object behind each name.
 
 An extension is one frozen object, registered once, in the file that defines it. Nothing here needs Numba: the kernels
-of a law are plain functions, and `fem.compiled` compiles them when a loop with that law is built.
+of a law are plain functions, and `fem.machine_code.compiled` compiles them when a loop with that law is built.
 """
 
 from __future__ import annotations

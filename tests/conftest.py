@@ -14,10 +14,9 @@ import pytest
 # As the command line does, before NumPy is loaded: the tests' processes have the cores for themselves.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from fem.contact.friction import Drag, Signed
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.discretisation.model import PlateModel, build_model
-from fem.discretisation.properties import CornerProperties, PlateProperties, StepProperties
+from fem.laws.friction import Drag, Signed
+from fem.model.plate_model import PlateModel, build_model
+from fem.plate.kinds import ELEMENT_KINDS, CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene

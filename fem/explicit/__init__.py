@@ -1,15 +1,7 @@
 """Time: central differences, compiled, and what is recorded of them.
 
-`internal_force` goes through the elements in the SIMD blocks of `simd_blocks`; `time_loop` is the step, `parallel` the
-same on several threads, `elastic_damping` damping that leaves rigid motion alone. `measures` reads a state, once
-or for many rows, and `columns` registers what the history has of it. `impact_loop` is the step of a whole impact.
+`internal_force` goes through the elements in the SIMD blocks of `simd_blocks`, quadrature point by quadrature point
+(`point_force`); `time_loop` is the step, `impact_loop` that of a whole impact, `parallel` the same on several threads,
+`elastic_damping` damping that leaves rigid motion alone. `measures` reads a state, once or for many rows, and `columns`
+registers what the histories have of it.
 """
-
-from fem.lazy import lazily
-
-__all__, __getattr__ = lazily(
-    __name__,
-    {
-        "columns": "COLUMNS Column Measures",
-    },
-)

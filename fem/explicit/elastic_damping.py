@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled, implements
+from fem.machine_code.compiled import compiled, implements
 
 SUMS = 6
 """Mass times x, y, v_x, v_y; moment of momentum and second moment about the origin."""

@@ -6,23 +6,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled, implements
-from fem.contact.surface import held_by, tilted
-from fem.contact.wall_contact import (
-    ContactState,
-    WallContact,
-    add_contact,
-    approach,
-    lost_energy,
-    point_mean,
-    push_back,
-    stored_energy,
-)
-from fem.discretisation.elements import ElementTable
 from fem.explicit.elastic_damping import damp
 from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain, motion
 from fem.explicit.time_loop import advance, follow, react
+from fem.laws.wall_contact import (
+    ContactState,
+    WallContact,
+    add_contact,
+    approach,
+    held_by,
+    lost_energy,
+    point_mean,
+    push_back,
+    stored_energy,
+    tilted,
+)
+from fem.machine_code.compiled import compiled, implements
+from fem.plate.elements import ElementTable
 
 
 class ImpactLoop(NamedTuple):

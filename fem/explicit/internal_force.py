@@ -19,8 +19,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled
-from fem.discretisation.elements import ElementTable, Hourglass
 from fem.explicit.elastic_damping import SUMS
 from fem.explicit.point_force import (
     add_bilinear_point,
@@ -44,6 +42,8 @@ from fem.explicit.simd_blocks import (
     slot_count,
     subtract_first,
 )
+from fem.machine_code.compiled import compiled
+from fem.plate.elements import ElementTable, Hourglass
 
 
 class Viscosity(NamedTuple):

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 
-from fem.compiled import compiled
-from fem.constitutive.strain import deformation_gradient, green_strain
-from fem.constitutive.stress import energy_density
-from fem.contact.corner import add_corner_reaction, constraint_energy, weighted
 from fem.explicit.columns import Measures
 from fem.explicit.elastic_damping import damp
 from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.time_loop import advance
+from fem.laws.corner import add_corner_reaction, constraint_energy, weighted
+from fem.laws.materials import deformation_gradient, energy_density, green_strain
+from fem.machine_code.compiled import compiled
 
 
 @compiled

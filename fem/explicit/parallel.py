@@ -17,11 +17,11 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from fem.compiled import compiled
 from fem.explicit.elastic_damping import SUMS, add_up, gained, resist
 from fem.explicit.internal_force import Scratch, subtract_forces_of
 from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, drift, follow, react
+from fem.machine_code.compiled import compiled
 
 WORD = 8
 """The two numbers of a meeting lie so many apart, a cache line."""

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fem.compiled import chosen, compiled, inlined
-from fem.constitutive.strain import green_strain
-from fem.constitutive.stress import stress
 from fem.explicit.simd_blocks import BLOCK_SIZE
+from fem.laws.materials import green_strain, stress
+from fem.machine_code.compiled import chosen, compiled, inlined
 
 
 def point_of(values: Any, block: int, point: int, rows: int) -> Any:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled
+from fem.machine_code.compiled import compiled
 
 BLOCK_SIZE = 64
 """Elements a block; the rows of a block stay in the first-level cache."""

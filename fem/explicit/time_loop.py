@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled, implements
-from fem.contact.corner import Corner, add_corner_reaction
-from fem.discretisation.elements import ElementTable
 from fem.explicit.elastic_damping import damp, gained
 from fem.explicit.internal_force import subtract_forces_of
 from fem.explicit.simd_blocks import slot_count
+from fem.laws.corner import Corner, add_corner_reaction
+from fem.machine_code.compiled import compiled, implements
+from fem.plate.elements import ElementTable
 
 
 class LoopParameters(NamedTuple):

@@ -10,7 +10,7 @@ import fcntl
 import functools
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -43,6 +43,23 @@ def _own_digest() -> Any:
     for source in sorted(PACKAGE.rglob("*.py")):
         digest.update(source.read_bytes())
     return digest
+
+
+def own_sources(function: Callable[..., Any]) -> str:
+    """Digest of the sources of a function from outside this package: of its file, or of all of its package."""
+    return _sources_of(function.__module__, function.__code__.co_filename)
+
+
+@functools.cache
+def _sources_of(module: str, file: str) -> str:
+    path, depth = Path(file).resolve(), module.count(".")
+    if PACKAGE in path.parents:
+        return ""  # they name the folder
+    digest = hashlib.sha256()
+    with suppress(OSError):
+        for source in sorted(path.parents[depth - 1].rglob("*.py")) if depth else [path]:
+            digest.update(source.read_bytes())
+    return digest.hexdigest()
 
 
 def expected_time() -> float:

@@ -1,4 +1,8 @@
-"""A compiled function: called by its machine code on disk, or compiled by Numba first."""
+"""Compiled functions: called by their machine code on disk, compiled by Numba first where there is none.
+
+Where another Numba lacks a name that this needs and Numba does not promise, a call goes through Numba itself: slower,
+for Numba is imported and compiles in every process, and as right.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +15,37 @@ from typing import Any
 
 from fem.machine_code import folder
 from fem.machine_code.arguments import Prepared, UnknownTypeError, codes_of, flattened, spelled
-from fem.machine_code.pending import Function
+from fem.machine_code.folder import own_sources
 
 _FINDING = threading.RLock()
 
+_PENDING: list[tuple[Callable[..., Any], Callable[..., Any], str]] = []
+"""Arguments of `numba_code.replace_generic` that Numba has not been given yet."""
 
-class Kernel(Function):
+CALLABLE = {"no_cpython_wrapper": False, "inline": "never"}
+"""Options by which Python can call what Numba makes."""
+
+NAMELESS = (AttributeError, ImportError, LookupError, StopIteration, TypeError)
+"""Errors by which a name shows that another Numba lacks, or has with another meaning."""
+
+
+def replace_in_code(generic: Callable[..., Any], choose: Callable[..., Any], inline: str) -> None:
+    """Have a generic function replaced in compiled code as soon as something is compiled: by what `choose` says of
+    Numba's types of the arguments; inline: "always" or "never", merged into its caller or not."""
+    _PENDING.append((generic, choose, inline))
+
+
+def _numba_code() -> Any:
+    """The module that compiles, with everything that it is to know."""
+    from fem.machine_code import numba_code
+
+    numba_code.know(Kernel)
+    while _PENDING:
+        numba_code.replace_generic(*_PENDING.pop(0))
+    return numba_code
+
+
+class Kernel:
     """A function that is compiled for the types that it is called with, on the first call of each.
 
     function: in the part of Python that Numba compiles. options: of `numba.njit`. A call raises UnknownTypeError for
@@ -34,12 +63,14 @@ class Kernel(Function):
     def __call__(self, *arguments: Any) -> Any:
         kinds, values = flattened(arguments)
         call = self._found.get(kinds) or self._find(kinds, arguments)
-        return call(values)
+        return call(values) if call else self._through_numba(*_plain(arguments))
 
     def bound(self, *arguments: Any) -> Callable[[], Any]:
         """The call with these arguments, laid out once for many times; arrays in them must stay where they are."""
         kinds, values = flattened(arguments)
         call = self._found.get(kinds) or self._find(kinds, arguments)
+        if call is None:
+            return functools.partial(self._through_numba, *_plain(arguments))
         return lambda kept=arguments: call(values)  # type: ignore[misc]  # values are addresses: what is there must live
 
     def has_code(self, *arguments: Any) -> bool:
@@ -52,30 +83,49 @@ class Kernel(Function):
 
     @functools.cached_property
     def dispatcher(self) -> Any:
-        """What Numba makes of the function."""
-        from fem.machine_code.numba_code import make_dispatcher
-
-        return make_dispatcher(self)
+        """What Numba makes of the function, for other compiled code to call."""
+        return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
 
     def _path(self, kinds: tuple[Any, ...]) -> Path:
         from fem.machine_code.object_code import machine
 
-        what = "|".join([self.py_func.__module__, self.py_func.__qualname__, spelled(kinds), machine()])
-        digest = hashlib.sha256(what.encode()).hexdigest()[:20]
+        function = self.py_func
+        parts = [function.__module__, function.__qualname__, spelled(kinds), machine(), own_sources(function)]
+        digest = hashlib.sha256("|".join(parts).encode()).hexdigest()[:20]
         return folder.cache_folder() / f"{self.py_func.__name__}-{digest}.code"
 
-    def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...]) -> Callable[[list[Any]], Any]:
-        from fem.machine_code.object_code import load_code, read_code, write_code
+    @functools.cached_property
+    def _through_numba(self) -> Any:
+        """The function by Numba's own way to call it."""
+        return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
 
+    def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...]) -> Callable[[list[Any]], Any] | None:
+        """What calls the machine code; None where Numba lacks what that needs."""
         with _FINDING:
-            path = self._path(kinds)
-            code = read_code(path)
-            if code is None:
-                from fem.machine_code.numba_code import compile_for
+            if "_through_numba" in vars(self):
+                return None
+            try:
+                return self._found.setdefault(kinds, self._loaded(kinds, arguments))
+            except UnknownTypeError:
+                raise
+            except NAMELESS:
+                self._through_numba  # noqa: B018  # from now on
+                return None
 
-                plain = (each.value if isinstance(each, Prepared) else each for each in arguments)
-                code = compile_for(self.dispatcher, tuple(plain))
-                if code.arguments != codes_of(kinds):
-                    raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
-                write_code(path, code)
-            return self._found.setdefault(kinds, load_code(code))
+    def _loaded(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...]) -> Callable[[list[Any]], Any]:
+        from fem.machine_code import object_code
+
+        path = self._path(kinds)
+        code = object_code.read_code(path)
+        if code is None:
+            code = _numba_code().compile_for(self.dispatcher, _plain(arguments))
+            if code.arguments != codes_of(kinds):
+                raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
+            object_code.write_code(path, code)
+        if object_code.helpers_of(code):  # a law calls what only Numba has
+            _numba_code().offer_helpers()
+        return object_code.load_code(code)
+
+
+def _plain(arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(each.value if isinstance(each, Prepared) else each for each in arguments)

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+from fem.lazy import unseen
 from fem.machine_code.arguments import ADDRESS, FLOAT, INTEGER, LOGICAL, UnknownTypeError
 from fem.machine_code.object_code import ObjectCode
-from fem.machine_code.pending import Function, numba_is_here
-from fem.unseen import unseen
 
 with unseen("coverage", "cffi"):  # Numba loads them where it finds them, at length
     import numba
-    import numba.core.typing.cffi_utils
-    from numba.core.registry import cpu_target
     from numba.extending import overload, register_jitable, typeof_impl
+
+    with suppress(ImportError):
+        import numba.core.typing.cffi_utils
 
 NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
 """Results, by Numba's names of their types."""
 
 
-def make_dispatcher(kernel: Any) -> Any:
-    """What Numba makes of a kernel, and calls from other compiled code."""
-    return numba.njit(**kernel.targetoptions)(kernel.py_func)
+def make_dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """What Numba makes of a function, and calls from other compiled code."""
+    return numba.njit(**options)(function)
 
 
 def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
@@ -41,6 +42,8 @@ def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
 
 def offer_helpers() -> None:
     """Tell LLVM where Numba's own functions are, as Numba does when it compiles."""
+    from numba.core.registry import cpu_target
+
     cpu_target.target_context.refresh()
 
 
@@ -81,10 +84,7 @@ def _result(kind: Any) -> Any:
     return NUMBERS[str(kind)]
 
 
-@typeof_impl.register(Function)
-def _typeof_function(function: Function, context: Any) -> Any:
-    """Compiled code calls ours as it calls a function of Numba's."""
-    return numba.types.Dispatcher(function.dispatcher)
-
-
-numba_is_here(replace_generic)
+@functools.cache
+def know(kernel: type) -> None:
+    """Let compiled code call kernels of this class as it calls functions of Numba's."""
+    typeof_impl.register(kernel)(lambda called, context: numba.types.Dispatcher(called.dispatcher))

@@ -93,13 +93,14 @@ def machine() -> str:
     return "|".join([llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), *programs, *settings])
 
 
+def helpers_of(found: ObjectCode) -> set[str]:
+    """Functions of Numba that the code calls, beside those that nobody asks for."""
+    return {name.decode() for name in HELPER.findall(found.code)} - set(UNUSED)
+
+
 def load_code(found: ObjectCode) -> Call:
     """Put the code into memory; what calls it raises KernelError if it ends with one."""
     llvm, engine = _llvm(), _engine()
-    if {name.decode() for name in HELPER.findall(found.code)} - set(UNUSED):
-        importlib.import_module(
-            "fem.machine_code.numba_code"
-        ).offer_helpers()  # a law calls what only Numba has
     engine.add_object_file(llvm.ObjectFileRef.from_data(found.code))
     engine.finalize_object()
     kinds: list[Any] = [C_TYPES[code] for code in 2 * ADDRESS + found.arguments]

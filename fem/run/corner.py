@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from fem.compiled import Told, compile_once, silent
-from fem.discretisation.model import PlateModel
 from fem.explicit.columns import COLUMNS, Measures, row_of
 from fem.explicit.measures import advance_and_measure, all_forces, measure
 from fem.explicit.time_loop import State, advance, copy_state
+from fem.machine_code.compiled import Told, compile_once, silent
+from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
 from fem.start.rigid_state import RigidStart
-from fem.start.start import start_fields
+from fem.start.start_kinds import start_fields
 
 GLANCES = 50
 """Instants of a run at which it is asked whether it is corrupted."""
@@ -157,7 +157,7 @@ class Stepper(runner.PlateStepper):
 def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1, told: Told = silent) -> None:
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time.
 
-    told: see `fem.compiled.compile_once`.
+    told: see `fem.machine_code.compiled.compile_once`.
     """
     stepper = Stepper(model, threads)
     compile_once(

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.compiled import Told, compile_once, silent
-from fem.contact.wall_contact import ContactState
-from fem.discretisation.model import PlateModel
-from fem.discretisation.properties import ModelError
 from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
 from fem.explicit.time_loop import copy_state
+from fem.laws.wall_contact import ContactState
+from fem.machine_code.compiled import Told, compile_once, silent
+from fem.model.plate_model import PlateModel
+from fem.plate.kinds import ModelError
 from fem.run import observers, runner
 from fem.start.rigid_state import to_global
 
@@ -94,7 +94,7 @@ class ImpactStepper(runner.PlateStepper):
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
         if self.loop.wall is not None:
-            from fem.contact.elastic_wall import at_rest
+            from fem.laws.elastic_wall import at_rest
 
             wall = at_rest(self.loop.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)

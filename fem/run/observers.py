@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from fem.discretisation.model import PlateModel
+from fem.model.plate_model import PlateModel
 from fem.run.runner import Arrays, Observer
 from fem.stability.deformed import deformed_frequency
 

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from fem.discretisation.model import PlateModel
 from fem.explicit.internal_force import scratch_for
 from fem.machine_code.arguments import Prepared
+from fem.model.plate_model import PlateModel
 
 Arrays = Mapping[str, np.ndarray]
 

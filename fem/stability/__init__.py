@@ -1,14 +1,5 @@
-"""What could corrupt a run, predicted: `deformed` stiffening as the plate deforms, `flutter` growth by friction,
-`rounding` what it does to the reaction of a stiff plate in millions of steps.
+"""What may grow in a plate, and how fast it swings as it is deformed.
+
+`flutter` has growth by friction, and what rounding feeds into an undamped plate; `deformed` the highest frequency, and
+the stress, of the plate at an instant of the run.
 """
-
-from fem.lazy import lazily
-
-__all__, __getattr__ = lazily(
-    __name__,
-    {
-        "deformed": "deformed_frequency",
-        "flutter": "Flutter predict_flutter",
-        "rounding": "RoundingNoise rounding_noise",
-    },
-)

@@ -1,4 +1,6 @@
-"""The highest frequency of the plate as it is deformed and turned at an instant of the run."""
+"""The plate as it is deformed at an instant of the run: its highest frequency, and for pictures and export stress and
+strain energy of the elements, from the positions of the nodes.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.discretisation.lanczos import largest_eigenpair
-from fem.discretisation.model import PlateModel
-from fem.explicit.impact_loop import ImpactLoop
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.explicit.time_loop import LoopParameters
+from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
+from fem.machine_code.compiled import compiled
+from fem.model.plate_model import PlateModel
+from fem.plate.spectrum import largest_eigenpair
 from fem.start.rigid_state import to_global
 
 TOLERANCE, BASIS = 1e-4, 8
@@ -86,7 +90,7 @@ def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
 def _springs(loop: Any) -> Callable[[np.ndarray, np.ndarray], None]:
     """Adds to forces [N], shape (2, nodes), those of the corner's spring that belong to a displacement [m]; unilateral
     contact does not bound the time step."""
-    if isinstance(loop, ImpactLoop):
+    if not isinstance(loop, LoopParameters):
         return lambda move, forces: None
     nodes, weights, spring = loop.corner.nodes, loop.corner.weights, loop.corner.spring
 
@@ -94,3 +98,47 @@ def _springs(loop: Any) -> Callable[[np.ndarray, np.ndarray], None]:
         forces[1, nodes] += spring * (move[1, nodes] @ weights) * weights
 
     return hold
+
+
+def element_stress(model: Any, positions: np.ndarray) -> np.ndarray:
+    """Elastic stress and strain energy density, means over each element.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    positions : ndarray, shape (2, nodes)
+        In the wall's frame [m].
+
+    Returns
+    -------
+    ndarray, shape (4, elements)
+        Kirchhoff stress F S F' in the wall's frame, xx, yy, xy [Pa]: Cauchy's times the change of volume, which at
+        small strain is one. Strain energy over reference volume [J/m^3]. Without viscous stress and hourglass control.
+    """
+    table = model.loop.table
+    found = np.zeros((4, table.connectivity.shape[1]))
+    recover(np.ascontiguousarray(positions), table, model.loop.material, found)
+    return found
+
+
+@compiled
+def recover(positions, table, material, found):
+    """Add up the points of each element, weighted by volume, and divide by its volume."""
+    congruent = table.weights.shape[1] == 1
+    for element in range(table.connectivity.shape[1]):
+        column, volume = 0 if congruent else element, 0.0
+        for point in range(table.weights.shape[0]):
+            f_11, f_12, f_21, f_22 = deformation_gradient(positions, table, point, element)
+            e_11, e_22, g_12 = green_strain(f_11, f_12, f_21, f_22)
+            s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
+            weight = table.weights[point, column]
+            volume += weight
+            t_11, t_12 = f_11 * s_11 + f_12 * s_12, f_11 * s_12 + f_12 * s_22
+            t_21, t_22 = f_21 * s_11 + f_22 * s_12, f_21 * s_12 + f_22 * s_22
+            found[0, element] += weight * (t_11 * f_11 + t_12 * f_12)
+            found[1, element] += weight * (t_21 * f_21 + t_22 * f_22)
+            found[2, element] += weight * (t_11 * f_21 + t_12 * f_22)
+            found[3, element] += weight * energy_density(material, e_11, e_22, g_12)
+        for k in range(4):
+            found[k, element] /= volume

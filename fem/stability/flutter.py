@@ -9,6 +9,11 @@ this is an update of rank one, and the growing motions exp(s t) are the roots wi
 
 How many grow faster than a rate is the number of turns of f about zero along Re s = rate: no root is looked for.
 Stiffness-proportional damping b K takes b w^2 / 2 off the rate of a mode of frequency w, which bends that line.
+
+Rounding moves the reaction of a stiff plate that turns slowly (`rounding_noise`): an undamped plate sums it up.
+Positions are rounded at every step, each node by itself: a random displacement of half a unit in the last place of
+the plate's length. It feeds energy into all modes alike, at a rate that goes with the stiffness, and the corner's
+spring has its share of that energy.
 """
 
 from __future__ import annotations
@@ -19,11 +24,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.compiled import compiled
-from fem.contact.friction import friction_slope
-from fem.discretisation.model import PlateModel
-from fem.kept import kept
-from fem.start.elastic import Inverse
+from fem.laws.friction import friction_slope
+from fem.lazy import cached
+from fem.machine_code.compiled import compiled
+from fem.model.plate_model import PlateModel
+from fem.plate.elastic import Inverse
 from fem.start.rigid_state import RigidStart, to_global
 
 MAX_UNKNOWNS = 1200
@@ -115,7 +120,7 @@ def corner_modes(model: PlateModel) -> CornerModes:
     return CornerModes(model.elastic.modulus * squares, moved)
 
 
-@kept("free modes")
+@cached("free modes")
 def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
     """Squares [rad^2/s^2] and shapes of unit modal mass, shape (2 nodes, modes), of all modes of a plate."""
     root = 1.0 / np.sqrt(np.tile(plate.masses, 2))
@@ -186,3 +191,75 @@ def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
     if exact:
         return value * complex(p, q)
     return value + 1.0 / complex(stiffness + dashpot * real, dashpot * imaginary)
+
+
+SEEN = 0.3
+"""Ripple that is seen over that of energy shared equally by all modes, see benchmarks/rounding.py."""
+
+
+@dataclass(frozen=True)
+class RoundingNoise:
+    """What rounding feeds into the plate.
+
+    Attributes
+    ----------
+    power : float
+        Of the energy [W].
+    reaction : float
+        Ripple of the reaction for it [N/sqrt(J)].
+    """
+
+    power: float
+    reaction: float
+
+    def ripple(self, duration: float) -> float:
+        """Ripple of the reaction at the end of an undamped run, root mean square.
+
+        Parameters
+        ----------
+        duration : float
+            Of the run [s].
+
+        Returns
+        -------
+        float
+            [N].
+        """
+        return self.reaction * math.sqrt(self.power * duration)
+
+    def rate_for(self, ripple: float) -> float:
+        """Damping of elastic velocities that keeps the ripple at this.
+
+        Parameters
+        ----------
+        ripple : float
+            [N].
+
+        Returns
+        -------
+        float
+            Rate [1/s].
+        """
+        return self.power * (self.reaction / ripple) ** 2
+
+
+def rounding_noise(model: PlateModel) -> RoundingNoise:
+    """The noise of a model.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+
+    Returns
+    -------
+    RoundingNoise
+        Power and ripple.
+    """
+    loop, step = model.loop, model.loop.time_step
+    corner = loop.corner
+    moved = np.finfo(float).eps * float(np.ptp(model.discretisation.positions)) / math.sqrt(12.0)
+    # Half the largest eigenvalue is a typical diagonal element of the stiffness over the mass.
+    energy = 0.25 * model.mass * (model.highest_frequency * moved) ** 2
+    stiffness = 1.0 / (corner.mobility * step**2) if corner.is_exact else corner.stiffness
+    return RoundingNoise(energy / step, SEEN * math.sqrt(stiffness / loop.mass.size))

@@ -1,5 +1,7 @@
 """Inertia relief: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
-constraint already carrying the reaction, and the slow change of both."""
+constraint already carrying the reaction, and the slow change of both; and what it says by statics alone: deflection,
+lag by damping, energy.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.discretisation.model import PlateModel
-from fem.start.elastic import without_rigid_motion
+from fem.model.plate_model import PlateModel
+from fem.plate.elastic import without_rigid_motion
 from fem.start.rigid_state import (
     RigidStart,
     at_corner,
@@ -138,7 +140,7 @@ def _in_equilibrium(
     model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
 ) -> tuple[np.ndarray, float]:
     """The same in equilibrium on the deformed shape, its best rigid rotation none. Raises TooSoftError."""
-    from fem.start.finite_strain import equilibrium
+    from fem.start.equilibrium import equilibrium
 
     def load_at(place: np.ndarray) -> np.ndarray:
         return inertia_load(model, place - at_corner(model, place), start)[0]
@@ -158,3 +160,57 @@ def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndar
     r_x, r_y = (body - (body @ share)[:, None]) * share
     turned = np.arctan2((r_x * y - r_y * x).sum(), (r_x * x + r_y * y).sum())
     return to_global(float(turned)) @ place
+
+
+class Statics(NamedTuple):
+    """What the reaction at the start does to the plate.
+
+    Attributes
+    ----------
+    deflection : float
+        Of the centre of mass towards the wall, by the plate's flexibility [m].
+    gap : float
+        At the corner's constraint [m].
+    """
+
+    deflection: float
+    gap: float
+
+
+def statics(model: PlateModel, start: RigidStart) -> Statics:
+    """What the reaction at the start does to the plate.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    start : RigidStart
+        Motion of the rigid body.
+
+    Returns
+    -------
+    Statics
+        Deflection and gap [m].
+    """
+    elastic, gap = relieved_displacement(model, start)
+    moved = (to_global(start.angle) @ elastic)[1] + gap
+    return Statics(-float(model.loop.mass @ moved / model.mass), gap)
+
+
+def static_deflection(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
+    return statics(model, start).deflection
+
+
+def damping_lag(model: PlateModel, start: RigidStart) -> float:
+    """How far [m] the damping of elastic velocities holds back the corner in the slow change of the elastic state."""
+    behind = lag_by_damping(model, relieved_fields(model, start).rate)
+    return float(np.abs(at_corner(model, behind)).max())
+
+
+def elastic_energy(model: PlateModel, start: RigidStart) -> float:
+    """Energy [J] of the elastic state at the start by inertia relief, that of the corner's constraint included."""
+    elastic, gap = relieved_displacement(model, start)
+    displacement = elastic.ravel()
+    spring = model.loop.corner.spring
+    return float(0.5 * (displacement @ (model.stiffness @ displacement) + spring * gap**2))

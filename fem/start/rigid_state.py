@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.contact.friction import friction_slope
-from fem.discretisation.model import PlateModel
+from fem.laws.friction import friction_slope
+from fem.model.plate_model import PlateModel
 
 
 @dataclass(frozen=True)

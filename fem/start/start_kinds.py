@@ -1,6 +1,15 @@
-"""Kinds of start. Each is one object; adding one is adding it here, or in any file that registers it.
+"""Kinds of start: which quantities of the rigid body a plate keeps is part of the result where it is soft.
 
-What finds the elastic state is loaded when a plate starts with it.
+`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
+constraint already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's
+speed; the centre, which the deformation has moved, begins with another momentum than the rigid body's.
+`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and
+speed of the corner follow, since it stays on the wall.
+`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several
+times its size.
+
+Each is one object; adding one is adding it here, or in any file that registers it. Code that finds the elastic state is
+loaded when a plate starts with it.
 """
 
 from __future__ import annotations
@@ -14,7 +23,7 @@ import numpy as np
 from fem.registry import Registry
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
     from fem.start.rigid_state import RigidStart
 
 
@@ -83,3 +92,33 @@ for _kind in (
     ),
 ):
     START_KINDS.register(_kind)
+
+
+def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities at t = 0.
+
+    Parameters
+    ----------
+    model : PlateModel
+        The plate.
+    start : RigidStart
+        Motion of the rigid body.
+    kind : str
+        A name of `START_KINDS`.
+
+    Returns
+    -------
+    positions, velocities : ndarray, shape (2, nodes)
+        In the wall's frame [m], [m/s].
+    """
+    from fem.start.rigid_state import at_corner, to_global
+
+    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
+    elastic, rate, gap, gap_rate, *others = START_KINDS[kind].fields(model, start, body)
+    spin, speed = others or (start.omega, start.corner_speed)
+    turn = to_global(start.angle)
+    arm = turn @ (body + elastic)
+    positions = arm + np.array([[0.0], [gap]])
+    velocities = turn @ rate + spin * np.array([-arm[1], arm[0]])
+    velocities += np.array([[speed], [gap_rate]])
+    return positions, velocities

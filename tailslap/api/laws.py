@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fem.constitutive.materials import MATERIALS
-from fem.contact.constraints import CONSTRAINTS
-from fem.contact.friction import FRICTION_LAWS
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.discretisation.lumpings import LUMPINGS
+from fem.laws.constraints import CONSTRAINTS
+from fem.laws.friction import FRICTION_LAWS
+from fem.laws.materials import MATERIALS
+from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from fem.registry import Registry
 from fem.start.start_kinds import START_KINDS
 from tailslap.errors import InputError, Verbatim

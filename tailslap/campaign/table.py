@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import tailslap
-from fem import kept
+from fem import lazy
 from postprocess.files import summary
 from tailslap.campaign.definition import Definition, Variation, plain
 from tailslap.campaign.engine import Effort
@@ -61,7 +61,7 @@ class Sweep:
 
 def compute_row(run: int, source: Source, changes: Changes) -> dict[str, Any]:
     """Make a run of the scene with these changes. Whatever goes wrong is the row's status and reason."""
-    began, before = time.perf_counter(), kept.looks()
+    began, before = time.perf_counter(), lazy.looks()
     try:
         case = case_of(*vary(source, changes))
         demand_affordable(case.scene, case.duration)
@@ -73,7 +73,7 @@ def compute_row(run: int, source: Source, changes: Changes) -> dict[str, Any]:
     except Exception as error:  # a sweep goes on, whatever one of its runs does
         found = {"status": ERROR, "reason": f"{type(error).__name__}: {error}"}
     inputs = {key: plain(value) for key, value in changes.items()}
-    spent = {REUSED: ", ".join(kept.reused(before)), "cost.run_s": time.perf_counter() - began}
+    spent = {REUSED: ", ".join(lazy.reused(before)), "cost.run_s": time.perf_counter() - began}
     return {"run": run, **inputs, **found, **versions(), **spent}
 
 

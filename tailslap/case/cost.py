@@ -9,8 +9,8 @@ import resource
 from dataclasses import dataclass
 from pathlib import Path
 
-from fem.constitutive.materials import MATERIALS
-from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.laws.materials import MATERIALS
+from fem.plate.kinds import ELEMENT_KINDS
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Plate, Scene, Vehicle
 

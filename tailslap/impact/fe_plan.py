@@ -23,8 +23,8 @@ from tailslap.planning.fe_model import (
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
-    from fem.discretisation.properties import ContactProperties, WallProperties
+    from fem.model.plate_model import PlateModel
+    from fem.plate.kinds import ContactProperties, WallProperties
     from fem.run.impact import FirstTouch
 
 ACROSS = 6
@@ -66,7 +66,7 @@ class ImpactFePlan:
     @cached_property
     def first_frequency(self) -> float:
         """First elastic frequency of the free plate in its plane [Hz]."""
-        from fem.modal.modes import lowest_frequency
+        from fem.plate.elastic import lowest_frequency
 
         return lowest_frequency(self.model.elastic)
 
@@ -117,8 +117,8 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
 
 def impact_model(plan: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
-    from fem.discretisation.impact_model import build_impact_model
-    from fem.discretisation.properties import Inertia, ModelError
+    from fem.model.impact_model import build_impact_model
+    from fem.plate.kinds import Inertia, ModelError
 
     scene, vehicle = plan.scene, plan.vehicle
     uniform = scene.vehicle.centre_of_mass is None and scene.vehicle.yaw_inertia is None
@@ -136,7 +136,7 @@ def impact_model(plan: RigidImpact, plate: Plate, longest_step: float) -> tuple[
 
 def wall_properties(plan: RigidImpact, wall: Wall) -> WallProperties:
     """A wall that gives, its middle where the rigid vehicle's strikes have theirs."""
-    from fem.discretisation.properties import WallProperties
+    from fem.plate.kinds import WallProperties
     from meshes import wall_mesh
 
     places = [strike.position for strike in plan.motion.strikes] or [0.0]
@@ -155,8 +155,8 @@ def wall_properties(plan: RigidImpact, wall: Wall) -> WallProperties:
 
 def contact_properties(contact: Contact) -> ContactProperties:
     """How the plate's boundary touches the wall."""
-    from fem.contact.friction import Drag
-    from fem.discretisation.properties import ContactProperties
+    from fem.laws.friction import Drag
+    from fem.plate.kinds import ContactProperties
 
     friction = Drag(contact.friction) if contact.friction > 0.0 else None
     if contact.stiffness is None:

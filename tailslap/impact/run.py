@@ -80,7 +80,7 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
 
     snapshots: instants at which the motion of all nodes is kept.
     """
-    from fem.discretisation.properties import ModelError
+    from fem.plate.kinds import ModelError
     from fem.run.impact import simulate_impact
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
@@ -135,7 +135,7 @@ def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
 
 def _richer(plate: Plate) -> list[Plate]:
     """The plate with elements of twice the order, half as many each way where that can be; else twice as many."""
-    from fem.discretisation.element_kinds import ELEMENT_KINDS
+    from fem.plate.kinds import ELEMENT_KINDS
 
     along, across = plate.counts
     richer = ELEMENT_KINDS[plate.element].richer

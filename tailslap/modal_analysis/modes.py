@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from fem.modal.beam_theory import (
+from fem.modal.mode_kinds import (
     Beam,
     euler_bernoulli_frequencies,
     longitudinal_frequencies,
+    mode_kinds,
     timoshenko_frequencies,
 )
-from fem.modal.mode_kinds import mode_kinds
-from fem.modal.modes import FreeModes, free_modes, most_modes
+from fem.plate.elastic import FreeModes, free_modes, most_modes
 from postprocess.figures.plates import draw_mode
 from postprocess.report.numbers import percent
 from postprocess.report.page import Section

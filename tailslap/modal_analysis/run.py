@@ -19,7 +19,7 @@ from tailslap.planning.fe_plan import FePlan
 from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
-    from fem.modal.modal_run import ModalMotion
+    from fem.modal.model import ModalMotion
 
 MODES, STEPS, TOLERANCE = 4, 100, 1e-5
 """Elastic modes, time steps to the tail-slap, and relative error allowed, unless the caller says otherwise."""
@@ -87,8 +87,7 @@ def modal_run(
 
     steps: to the rigid tail-slap. Raises InputError for what the modal model does not have.
     """
-    from fem.modal.modal_model import modal_plate, with_fewer_modes
-    from fem.modal.modal_run import integrate, modal_start
+    from fem.modal.model import integrate, modal_plate, modal_start, with_fewer_modes
     from fem.start.inertia_relief import relieved_fields
 
     _admit(fe_plan, modes)
@@ -124,7 +123,7 @@ def modal_run(
 
 def _admit(fe_plan: FePlan, modes: int) -> None:
     """InputError for what the modal model does not have."""
-    from fem.modal.modes import most_modes
+    from fem.plate.elastic import most_modes
 
     scene, plate = fe_plan.case.scene, fe_plan.plate
     most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)

@@ -15,7 +15,7 @@ from tailslap.planning.flexibility import friction_lost, oscillation_lost, rigid
 from tailslap.scene.schema import Plate, Scene
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
     from fem.stability.flutter import Flutter
 
 REQUIRED_DAMPING = 4.0
@@ -69,8 +69,7 @@ def predict_growth(plan: RigidStages, plate: Plate, model: PlateModel, normal: f
 
     normal: the rigid body's reaction at the start [N].
     """
-    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, predict_flutter, viscous_rate
-    from fem.stability.rounding import rounding_noise
+    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, predict_flutter, rounding_noise, viscous_rate
 
     harmless = HARMLESS if plate.relieved else HARMLESS_UNSTRESSED
     duration, start = plan.motion.strike.t, rigid_start(plan)
@@ -140,7 +139,7 @@ def harms(
 ) -> bool:
     """Whether damping against this growth would be seen in the result: it keeps a soft plate from following its loads,
     and takes an unstressed one's oscillation off."""
-    from fem.start.statics import elastic_energy
+    from fem.start.inertia_relief import elastic_energy
 
     if not growth.rate > 0.0:
         return False

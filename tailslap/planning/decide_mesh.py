@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.discretisation.lumpings import LUMPINGS
+from fem.plate.kinds import LUMPINGS
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.cost import ELEMENTS
 from tailslap.errors import InputError
@@ -17,7 +17,7 @@ from tailslap.planning.flexibility import centre_travel, comparable_plate, rigid
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
 
 STRETCH = 1.23
 """Length over height of an element of the first mesh that is tried: the paper's 20 x 6."""
@@ -80,9 +80,9 @@ def make_mesh(plan: RigidStages, plate: Plate) -> Mesh:
 
     The two models share a mesh where only their elements differ.
     """
-    from fem.discretisation.model import static_model
-    from fem.discretisation.properties import ModelError
-    from fem.start.statics import statics
+    from fem.model.plate_model import static_model
+    from fem.plate.kinds import ModelError
+    from fem.start.inertia_relief import statics
 
     travel, start, mesh = centre_travel(plan), rigid_start(plan), fe_mesh(plan.scene, plate)
     plate = resolved_plate(plan.scene, plate, mesh)

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fem.contact.friction import FRICTION_LAWS
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.kept import kept
+from fem.laws.friction import FRICTION_LAWS
+from fem.lazy import cached
+from fem.plate.kinds import ELEMENT_KINDS
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.cost import costly_key
 from tailslap.errors import InputError
@@ -17,8 +17,8 @@ from tailslap.scene.schema import Plate, Scene
 if TYPE_CHECKING:
     import meshio
 
-    from fem.discretisation.model import PlateModel
-    from fem.discretisation.properties import (
+    from fem.model.plate_model import PlateModel
+    from fem.plate.kinds import (
         CornerProperties,
         Inertia,
         ModelError,
@@ -60,7 +60,7 @@ def fe_input(plan: RigidStages, plate: Plate) -> FeInput:
 
 def make_model(plan: RigidStages, plate: Plate) -> PlateModel:
     """Mesh and assemble. Raises InputError for keys that make no model."""
-    from fem.discretisation.model import finished_model
+    from fem.model.plate_model import finished_model
 
     mesh = fe_mesh(plan.scene, plate)
     plate = resolved_plate(plan.scene, plate, mesh)
@@ -72,8 +72,8 @@ def make_model(plan: RigidStages, plate: Plate) -> PlateModel:
 
 def make_static_model(plan: RigidStages, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
     """The model without what needs its frequencies, on this mesh or its own. Raises as `make_model`."""
-    from fem.discretisation.model import static_model
-    from fem.discretisation.properties import ModelError
+    from fem.model.plate_model import static_model
+    from fem.plate.kinds import ModelError
 
     mesh = mesh or fe_mesh(plan.scene, plate)
     given = fe_input(plan, resolved_plate(plan.scene, plate, mesh))
@@ -89,8 +89,8 @@ def resolved_plate(
     """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
-    from fem.discretisation.model import modulus_for
-    from fem.discretisation.properties import ModelError
+    from fem.model.plate_model import modulus_for
+    from fem.plate.kinds import ModelError
 
     reference = plate_properties(
         scene, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}), inertia
@@ -110,7 +110,7 @@ def fe_mesh(scene: Scene, plate: Plate) -> meshio.Mesh:
     return mesh
 
 
-@kept("mesh")
+@cached("mesh")
 def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, distortion: float) -> meshio.Mesh:
     from meshes import distorted, plate_mesh
 
@@ -158,7 +158,7 @@ def plate_density(scene: Scene, plate: Plate) -> float:
 
 def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None) -> PlateProperties:
     """What the plate is made of; inertia: that its masses carry, where it is not the plate's own."""
-    from fem.discretisation.properties import PlateProperties
+    from fem.plate.kinds import PlateProperties
 
     return PlateProperties(
         plate.thickness,
@@ -173,7 +173,7 @@ def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None)
 
 
 def _corner(plan: RigidStages) -> CornerProperties:
-    from fem.discretisation.properties import CornerProperties
+    from fem.plate.kinds import CornerProperties
 
     corner, angle = plan.scene.corner, plan.start.angle
     return CornerProperties(
@@ -194,7 +194,7 @@ def _friction(scene: Scene) -> Any:
 
 def step_properties(scene: Scene, longest: float) -> StepProperties:
     """Time step, no longer than this [s], and damping."""
-    from fem.discretisation.properties import StepProperties
+    from fem.plate.kinds import StepProperties
 
     damping = scene.damping
     return StepProperties(

@@ -21,7 +21,7 @@ from tailslap.scene.schema import Plate
 if TYPE_CHECKING:
     import meshio
 
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
     from fem.start.rigid_state import RigidStart
 
 
@@ -70,7 +70,7 @@ class FePlan:
     @cached_property
     def first_frequency(self) -> float:
         """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""
-        from fem.modal.modes import lowest_frequency
+        from fem.plate.elastic import lowest_frequency
 
         if self.plate.first_frequency is not None:
             return self.plate.first_frequency
@@ -89,14 +89,14 @@ class FePlan:
     @cached_property
     def damping_lag(self) -> float:
         """What the damping of elastic velocities holds the corner back by, over the centre's way to the wall."""
-        from fem.start.statics import damping_lag
+        from fem.start.inertia_relief import damping_lag
 
         return damping_lag(self.model, self.start) / self.travel
 
     @cached_property
     def elastic_energy(self) -> float:
         """Energy [J] of the quasi-static elastic state at the start, the corner's spring included."""
-        from fem.start.statics import elastic_energy
+        from fem.start.inertia_relief import elastic_energy
 
         return elastic_energy(self.model, self.start)
 
@@ -133,7 +133,7 @@ def make_fe_plan(plan: RigidStages, more_damping: float = 1.0) -> FePlan:
     InputError
         For keys that make no model.
     """
-    from fem.discretisation.model import with_elastic_damping
+    from fem.model.plate_model import with_elastic_damping
 
     asked, given = plan, plan.scene.needed_plate
     mesh, mesh_decisions = decide_mesh(plan, given)
@@ -171,7 +171,7 @@ def make_fe_plan(plan: RigidStages, more_damping: float = 1.0) -> FePlan:
 
 def _completed(plan: RigidStages, mesh: Mesh, normal: float) -> tuple[PlateModel, Growth]:
     """The model with the plan's constraint and all that a run needs, and what is predicted to grow in it."""
-    from fem.discretisation.model import finished_model, with_constraint
+    from fem.model.plate_model import finished_model, with_constraint
 
     given = fe_input(plan, mesh.plate)
     model = with_constraint(mesh.model, given.plate, given.corner)

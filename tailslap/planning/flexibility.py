@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from fem.contact.friction import FRICTION_LAWS
-from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.laws.friction import FRICTION_LAWS
+from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest, relative_difference
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
     from fem.start.rigid_state import RigidStart
 
 RICHER_UP_TO = 20_000
@@ -70,7 +70,7 @@ def rigid_start(plan: RigidStages) -> RigidStart:
 
 def deflection_ratio(plan: RigidStages, model: PlateModel) -> float:
     """Static deflection of the plate's centre at the start, over its travel to the wall."""
-    from fem.start.statics import static_deflection
+    from fem.start.inertia_relief import static_deflection
 
     return abs(static_deflection(model, rigid_start(plan))) / centre_travel(plan)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from fem.contact.constraints import CONSTRAINTS
-from fem.contact.friction import FRICTION_LAWS
+from fem.laws.constraints import CONSTRAINTS
+from fem.laws.friction import FRICTION_LAWS
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.cost import loop_seconds
 from tailslap.planning.decisions import Decision

@@ -10,7 +10,7 @@ import numpy as np
 from postprocess.fields.series import FILE, FieldSeries, write_fields
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
     from fem.run.observers import Snapshots
 
 CELL_TYPES = {
@@ -47,7 +47,7 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
 def series_of_ends(outcome: Any) -> FieldSeries:
     """Fields at the start and at the tail-slap of a run that reached it."""
     from fem.run.observers import Snapshots
-    from fem.start.start import start_fields
+    from fem.start.start_kinds import start_fields
 
     plan, strike = outcome.fe_plan, outcome.run.strike
     start = start_fields(plan.model, plan.start, plan.plate.start)
@@ -84,7 +84,7 @@ def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
 
 
 def _elemental(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
-    from fem.constitutive.recovery import element_stress
+    from fem.stability.deformed import element_stress
 
     found = np.array([element_stress(model, each) for each in positions])
     s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)

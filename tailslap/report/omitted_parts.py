@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem.discretisation.lumpings import LUMPINGS
+from fem.plate.kinds import LUMPINGS
 from tailslap.scene.schema import Scene
 
 

@@ -15,7 +15,7 @@ from tailslap.scene_run import Outcome
 def draw_pictures(outcome: Outcome, folder: Path, units: Units = SI) -> Outcome:
     """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
     reached."""
-    from fem.discretisation.fields import nodal_spin
+    from fem.plate.elements import nodal_spin
 
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from fem.constitutive.materials import MATERIALS
-from fem.contact.constraints import CONSTRAINTS
-from fem.contact.friction import FRICTION_LAWS
+from fem.laws.constraints import CONSTRAINTS
+from fem.laws.friction import FRICTION_LAWS
+from fem.laws.materials import MATERIALS
 from fem.start.start_kinds import START_KINDS
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.scene_run import Outcome

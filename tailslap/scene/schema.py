@@ -9,11 +9,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticKnownError
 
-from fem.constitutive.materials import MATERIALS
-from fem.contact.constraints import CONSTRAINTS
-from fem.contact.friction import FRICTION_LAWS
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.discretisation.lumpings import LUMPINGS
+from fem.laws.constraints import CONSTRAINTS
+from fem.laws.friction import FRICTION_LAWS
+from fem.laws.materials import MATERIALS
+from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from fem.registry import Registry
 from fem.start.start_kinds import START_KINDS
 from tailslap.errors import InputError, Missing

@@ -7,9 +7,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fem.contact.constraints import CONSTRAINTS
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.discretisation.lumpings import LUMPINGS
+from fem.laws.constraints import CONSTRAINTS
+from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.meanings import MEANINGS
 from tailslap.scene.schema import Contact, Damping, Scene, Wall

@@ -12,7 +12,7 @@ from typing import Any, get_args
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from fem.constitutive.materials import MATERIALS
+from fem.laws.materials import MATERIALS
 from tailslap.errors import InputError
 from tailslap.scene.meanings import MEANINGS
 from tailslap.scene.schema import Plate, Scene, Table

@@ -19,7 +19,7 @@ from tailslap.scene.schema import Scene
 from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
 
 if TYPE_CHECKING:
-    from fem.discretisation.model import PlateModel
+    from fem.model.plate_model import PlateModel
 
 
 @dataclass(frozen=True, eq=False)

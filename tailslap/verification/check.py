@@ -16,7 +16,7 @@ from tailslap.verification.numerical_error import NumericalError, SecondRun, num
 from tailslap.verification.ringing import friction_by_ringing
 
 if TYPE_CHECKING:
-    from fem.contact.friction import FrictionLaw
+    from fem.laws.friction import FrictionLaw
     from fem.run.corner import Run
     from tailslap.planning.fe_plan import FePlan
 
@@ -86,7 +86,7 @@ class Evidence:
     @property
     def friction(self) -> FrictionLaw:
         """The friction law of the scene."""
-        from fem.contact.friction import FRICTION_LAWS
+        from fem.laws.friction import FRICTION_LAWS
 
         return FRICTION_LAWS[self.fe_plan.case.scene.corner.reaction]
 

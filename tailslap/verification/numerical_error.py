@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.discretisation.lumpings import LUMPINGS
+from fem.plate.kinds import LUMPINGS
 from postprocess.comparison.comparison import largest
 from tailslap.planning.flexibility import friction_lost, oscillation_lost, sensitivity
 

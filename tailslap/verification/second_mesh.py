@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.plate.kinds import ELEMENT_KINDS
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.planning.fe_plan import FePlan
 from tailslap.scene.schema import Plate

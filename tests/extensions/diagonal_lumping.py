@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fem import LUMPINGS, Lumping
-from fem.discretisation.mass import scaled_diagonal_masses
+from fem.plate.kinds import scaled_diagonal_masses
 
 LUMPING = Lumping("diagonal", scaled_diagonal_masses, fault="it is that of the scaled diagonal")
 LUMPINGS.register(LUMPING)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from fem import MATERIALS, Material
-from fem.constitutive.materials import st_venant_kirchhoff
+from fem.laws.materials import st_venant_kirchhoff
 
 
 class Hardening(NamedTuple):

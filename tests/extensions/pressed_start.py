@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fem import START_KINDS, StartKind
-from fem.start.statics import statics
+from fem.start.inertia_relief import statics
 
 
 def fields(model: Any, start: Any, body: np.ndarray) -> Any:

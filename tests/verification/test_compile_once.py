@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem import compiled
-from fem.compiled import compile_once
 from fem.explicit.time_loop import advance
-from fem.machine_code import folder
+from fem.machine_code import compiled, folder
+from fem.machine_code.compiled import compile_once
 from fem.machine_code.folder import USUAL_S, one_process_compiles
 from fem.run.corner import Stepper
 

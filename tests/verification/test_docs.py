@@ -186,4 +186,6 @@ def test_wrong_links_and_files_are_noticed(tmp_path: Path) -> None:
         "# One thing\n[a](page.md#one-thing) [b](page.md#two) [c](none.md) [d](https://example.org)"
     )
     assert broken_links(page) == ["page.md#two", "none.md"]
-    assert missing_files("`fem/compiled.py` `compiled.py` `fem/none.py` `text`") == ["fem/none.py"]
+    assert missing_files("`fem/machine_code/compiled.py` `compiled.py` `fem/none.py` `text`") == [
+        "fem/none.py"
+    ]

@@ -18,7 +18,7 @@ import pytest
 from fem import COLUMNS, CONSTRAINTS, ELEMENT_KINDS, FRICTION_LAWS, LUMPINGS, MATERIALS, START_KINDS
 from fem.machine_code.folder import cache_folder
 from fem.registry import Registry
-from fem.start.statics import statics
+from fem.start.inertia_relief import statics
 from postprocess.report.report import write_report
 from solver import REACTIONS
 from tailslap.case.corner.case import CornerCase

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from fem.compiled import compiled
 from fem.machine_code import folder, object_code
+from fem.machine_code.compiled import compiled
 from tailslap.files.folder import result_folder
 
 pytestmark = pytest.mark.verification

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.constitutive.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
-from fem.contact.support_patch import corner_weights
-from fem.discretisation.element_kinds import ELEMENT_KINDS
-from fem.discretisation.elements import discretise, hourglass_control
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
+from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
+from fem.model.contact_points import corner_weights
+from fem.plate.elements import discretise, hourglass_control
+from fem.plate.kinds import ELEMENT_KINDS
 from fem.run.corner import simulate
 from fem.stability.deformed import deformed_frequency
 from fem.start.rigid_state import RigidStart, to_global

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.constitutive.materials import st_venant_kirchhoff
-from fem.discretisation.elements import ElementTable, discretise
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_strain
 from fem.explicit.simd_blocks import BLOCK_SIZE
+from fem.laws.materials import st_venant_kirchhoff
+from fem.plate.elements import ElementTable, discretise
 from fem.start.rigid_state import to_global
 from meshes import distorted, plate_mesh
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.contact.constraints import Penalty
-from fem.contact.corner import Corner, add_corner_reaction
-from fem.contact.friction import Drag, Signed
-from fem.discretisation.elements import discretise
-from fem.discretisation.mass import exact_inertia_masses, row_sum_masses
-from fem.discretisation.spectrum import Spectrum, hold_of
+from fem.laws.constraints import Penalty
+from fem.laws.corner import Corner, add_corner_reaction
+from fem.laws.friction import Drag, Signed
+from fem.plate.elements import discretise
+from fem.plate.kinds import exact_inertia_masses, row_sum_masses
+from fem.plate.spectrum import Spectrum, hold_of
 from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import plate_mesh

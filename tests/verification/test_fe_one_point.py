@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 
-from fem.constitutive.materials import st_venant_kirchhoff
-from fem.discretisation.elements import Discretisation, discretise, hourglass_control
-from fem.discretisation.stiffness import hourglass_matrix, stiffness_matrix
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
+from fem.laws.materials import st_venant_kirchhoff
+from fem.plate.elements import (
+    Discretisation,
+    discretise,
+    hourglass_control,
+    hourglass_matrix,
+    stiffness_matrix,
+)
 from meshes import distorted, plate_mesh
 
 pytestmark = pytest.mark.verification

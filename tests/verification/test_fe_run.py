@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.discretisation.fields import nodal_spin
 from fem.explicit.time_loop import State
+from fem.plate.elements import nodal_spin
 from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
-from fem.start.start import start_fields
+from fem.start.start_kinds import start_fields
 
 pytestmark = pytest.mark.verification
 

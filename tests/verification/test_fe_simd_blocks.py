@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fem.constitutive.materials import st_venant_kirchhoff
-from fem.discretisation.elements import ElementTable, discretise, hourglass_control
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.explicit.simd_blocks import find_lattice
+from fem.laws.materials import st_venant_kirchhoff
+from fem.plate.elements import ElementTable, discretise, hourglass_control
 from meshes import distorted, plate_mesh
 
 MATERIAL = st_venant_kirchhoff(200e9, 0.3)

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.constitutive.materials import NeoHookean
-from fem.contact.constraints import DampedPenalty, Exact, Penalty
-from fem.contact.friction import Drag
 from fem.explicit.time_loop import copy_state
+from fem.laws.constraints import DampedPenalty, Exact, Penalty
+from fem.laws.friction import Drag
+from fem.laws.materials import NeoHookean
 from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import distorted, plate_mesh

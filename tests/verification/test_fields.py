@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.constitutive.recovery import element_stress
 from fem.run.corner import simulate
 from fem.run.observers import Arrays, SnapshotKeeper
+from fem.stability.deformed import element_stress
 from postprocess.fields.series import FieldSeries, read_fields, write_fields
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase

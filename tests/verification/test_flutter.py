@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.contact.constraints import Exact
-from fem.contact.friction import friction_slope
-from fem.discretisation.stiffness import stiffness_matrix
+from fem.laws.constraints import Exact
+from fem.laws.friction import friction_slope
+from fem.plate.elements import stiffness_matrix
 from fem.run.corner import Stepper
 from fem.stability.flutter import (
     FACTOR,

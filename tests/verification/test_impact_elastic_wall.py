@@ -12,17 +12,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.contact.friction import Drag
-from fem.discretisation.impact_model import build_impact_model
-from fem.discretisation.model import PlateModel
-from fem.discretisation.properties import (
+from fem.explicit.impact_loop import ImpactMeasures
+from fem.laws.friction import Drag
+from fem.model.impact_model import build_impact_model
+from fem.model.plate_model import PlateModel
+from fem.plate.kinds import (
     ContactProperties,
     ModelError,
     PlateProperties,
     StepProperties,
     WallProperties,
 )
-from fem.explicit.impact_loop import ImpactMeasures
 from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
 from fem.run.observers import Arrays
 from meshes import plate_mesh, wall_mesh

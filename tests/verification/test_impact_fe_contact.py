@@ -12,11 +12,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from fem.contact.friction import Drag
-from fem.discretisation.impact_model import build_impact_model
-from fem.discretisation.model import PlateModel
-from fem.discretisation.properties import ContactProperties, Inertia, PlateProperties, StepProperties
 from fem.explicit.impact_loop import ImpactMeasures
+from fem.laws.friction import Drag
+from fem.model.impact_model import build_impact_model
+from fem.model.plate_model import PlateModel
+from fem.plate.kinds import ContactProperties, Inertia, PlateProperties, StepProperties
 from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem import kept
+from fem import lazy
 from fem.explicit.columns import COLUMNS, Column
 from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
@@ -44,10 +44,10 @@ def row(*changes: tuple[str, Any]) -> dict[str, Any]:
 def test_rows_share_what_they_have_in_common_and_are_the_same_alone(
     key: str, values: tuple[Any, Any], shared: set[str]
 ) -> None:
-    kept.forget()
+    lazy.forget()
     row((key, values[0]))
     after_another = row((key, values[1]))
-    kept.forget()
+    lazy.forget()
     alone = row((key, values[1]))
     assert {part for part in after_another[REUSED].split(", ") if part} >= shared
     assert ("mesh" in after_another[REUSED]) == (key != "plate.elements")
@@ -59,22 +59,22 @@ def test_rows_share_what_they_have_in_common_and_are_the_same_alone(
 def test_large_parts_and_many_parts_are_let_go() -> None:
     calls = []
 
-    @kept.kept("a part of this test")
+    @lazy.cached("a part of this test")
     def double(n: int) -> int:
         calls.append(n)
         return 2 * n
 
     assert [double(1), double(1), double.__wrapped__(1)] == [2, 2, 2]
     assert calls == [1, 1]
-    before = kept.looks()
+    before = lazy.looks()
     double(1)
-    assert kept.reused(before) == ["a part of this test"]
-    for n in range(2, kept.MOST + 2):
+    assert lazy.reused(before) == ["a part of this test"]
+    for n in range(2, lazy.MOST + 2):
         double(n)
-    before = kept.looks()
+    before = lazy.looks()
     double(1)
-    assert kept.reused(before) == []
-    kept._PARTS.pop("a part of this test")
+    assert lazy.reused(before) == []
+    lazy._PARTS.pop("a part of this test")
 
 
 def test_rows_of_compiled_code_are_those_of_single_steps(plate_model: Callable[..., Any]) -> None:

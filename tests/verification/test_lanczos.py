@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.discretisation import spectrum
-from fem.discretisation.lanczos import largest_eigenpair
+from fem.plate import spectrum
+from fem.plate.spectrum import largest_eigenpair
 
 pytestmark = pytest.mark.verification
 

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fem.compiled import compiled
-from fem.machine_code import folder
-from fem.machine_code.arguments import UnknownTypeError, flattened
+from fem.machine_code import folder, object_code
+from fem.machine_code.arguments import Prepared, UnknownTypeError, flattened
+from fem.machine_code.compiled import compiled
 from fem.machine_code.kernel import Kernel
 from fem.machine_code.object_code import read_code
 
@@ -104,6 +104,28 @@ def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel: Kernel) -> None:
     assert loaded(*given) == kernel(*given)
 
 
+@pytest.mark.parametrize("missing", ["to compile", "to load"])
+def test_without_a_name_of_numbas_own_it_goes_through_numba(
+    kernel: Kernel, missing: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in another version of Numba, which promises neither of these names."""
+    from numba.core.codegen import CodeLibrary
+
+    if missing == "to compile":
+        monkeypatch.delattr(CodeLibrary, "_get_compiled_object")
+    else:
+        monkeypatch.setattr(object_code, "EXTENSION_SUFFIXES", [])  # its functions for memory are not found
+        monkeypatch.setattr(object_code, "_engine", object_code._engine.__wrapped__)
+    in_python, in_code = arguments(0.25, 2), arguments(0.25, 2)
+    prepared = (Prepared(in_code[0]), *in_code[1:])
+    found = kernel(*prepared)
+    assert found == add(*in_python)
+    assert type(found) is Sums
+    assert in_code[2].tolist() == [1, 0]
+    assert kernel.bound(*prepared)() == found
+    assert not kernel.has_code(*prepared)
+
+
 def test_a_bound_call_reads_its_arrays_anew(kernel: Kernel) -> None:
     """It sees what is in them at each call, and keeps those that nobody else does."""
     rows = np.arange(24.0).reshape(4, 6)
@@ -138,10 +160,35 @@ def test_a_second_run_does_without_numba(tmp_path: Path) -> None:
     assert said[1].stdout.split()[-1] == "False"
 
 
+def test_code_of_another_package_depends_on_all_of_it(tmp_path: Path) -> None:
+    """A kernel calls others of its package: where one of them has changed, it is compiled anew."""
+    package = tmp_path / "elsewhere" / "within"
+    package.mkdir(parents=True)
+    header = "from fem.machine_code.compiled import compiled\n"
+    (package / "caller.py").write_text(
+        f"{header}from elsewhere.called import part\n\n\n@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    script = "from elsewhere.within.caller import whole; print(whole(1.0))"
+    for factor in (3.0, 5.0, 3.0):
+        called = f"{header}\n\n@compiled\ndef part(x):\n    return {factor} * x\n"
+        (package.parent / "called.py").write_text(called)
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", script],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            env=environment,
+        )
+        assert done.stdout == f"{2.0 * factor}\n", done.stderr
+    assert len(list(tmp_path.glob("code/*/whole-*.code"))) == 2
+
+
 def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path: Path) -> None:
     """As a law from outside may call one."""
     (tmp_path / "outside.py").write_text(
-        "import math\nfrom fem.compiled import compiled\n\n\n@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
+        "import math\nfrom fem.machine_code.compiled import compiled\n\n\n"
+        "@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
     )
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
     for _ in range(2):

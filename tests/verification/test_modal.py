@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.modal.modal_model import ModalPlate, modal_plate, with_fewer_modes
-from fem.modal.modal_motion import MEASURED, accelerate, measure_rows
-from fem.modal.modal_motion import reaction as corner_reaction
-from fem.modal.modal_run import ModalMotion, integrate, modal_start
+from fem.modal.model import ModalMotion, ModalPlate, integrate, modal_plate, modal_start, with_fewer_modes
+from fem.modal.motion import MEASURED, accelerate, measure_rows
+from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart, to_global
 from postprocess.comparison.comparison import KEYS

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.modal.beam_theory import (
+from fem.modal.mode_kinds import (
     Beam,
     euler_bernoulli_frequencies,
     longitudinal_frequencies,
+    mode_kinds,
     timoshenko_frequencies,
 )
-from fem.modal.mode_kinds import mode_kinds
-from fem.modal.modes import FreeModes, free_modes, most_modes
+from fem.plate.elastic import FreeModes, free_modes, most_modes
 from meshes import plate_mesh
 from postprocess.figures.plates import draw_mode, mesh_edges
 from tailslap.command_line import DONE, WRONG_INPUT, _status

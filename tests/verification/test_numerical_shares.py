@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.discretisation.fields import nodal_spin
+from fem.plate.elements import nodal_spin
 from postprocess.comparison.comparison import largest
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import make_fe_plan

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fem.run.corner import Stepper, simulate
-from fem.stability.rounding import rounding_noise
+from fem.stability.flutter import rounding_noise
 from fem.start.rigid_state import RigidStart
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.discretisation import spectrum as lanczos
-from fem.discretisation.spectrum import Spectrum, hold_of
+from fem.plate import spectrum as lanczos
+from fem.plate.spectrum import Spectrum, hold_of
 
 pytestmark = pytest.mark.verification
 
@@ -47,7 +47,7 @@ def test_bound_is_safe_at_every_angle_and_close(
 @pytest.mark.parametrize("given", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
 def test_damped_step_is_safe_and_close(plate_model: Callable[..., Any], given: dict[str, Any]) -> None:
     """dt^2 K + 2 dt C has no eigenvalue above 4, and one within the residual of it."""
-    from fem.discretisation.stiffness import stiffness_matrix
+    from fem.plate.elements import stiffness_matrix
 
     model = plate_model(elements=(6, 3), **given)
     viscosity = model.loop.viscosity
@@ -62,7 +62,7 @@ def test_residual_is_in_the_bound(plate_model: Callable[..., Any], monkeypatch: 
     masses = model.loop.mass
     exact = Spectrum(model.stiffness, masses).frequency
     monkeypatch.setattr(lanczos, "TOLERANCE", 0.03)
-    monkeypatch.setattr("fem.discretisation.lanczos.SETTLED", np.inf)
+    monkeypatch.setattr("fem.plate.spectrum.SETTLED", np.inf)
     rough = Spectrum(model.stiffness, masses)
     assert rough.frequency < (1.0 - 1e-4) * exact
     assert rough.bound >= exact

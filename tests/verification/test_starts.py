@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fem.contact.constraints import Exact
-from fem.discretisation.model import PlateModel
+from fem.laws.constraints import Exact
+from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
-from fem.start.finite_strain import internal_forces
+from fem.start.equilibrium import internal_forces
 from fem.start.inertia_relief import TooSoftError
 from fem.start.rigid_state import RigidStart, to_global
-from fem.start.start import start_fields
-from fem.start.start_kinds import START_KINDS
+from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
 from tailslap.command_line import WRONG_INPUT, _status
 

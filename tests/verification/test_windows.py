@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.discretisation import model as models
-from fem.discretisation import windows as module
-from fem.discretisation.spectrum import FREE, Hold, hold_of
-from fem.discretisation.windows import Windows, element_stiffness
+from fem.model import plate_model as models
+from fem.plate import windows as module
+from fem.plate.spectrum import FREE, Hold, hold_of
+from fem.plate.windows import Windows, element_stiffness
 from fem.stability.deformed import deformed_frequency
 
 pytestmark = pytest.mark.verification

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from fem.kept import kept
+from fem.lazy import cached
 from postprocess.comparison.comparison import KEYS, TAIL_SLAP
 from solver import (
     CONVENTIONS,
@@ -209,7 +209,7 @@ class RigidStages(Case):
         return lines
 
 
-@kept("rigid motion")
+@cached("rigid motion")
 def _solved_motion(body: RectangularBody[float], *given: Any) -> PlaneMotion:
     return plane_motion(body, *given)
 

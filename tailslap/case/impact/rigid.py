@@ -97,7 +97,7 @@ def wall_contact(scene: Scene, contact: Contact) -> WallContact:
 
 
 def _penalty(scene: Scene, contact: Contact) -> float:
-    from fem.contact.unilateral import penalty_stiffness
+    from fem.laws.unilateral import penalty_stiffness
 
     plate = scene.needed_plate
     return penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)

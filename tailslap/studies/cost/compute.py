@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.discretisation.model import PlateModel
 from fem.explicit.time_loop import State
+from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.run.impact import compile_impact_loop
 from fem.start.rigid_state import RigidStart

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.discretisation.element_kinds import ELEMENT_KINDS
+from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.comparison import largest
 from tailslap.case import case_of
 from tailslap.case.case import Case

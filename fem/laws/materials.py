@@ -1,0 +1,206 @@
+"""Materials: stress and energy density from strain, in plane stress. Each is one object; adding one is adding it here,
+or in any file that registers it.
+
+Kernels are functions of the constants and the Green strain (11, 22, twice 12), which comes from the positions of an
+element's nodes. All materials are linear elastic at small strain. `stress` and `energy_density` are those of any
+material, as the compiled loops call them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from fem.machine_code.compiled import by_law, inlined
+from fem.registry import Law, LawRegistry
+
+
+@inlined
+def deformation_gradient(positions, table, point, element):
+    """F (11, 12, 21, 22) at a quadrature point of an element; of one of no motion, the identity."""
+    nodes, column = len(table.per_element), 0 if table.gradients.shape[1] == 1 else element
+    f_11 = f_12 = f_21 = f_22 = 0.0
+    for a in range(nodes):
+        node = table.connectivity[a, element]
+        g_1 = table.gradients[(point * nodes + a) * 2, column]
+        g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
+        f_11 += positions[0, node] * g_1
+        f_12 += positions[0, node] * g_2
+        f_21 += positions[1, node] * g_1
+        f_22 += positions[1, node] * g_2
+    return f_11, f_12, f_21, f_22
+
+
+@inlined
+def green_strain(f_11, f_12, f_21, f_22):
+    """Green strain (11, 22, twice 12)."""
+    return (
+        0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0),
+        0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0),
+        f_11 * f_12 + f_21 * f_22,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material(Law):
+    """A material; strains are Green's, 11, 22 and twice 12.
+
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    constants : type
+        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
+    inlined : tuple of str
+        Fields whose kernels must be merged into the loop that calls them.
+    helpers : tuple of callable
+        Plain functions that the kernels call.
+    variants : tuple
+        The same law with other constants, which no scene names.
+    make : callable
+        Constants from Young's modulus [Pa] and Poisson's ratio.
+    stress : callable
+        Kernel (constants, e_11, e_22, g_12) -> second Piola-Kirchhoff stress [Pa], 11, 22 and 12.
+    energy_density : callable
+        Kernel of the same arguments -> energy per reference volume [J/m^3].
+    text : str
+        What it is, for reports.
+    nanoseconds : float
+        Time that a stress takes beyond the linear law's, at a point [ns].
+    """
+
+    make: Callable[[float, float], Any]
+    stress: Callable[[Any, float, float, float], tuple[float, float, float]]
+    energy_density: Callable[[Any, float, float, float], float]
+    text: str
+    nanoseconds: float = 0.0
+
+
+MATERIALS: LawRegistry[Material] = LawRegistry("material")
+"""Materials by their names in a scene."""
+
+
+class StVenantKirchhoff(NamedTuple):
+    """Linear between Green strain and second Piola-Kirchhoff stress: large rotation, small strain.
+
+    Plane-stress constants [Pa]. It softens without bound in compression: not for strains above a few per cent.
+    """
+
+    c_11: float
+    c_12: float
+    c_33: float
+
+
+def st_venant_kirchhoff(youngs_modulus: float, poissons_ratio: float) -> StVenantKirchhoff:
+    """Plane-stress constants [Pa] from Young's modulus [Pa] and Poisson's ratio."""
+    c_11 = youngs_modulus / (1.0 - poissons_ratio**2)
+    return StVenantKirchhoff(c_11, poissons_ratio * c_11, 0.5 * youngs_modulus / (1.0 + poissons_ratio))
+
+
+def _linear_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
+    return (
+        material.c_11 * e_11 + material.c_12 * e_22,
+        material.c_12 * e_11 + material.c_11 * e_22,
+        material.c_33 * g_12,
+    )
+
+
+def _quadratic_energy(material: Any, e_11: float, e_22: float, g_12: float) -> float:
+    s_11, s_22, s_12 = _linear_stress(material, e_11, e_22, g_12)
+    return 0.5 * (s_11 * e_11 + s_22 * e_22 + s_12 * g_12)
+
+
+MATERIALS.register(
+    Material(
+        name="st-venant-kirchhoff",
+        constants=StVenantKirchhoff,
+        make=st_venant_kirchhoff,
+        stress=_linear_stress,
+        energy_density=_quadratic_energy,
+        text="St. Venant-Kirchhoff, linear between Green strain and second Piola-Kirchhoff stress",
+        inlined=("stress",),
+        helpers=(_linear_stress,),
+    )
+)
+
+
+class NeoHookean(NamedTuple):
+    """W = mu/2 (tr C - 3 - 2 ln J) + lambda/2 (ln J)^2, the stretch of the thickness free; Lamé constants [Pa]."""
+
+    lame: float
+    shear: float
+
+
+def neo_hookean(youngs_modulus: float, poissons_ratio: float) -> NeoHookean:
+    """Lamé constants [Pa] from Young's modulus [Pa] and Poisson's ratio."""
+    shear = 0.5 * youngs_modulus / (1.0 + poissons_ratio)
+    return NeoHookean(2.0 * shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio), shear)
+
+
+def _logarithms(lame: float, shear: float, area: float) -> tuple[float, float]:
+    """ln det C in the plane and ln C_33, from det C - 1 and S_33 = 0: 2 mu (C_33 - 1) + lambda ln(det C C_33) = 0.
+
+    Newton from the series to third order: one step at strains below a per cent, at most five for det C from 0.2 to 20;
+    the function is convex and rising. Written with log1p and expm1, so that small strains keep their digits.
+    """
+    plane = math.log1p(area)
+    share = 2.0 * shear / (lame + 2.0 * shear)
+    first = -(1.0 - share) * plane
+    thickness = first * (1.0 - share * first * (0.5 - (0.5 * share - 1.0 / 6.0) * first))
+    for _ in range(5):
+        grown = math.expm1(thickness)
+        residual = 2.0 * shear * grown + lame * (plane + thickness)
+        step = residual / (2.0 * shear * (1.0 + grown) + lame)
+        thickness -= step
+        if step * step <= 1e-17 * abs(thickness):
+            break
+    return plane, thickness
+
+
+def _neo_hookean_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
+    area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
+    plane, thickness = _logarithms(material.lame, material.shear, area)
+    volume = 0.5 * material.lame * (plane + thickness)
+    scale = 1.0 / (1.0 + area)
+    # S = mu (1 - C^-1) + lambda ln J C^-1, the first part written as mu C^-1 (C - 1).
+    return (
+        scale * (material.shear * (area - 2.0 * e_22) + volume * (1.0 + 2.0 * e_22)),
+        scale * (material.shear * (area - 2.0 * e_11) + volume * (1.0 + 2.0 * e_11)),
+        scale * g_12 * (material.shear - volume),
+    )
+
+
+def _neo_hookean_energy(material: Any, e_11: float, e_22: float, g_12: float) -> float:
+    area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
+    plane, thickness = _logarithms(material.lame, material.shear, area)
+    volume = plane + thickness
+    shear = material.shear * (2.0 * (e_11 + e_22) + math.expm1(thickness) - volume)
+    return 0.5 * shear + 0.125 * material.lame * volume * volume
+
+
+MATERIALS.register(
+    Material(
+        name="neo-hookean",
+        constants=NeoHookean,
+        make=neo_hookean,
+        stress=_neo_hookean_stress,
+        energy_density=_neo_hookean_energy,
+        text="neo-Hookean, the stretch of the thickness free",
+        helpers=(_logarithms,),
+        nanoseconds=95.0,
+    )
+)
+
+
+@by_law(MATERIALS, "stress")
+def stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
+    """Second Piola-Kirchhoff stress [Pa] (11, 22, 12) of Green strain (11, 22, twice 12); compiled code only."""
+    raise NotImplementedError(type(material))
+
+
+@by_law(MATERIALS, "energy_density")
+def energy_density(material: Any, e_11: float, e_22: float, g_12: float) -> float:
+    """Strain energy per reference volume [J/m^3] of the same strain; compiled code only."""
+    raise NotImplementedError(type(material))

@@ -1,0 +1,121 @@
+"""The decorators by which everything in this package is compiled, and how laws get into compiled code.
+
+Nothing here imports Numba: see `fem.machine_code`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from fem.machine_code.folder import expected_time, keep_time, one_process_compiles
+from fem.machine_code.kernel import Kernel, replace_in_code
+from fem.registry import LawRegistry
+
+FAST_MATH = {"contract", "nsz", "reassoc"}
+"""Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
+
+OPTIONS: dict[str, Any] = {
+    "fastmath": FAST_MATH,
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,  # the code is called by ctypes
+    "no_cfunc_wrapper": True,
+}
+
+Told = Callable[[float, bool], None]
+"""Told seconds, and whether they are over."""
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """A part of a compiled loop that must be merged into it: only then are its SIMD blocks vectorised."""
+    return Kernel(function, OPTIONS | {"inline": "always"})
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """Compile on first call for the types it meets, and keep the result on disk.
+
+    The compiled code lets other Python threads run.
+    """
+    return Kernel(function, OPTIONS | {"nogil": True})
+
+
+def compile_once(compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any, told: Told) -> None:
+    """Compile, or load from disk, what a run needs: of each kind of model, one process of the machine at a time.
+
+    kernel, arguments: by whose machine code it is known whether that was done before. told: if it has to be compiled,
+    told about how long that takes [s], and when it is done, how long it took.
+    """
+    if kernel.has_code(*arguments):
+        compile_all()
+        return
+    code = kernel.path(*arguments)
+    with one_process_compiles(code):
+        if code.exists():
+            compile_all()
+            return
+        told(expected_time(), False)
+        began = time.perf_counter()
+        compile_all()
+        spent = time.perf_counter() - began
+        told(spent, True)
+        keep_time(spent)
+
+
+def silent(seconds: float, done: bool) -> None:
+    """Tell nobody."""
+
+
+def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorator: what `generic` is, in compiled code, for a first argument that holds the constants of a law.
+
+    It is the law's field `kernel`, chosen by type when a loop is compiled; arguments are as the generic's.
+    """
+
+    def chooser(merged: bool) -> Callable[..., Any]:
+        def choose(first: Any, *rest: Any) -> Any:
+            from fem.machine_code.numba_code import make_callable, python_type
+
+            law = laws.by_type(python_type(first))
+            if law is None or (kernel in law.inlined) != merged:
+                return None
+            for helper in law.helpers:
+                make_callable(helper)
+            return getattr(law, kernel)
+
+        return choose
+
+    def register(generic: Callable[..., Any]) -> Callable[..., Any]:
+        for merged, inline in ((True, "always"), (False, "never")):
+            replace_in_code(generic, chooser(merged), inline)
+        return generic
+
+    return register
+
+
+def implements(generic: Callable[..., Any], *kinds: type, merged: bool = False) -> Callable[..., Any]:
+    """Decorator: what `generic` is, in compiled code, for a first argument that is one of these NamedTuples, or None.
+
+    For parts of the loop itself; laws, which a scene names, are found by `by_law`. merged: put into the caller.
+    """
+
+    def register(implementation: Callable[..., Any]) -> Callable[..., Any]:
+        def choose(first: Any, *rest: Any) -> Any:
+            from fem.machine_code.numba_code import python_type
+
+            return implementation if python_type(first) in kinds else None
+
+        replace_in_code(generic, choose, "always" if merged else "never")
+        return implementation
+
+    return register
+
+
+def chosen(generic: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator: in compiled code `generic` is what the decorated function says of Numba's types of the arguments."""
+
+    def register(choose: Callable[..., Any]) -> Callable[..., Any]:
+        replace_in_code(generic, choose, "always")
+        return choose
+
+    return register

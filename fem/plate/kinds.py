@@ -1,0 +1,377 @@
+"""The plate's description: properties of plate, corner, contact, wall and time step, and choices by name.
+
+Kinds of elements and of mass lumping are one object each; adding one is adding it here, or in any file that registers
+it. scikit-fem supplies shape functions and quadrature; all elements go through the same compiled kernel. Nodal masses
+are row sums, moved by the least relative change to the exact rigid-body inertia.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.registry import Registry
+
+
+class ModelError(ValueError):
+    """No model can be made of these properties.
+
+    Parameters
+    ----------
+    wrong : str
+        The property at fault, "elements", "patch_length" or "inertia", or one of the wall's: "wall.length",
+        "wall.elements" or "wall.foundation_stiffness"; also an attribute.
+    why : str
+        The message.
+    """
+
+    def __init__(self, wrong: str, why: str) -> None:
+        self.wrong = wrong
+        super().__init__(why)
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Inertia of a vehicle that is no uniform rectangle.
+
+    Attributes
+    ----------
+    centre : float
+        Of mass, behind the front on the middle line [m].
+    yaw_inertia : float
+        About that centre [kg m^2].
+    """
+
+    centre: float
+    yaw_inertia: float
+
+
+@dataclass(frozen=True)
+class PlateProperties:
+    """What the plate is made of, and choices by name.
+
+    Attributes
+    ----------
+    thickness : float
+        [m].
+    density : float
+        [kg/m^3].
+    youngs_modulus : float
+        [Pa].
+    poissons_ratio : float
+        [-].
+    lumping : str
+        A name of `LUMPINGS`.
+    element : str
+        A name of `ELEMENT_KINDS`.
+    material : str
+        A name of `MATERIALS`.
+    inertia : Inertia or None
+        That the nodal masses carry; None for the plate's own.
+    """
+
+    thickness: float
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    lumping: str = "exact"
+    element: str = "quad4"
+    material: str = "st-venant-kirchhoff"
+    inertia: Inertia | None = None
+
+
+@dataclass(frozen=True)
+class CornerProperties:
+    """How the corner is held on the wall.
+
+    Attributes
+    ----------
+    friction : NamedTuple or None
+        Constants of a law of `FRICTION_LAWS`.
+    constraint : str
+        A name of `CONSTRAINTS`.
+    penalty_scale : float
+        Multiple of the constraint's usual stiffness [-].
+    patch_length : float
+        Of the support patch [m]; 0 for the corner node alone.
+    damping_ratio : float
+        Of the constraint's dashpot, to critical [-].
+    angles : tuple of float
+        Angles of the plate during the run [rad], at which the time step is looked at.
+    """
+
+    friction: Any = None
+    constraint: str = "penalty"
+    penalty_scale: float = 1.0
+    patch_length: float = 0.0
+    damping_ratio: float = 0.0
+    angles: tuple[float, ...] = (0.26, 0.13, 0.0)
+
+
+@dataclass(frozen=True)
+class ContactProperties:
+    """How the boundary touches a wall that only pushes.
+
+    Attributes
+    ----------
+    friction : NamedTuple or None
+        Constants of a law of `FRICTION_LAWS`.
+    law : str
+        "crush" for a vehicle that crushes; "penalty" or "exact" for one that does not.
+    stiffness, initial_force : float
+        Of the crush at each corner, k [N/m] and F0 [N].
+    restitution : float
+        Its square is the share of the energy that unloading gives back [-].
+    side_stiffness : float
+        Of a crush layer along the sides [N/m per m]; 0 for none, then the corners alone touch.
+    penalty_scale : float
+        Of a penalty, multiple of Young's modulus times thickness [-].
+    patch_length : float
+        Of the long side, over which a corner that crushes is spread [m]; 0 for its node alone.
+    """
+
+    friction: Any = None
+    law: str = "crush"
+    stiffness: float = 0.0
+    initial_force: float = 0.0
+    restitution: float = 1.0
+    side_stiffness: float = 0.0
+    penalty_scale: float = 1.0
+    patch_length: float = 0.0
+
+
+@dataclass(frozen=True)
+class WallProperties:
+    """A deformable wall, on a foundation all along it; its ends are free.
+
+    Attributes
+    ----------
+    mesh : meshio.Mesh
+        Of quadrilaterals, with the group "wall_face": the wall in Y <= 0, its face Y = 0, X counted from the place of
+        the first touch. Its elements have nine nodes.
+    thickness : float
+        Its height above the deck [m].
+    density : float
+        [kg/m^3].
+    youngs_modulus : float
+        [Pa].
+    poissons_ratio : float
+        [-].
+    foundation_stiffness : float
+        Force across the wall on a length of it, over its displacement [N/m per m]; the same along the wall, so that
+        friction does not carry it off. Spread over the depth in proportion to the mass.
+    """
+
+    mesh: Any
+    thickness: float
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    foundation_stiffness: float
+
+
+@dataclass(frozen=True)
+class StepProperties:
+    """The time step, and damping of the plate.
+
+    Attributes
+    ----------
+    safety_factor : float
+        Share of the stable time step that is taken [-].
+    longest : float
+        Upper bound on the time step [s].
+    damping_ratio : float
+        Stiffness-proportional, to critical at the highest frequency [-].
+    bulk_viscosity : float
+        Linear: coefficient of density x wave speed x element size [-].
+    elastic_rate : float
+        Rate at which elastic velocities are damped [1/s].
+    """
+
+    safety_factor: float = 0.9
+    longest: float = math.inf
+    damping_ratio: float = 0.0
+    bulk_viscosity: float = 0.0
+    elastic_rate: float = 0.0
+
+
+@dataclass(frozen=True)
+class ElementKind:
+    """A kind of element.
+
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    element : str
+        scikit-fem's.
+    order : int
+        That the quadrature integrates; 0 stands for the one point in the middle, which scikit-fem does not choose by
+        itself.
+    cells : str
+        That it sits on.
+    hourglass : bool
+        Whether it needs hourglass control.
+    richer : str
+        Kind of twice the order on the same mesh, "" where this one is of second order.
+    row_sums : bool
+        Whether row sums of its mass matrix are positive.
+    """
+
+    name: str
+    element: str
+    order: int
+    cells: str
+    hourglass: bool = False
+    richer: str = ""
+    row_sums: bool = True
+
+
+ELEMENT_KINDS: Registry[ElementKind] = Registry("element")
+"""Kinds of elements by their names in a scene."""
+
+for _kind in (
+    ElementKind("quad4", "ElementQuad1", 2, "quad", richer="quad9"),
+    ElementKind("quad4-reduced", "ElementQuad1", 0, "quad", hourglass=True, richer="quad9"),
+    ElementKind("quad9", "ElementQuad2", 4, "quad"),
+    ElementKind("tri3", "ElementTriP1", 1, "triangle", richer="tri6"),
+    ElementKind("tri6", "ElementTriP2", 2, "triangle", row_sums=False),
+):
+    ELEMENT_KINDS.register(_kind)
+
+
+MOMENTS = (
+    lambda x, y: np.ones_like(x),
+    lambda x, y: x,
+    lambda x, y: y,
+    lambda x, y: x * x,
+    lambda x, y: x * y,
+    lambda x, y: y * y,
+)
+"""Mass, first and second moments, as functions of position."""
+
+
+def row_sum_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+    """Row sums of the consistent mass matrix [kg], shape (nodes,)."""
+    import skfem
+
+    return density * thickness * skfem.LinearForm(lambda v, w: v).assemble(scalar)
+
+
+def scaled_diagonal_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+    """Diagonal of the consistent mass matrix, scaled to the plate's mass (Hinton, Rock and Zienkiewicz) [kg]."""
+    import skfem
+
+    diagonal = skfem.BilinearForm(lambda u, v, w: u * v).assemble(scalar).diagonal()
+    return np.asarray(diagonal * (density * thickness * scalar.dx.sum() / diagonal.sum()))
+
+
+def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+    """Masses [kg] with the exact mass, centre and second moments of the meshed body, shape (nodes,).
+
+    Row sums overstate the rotary inertia by the order of the squared element size. Of all corrections that
+    make the six moments exact, this has the least sum of squared relative changes: m = m_0 + m_0^2 A^T z.
+    Elements with row sums that are not positive (tri6) start from the scaled diagonal instead.
+    Raises ModelError if a mass would not stay positive (a mesh too coarse to carry the moments).
+    """
+    masses = row_sum_masses(scalar, density, thickness)
+    if masses.min() < 1e-3 * masses.mean():
+        masses = scaled_diagonal_masses(scalar, density, thickness)
+    moments = np.array([moment(*_scaled(scalar)) for moment in MOMENTS])
+    exact = _exact_moments(scalar) * density * thickness
+    weighted = moments * masses**2
+    multipliers = np.linalg.lstsq(weighted @ moments.T, exact - moments @ masses, rcond=None)[0]
+    masses = masses + masses**2 * (multipliers @ moments)
+    if not (masses > 0.0).all():
+        raise ModelError(
+            "elements", "the mesh is too coarse to carry the exact inertia with positive nodal masses"
+        )
+    if not np.allclose(moments @ masses, exact, rtol=1e-12, atol=1e-12 * exact[0]):
+        raise ModelError("elements", "the mesh has too few nodes to carry the exact inertia")
+    return masses
+
+
+def given_inertia_masses(positions: np.ndarray, masses: np.ndarray, inertia: Inertia) -> np.ndarray:
+    """Masses [kg] with their own sum, and this centre and yaw inertia, shape (nodes,); corner P is the origin.
+
+    Of all such masses those of the greatest entropy beside the given ones, m exp(z . moments): they are positive, and
+    there are some wherever any positive masses have that inertia. Raises ModelError where there are none.
+    """
+    total, size = masses.sum(), np.ptp(positions, axis=1)
+    x = (positions[0] + inertia.centre) / size[0]
+    y = (positions[1] - 0.5 * size[1]) / size[0]
+    moments = np.array([np.ones_like(x), x, y, x * x + y * y])
+    wanted = np.array([1.0, 0.0, 0.0, inertia.yaw_inertia / (total * size[0] ** 2)])
+    multipliers = np.zeros(4)
+    for _ in range(NEWTON_STEPS):
+        tilted = masses / total * np.exp(multipliers @ moments)
+        excess = moments @ tilted - wanted
+        if np.abs(excess).max() < 1e-15 * len(masses):
+            break
+        step = np.linalg.lstsq((moments * tilted) @ moments.T, excess, rcond=None)[0]
+        multipliers -= step / max(1.0, np.abs(step).max() / 2.0)
+    tilted = total * tilted
+    if not np.allclose(moments @ tilted, total * wanted, rtol=0.0, atol=1e-11 * total) or tilted.min() <= 0.0:
+        raise ModelError("inertia", "no positive nodal masses have this centre of mass and yaw inertia")
+    return tilted
+
+
+NEWTON_STEPS = 200
+"""For the masses of a given inertia; ten are enough but near the limit of what any masses can have."""
+
+
+def _frame(scalar: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Middle and size of the mesh: moments in these coordinates are of order one."""
+    low, high = scalar.doflocs.min(axis=1), scalar.doflocs.max(axis=1)
+    return (low + high) / 2.0, high - low
+
+
+def _scaled(scalar: Any) -> np.ndarray:
+    middle, size = _frame(scalar)
+    return (scalar.doflocs - middle[:, None]) / size[:, None]
+
+
+def _exact_moments(scalar: Any) -> np.ndarray:
+    from skfem.quadrature import get_quadrature
+
+    middle, size = _frame(scalar)
+    points, weights = get_quadrature(scalar.elem, 4)
+    volumes = np.abs(scalar.mapping.detDF(points)) * weights
+    x = (np.asarray(scalar.mapping.F(points)) - middle[:, None, None]) / size[:, None, None]
+    return np.array([np.sum(moment(*x) * volumes) for moment in MOMENTS])
+
+
+@dataclass(frozen=True)
+class Lumping:
+    """A kind of mass lumping.
+
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    masses : callable
+        Takes scikit-fem's scalar basis, density [kg/m^3] and thickness [m]; returns nodal masses [kg], shape (nodes,).
+    fault : str
+        For reports: what it does to the rotary inertia, "" where that is exact.
+    row_sums : bool
+        Whether it needs elements whose mass matrix has positive row sums.
+    """
+
+    name: str
+    masses: Callable[[Any, float, float], np.ndarray]
+    fault: str = ""
+    row_sums: bool = False
+
+
+LUMPINGS: Registry[Lumping] = Registry("mass lumping")
+"""Kinds of mass lumping by their names in a scene."""
+
+for _lumping in (
+    Lumping("exact", exact_inertia_masses),
+    Lumping("row-sum", row_sum_masses, fault="the rotary inertia is overstated", row_sums=True),
+):
+    LUMPINGS.register(_lumping)
