@@ -45,10 +45,10 @@ from fem.plate.elements import ElementTable
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.planning.fe_plan import FePlan
 from tailslap.scene.read import read_scene
 from tailslap.scene.schema import Scene
-from tailslap.scene.vary import varied
+from tailslap.scene.vary import Source, varied
 from tailslap.studies import with_elements
 
 Floats = np.ndarray
@@ -112,7 +112,8 @@ def models_of(scene: Scene) -> dict[str, FePlan]:
     found = {}
     for name, its in changes.items():
         try:
-            found[name] = make_fe_plan(CornerCase(varied(plain, its)))
+            changed = varied(plain, its)
+            found[name] = CornerCase(changed, Source.of(changed)).plan()
         except InputError as error:
             print(f"omitted: {name}. {error}", file=sys.stderr)
     return found

@@ -30,7 +30,7 @@ COMMANDS = (
     "paper",
     "sweep mash-tl4-sut --vary corner.friction=0.1:0.6:40",
     "study uncertainty mash-tl4-sut",
-    "study strike impact-mash-tl4-sut --samples 288",
+    "study uncertainty impact-mash-tl4-sut --samples 288",
     "study flexibility mash-tl4-sut --points 4",
 )
 ASKED_S = 2.0

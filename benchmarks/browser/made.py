@@ -23,7 +23,7 @@ COMMANDS = {
     "sweep-impact": f"sweep {IMPACT} --vary impact.friction=0.2,0.3 {MESH}",
     "compare": "compare {run} {run-us} {run-fields}",
     "uncertainty": "study uncertainty mash-tl4-sut --samples 1000",
-    "strike": f"study strike {IMPACT} --samples 300",
+    "uncertainty-impact": f"study uncertainty {IMPACT} --samples 300",
     "flexibility": "study flexibility mash-tl4-sut --points 4",
     "flexibility-impact": f"study flexibility {IMPACT} --points 4 --set plate.elements=[10,4]",
     "stability-random": f"study stability paper-table-3 --random 3 {MESH}",

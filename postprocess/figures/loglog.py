@@ -1,16 +1,23 @@
-"""Log-log charts of studies: error against run time, a small plot for each line, the others behind it in grey."""
+"""Charts of studies on logarithmic axes: error against run time, a small plot for each line with the others behind
+it in grey; sizes over the first frequency of a plate, stiff plates on the left."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
 
+from postprocess.figures.rows import STRIKES
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.drawing import Floats
-from postprocess.svg.marks import Line, Mark
+from postprocess.svg.marks import Level, Line, Mark, Span, key
+
+LINE, RINGS, DOTS = "line", "rings", "dots"
+COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
+WIDTH = 480.0
 
 
 class Series(NamedTuple):
@@ -82,3 +89,95 @@ def _steps(label: str, front: Sequence[tuple[float, float]], end: float) -> Line
     times, errors = np.array(front).T
     x, y = np.repeat(np.append(times, end), 2)[1:], np.repeat(np.append(errors, errors[-1]), 2)[:-1]
     return Line(label, x, y, "rigid", 1.6)
+
+
+class SweepLine(NamedTuple):
+    """A quantity's size at each frequency, and its error, drawn thin and dashed, where it has one.
+
+    NaN is not drawn. form: LINE with marks; RINGS around the marks of a line that follows; DOTS for what is no
+    measurement. passed: which of its runs did, where that is not what the axis says.
+    """
+
+    label: str
+    values: Sequence[float]
+    errors: Sequence[float] = ()
+    form: str = LINE
+    passed: Sequence[bool] = ()
+
+
+class SweepAxis(NamedTuple):
+    """First frequencies [Hz] from stiff to soft, which of the runs passed, and the scene's own frequency."""
+
+    frequencies: Sequence[float]
+    passed: Sequence[bool]
+    own: float
+
+
+def draw_sweep(
+    name: str, axis: SweepAxis, lines: Sequence[SweepLine], label: str, caption: str, levels: Sequence[float]
+) -> Chart:
+    """The lines, in per cent, and levels, sizes that are marked; red where a run failed its checks, plates that failed
+    shaded half-way to their neighbours."""
+    frequencies = np.array(axis.frequencies)
+    half = np.sqrt(frequencies[0] / frequencies[1])
+    failed = frequencies[~np.array(axis.passed)]
+    marks: list[Mark] = [
+        Span("" if number else "failed", frequency * half, frequency / half, "red")
+        for number, frequency in enumerate(failed)
+    ]
+    marks += [Level("", 100.0 * level, "grey") for level in levels]
+    if frequencies[-1] <= axis.own <= frequencies[0]:
+        marks.append(Span("the scene's plate", axis.own, axis.own, "ink"))
+    for line, colour in zip(lines, cycle(COLOURS), strict=False):
+        marks += _sweep_marks(axis, line, colour)
+    marks += [key("numerical error", "soft", 0.7, "4 2")] if any(line.errors for line in lines) else []
+    words = "first frequency of the plate [Hz], rigid to soft"
+    x = Axis(words, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
+    plot = Plot(tuple(marks), Axis(f"{label} [%]", is_log=True), 260.0)
+    return draw_chart(name, caption, (plot,), x, "Sweeps", WIDTH)
+
+
+def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str) -> list[Mark]:
+    x, values = np.array(axis.frequencies), _per_cent(line.values)
+    if line.form == DOTS:
+        return [Line(line.label, x, values, colour, 1.2, "1 3")]
+    if line.form == RINGS:
+        return [Line(line.label, x, values, colour, 0.0, dots=5.0)]
+    passed = np.array(line.passed or axis.passed)
+    good, bad = np.where(passed, values, np.nan), np.where(passed, np.nan, values)
+    marks: list[Mark] = [Line(line.label, x, good, colour, 1.3, dots=2.4)]
+    marks += [Line("failed a check", x, bad, "red", 0.0, dots=2.4)] if np.isfinite(bad).any() else []
+    if line.errors:
+        errors = np.where(passed, _per_cent(line.errors), np.nan)
+        marks.append(Line("", x, errors, colour, 0.7, "4 2"))
+    return marks
+
+
+def _per_cent(values: Sequence[float]) -> Floats:
+    """The values that a logarithmic axis can show, in per cent, NaN for the others."""
+    found = 100.0 * np.array(values, dtype=float)
+    return np.where(np.isfinite(found) & (found > 0.0), found, np.nan)
+
+
+def draw_plates(
+    frequencies: Sequence[float],
+    passed: Sequence[bool],
+    panels: Mapping[str, Mapping[int, tuple[Sequence[float], float]]],
+) -> Chart:
+    """A plot a quantity; dashed lines: the rigid vehicle; red: plates that are not to be relied on.
+
+    panels: by label of the axis, for each strike its values over the frequencies, and the rigid vehicle's.
+    """
+    f, good, plots = np.array(frequencies), np.array(passed), []
+    for label, strikes in panels.items():
+        marks: list[Mark] = []
+        for strike, (values, rigid) in strikes.items():
+            shown, (name, colour) = np.array(values, dtype=float), STRIKES[strike]
+            marks.append(Line(name, f, np.where(good, shown, np.nan), colour, dots=2.6))
+            marks.append(Line("", f, np.full(f.shape, rigid), colour, 1.0, "5 3"))
+            bad = Line("not to be relied on", f[~good], shown[~good], "red", 0.0, dots=2.6)
+            marks += [] if good.all() else [bad]
+        plots.append(Plot(tuple(marks), Axis(label, low=0.0), 120.0))
+    caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
+    x = Axis("first frequency of the plate [Hz]", is_log=True)
+    return draw_chart("plates", caption, plots, x, width=WIDTH)

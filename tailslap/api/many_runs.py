@@ -33,7 +33,7 @@ def study(
     Parameters
     ----------
     name : str
-        "cost", "flexibility", "stability", "strike" or "uncertainty".
+        "cost", "flexibility", "stability" or "uncertainty".
     scene : str or path
         Name of a scene that comes with the program, or path of a TOML file.
     changes : mapping, optional

@@ -43,7 +43,7 @@ class Result:
     Attributes
     ----------
     command : str
-        The command that finds the same: "run", "rigid", "study strike" and so on.
+        The command that finds the same: "run", "rigid", "study cost" and so on.
     scene : str
         Name of the scene.
     summary : dict

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
@@ -167,3 +168,71 @@ def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
     rear = points[0] < -0.5 * length
     far = points[1] > 0.5 * points[1].max()
     return np.asarray(rear + 2 * far)
+
+
+QUANTITIES = {
+    "raw": ("raw", "kN", 1e3),
+    "mean_50ms": ("50 ms mean", "kN", 1e3),
+    "cfc60": ("CFC 60", "kN", 1e3),
+    "impulse": ("impulse", "kN s", 1e3),
+    "duration": ("duration", "ms", 1e-3),
+}
+"""Of each of both strikes: words, the unit that it is shown in, and what of SI makes one of that. Raw is the peak of
+the corner's own force, the next two those of the filtered total force in the strike."""
+
+COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
+
+SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
+"""Contacts of a corner that are closer than this [s] are one strike: a mean over 50 ms does not tell them apart."""
+
+
+def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
+    """The force by the filters of `QUANTITIES`, shape (rows,) each."""
+    return force_curves(force, interval, ("mean_50ms", "cfc60"))
+
+
+def peaks_within(
+    curves: Mapping[str, np.ndarray], interval: float, start: float, end: float
+) -> dict[str, float]:
+    """The largest values of the filtered curves in a strike from start to end [s]; NaN where these are no instants.
+
+    Of the means over 50 ms those that lie in the strike, or over its middle where it is shorter: the next strike may
+    follow at once.
+    """
+    if not np.isfinite(start + end):
+        return dict.fromkeys(curves, float("nan"))
+    half, found = min(0.5 * MEAN_WINDOW, 0.5 * (end - start)), {}
+    for name, values in curves.items():
+        inset = half if name == "mean_50ms" else 0.0
+        first, last = int((start + inset) / interval), int(np.ceil((end - inset) / interval))
+        found[name] = float(values[first : max(first + 1, last)].max())
+    return found
+
+
+def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
+    """The `COLUMNS` of the first strike of the front and of the rear corner [SI]; NaN without one.
+
+    forces: of each corner, shape (rows,) [N], where several touch at once; else the filters take the total force.
+    """
+    values: dict[str, float] = {}
+    for strike, corner in enumerate(("front", "rear"), 1):
+        contacts = first_strike([each for each in answer.strikes if each.corner == corner])
+        start, end = (contacts[0].start, contacts[-1].end) if contacts else (math.nan, math.nan)
+        force = (forces or {}).get(corner, answer.history["force_normal"])[1:]
+        measures = peaks_within(filtered(force, answer.interval), answer.interval, start, end) | {
+            "raw": max((each.peak_force for each in contacts), default=math.nan),
+            "impulse": math.fsum(each.impulse for each in contacts) if contacts else math.nan,
+            "duration": end - start,
+        }
+        values |= {f"strike_{strike}.{name}": measures[name] for name in QUANTITIES}
+    return values
+
+
+def first_strike(contacts: Sequence[Strike]) -> list[Strike]:
+    """The contacts of one corner, in order of time, that make up its first strike."""
+    found = list(contacts[:1])
+    for contact in contacts[1:]:
+        if contact.start - found[-1].end > SAME_STRIKE:
+            break
+        found.append(contact)
+    return found

@@ -23,6 +23,7 @@ _registered: dict[str, Study] = {}
 
 GONE = {
     "features": "`tailslap check SCENE` names what is left out, benchmarks/features.py times the parts",
+    "strike": "use `tailslap study uncertainty` or, for plates from soft to rigid, `tailslap study flexibility`",
 }
 """Former studies, and what to use in their place."""
 

@@ -1,4 +1,4 @@
-"""Verification: the flexibility study's points out of records of runs, what it says of them, and its page."""
+"""Verification: the flexibility study's rows out of records of runs, what it says of them, and its pages."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,20 +16,33 @@ import pytest
 
 from postprocess.comparison.comparison import KEYS
 from postprocess.report.report import report_text, write_report
+from solver.impact import Strike
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import CHECK_FAILED, _status
+from tailslap.impact.answers import COLUMNS, both_strikes, first_strike
+from tailslap.impact.rigid_text import rigid_impact
 from tailslap.scene.read import read_scene
-from tailslap.studies.flexibility import campaign as survey_module
-from tailslap.studies.flexibility.campaign import (
-    FlexibilityResults,
-    campaign,
-    samples,
+from tailslap.studies.flexibility import compute
+from tailslap.studies.flexibility.compute import (
+    IMPACT_LEVELS,
+    NAMES,
+    STARTS,
+    Flexibility,
+    corner_flexibility,
+    define,
+    impact_row,
+    impact_samples,
+    lowest_frequency,
+    measure_impact,
+    measure_plate,
+    plate_record,
+    plate_row,
+    samples_of,
     start_samples,
     summed_up,
 )
-from tailslap.studies.flexibility.points import Point, make_point
-from tailslap.studies.flexibility.report import flexibility_report, headline
-from tailslap.studies.flexibility.sweep import STARTS, define
+from tailslap.studies.flexibility.report import WORDS, flexibility_report, headline, plates_table
 
 pytestmark = pytest.mark.verification
 
@@ -80,54 +94,51 @@ def plan() -> CornerCase:
 
 
 @pytest.fixture(scope="module")
-def synthetic(plan: CornerCase) -> Callable[..., FlexibilityResults]:
+def synthetic(plan: CornerCase) -> Callable[..., Flexibility]:
     """The campaign of a synthetic power law; changes: records by the place of the point."""
-    sweep = replace(define(plan, SWEEP)[0], own_frequency=100.0)
+    sweep = define(plan)
 
-    def build(changes: Mapping[int, dict[str, Any]] = {}) -> FlexibilityResults:
+    def build(changes: Mapping[int, dict[str, Any]] = {}) -> Flexibility:
         rigid = plan.tail_slap
         records = [point_record(f, rigid) for f in SWEEP]
-        points = tuple(
-            make_point(f, changes.get(i, record), rigid)
+        rows = [
+            plate_row(f, changes.get(i, record), rigid)
             for i, (f, record) in enumerate(zip(SWEEP, records, strict=True))
-        )
-        return summed_up(sweep, points, 1.0)
+        ]
+        return replace(summed_up(sweep, rows, 1.0), own_frequency=100.0)
 
     return build
 
 
-def test_points_carry_difference_and_error(synthetic: Callable[..., FlexibilityResults]) -> None:
-    for point in synthetic().points:
-        whole = 0.04 / point.frequency**2
-        assert point.difference["v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
+def test_points_carry_difference_and_error(synthetic: Callable[..., Flexibility]) -> None:
+    for row in synthetic().rows:
+        whole = 0.04 / row["first_frequency"] ** 2
+        assert row["difference_v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
         left = whole / (1.0 + whole)
-        assert point.errors["v_gy"] == pytest.approx(1.25e-3 * left, rel=0.01)
-        assert point.errors["reaction"] == pytest.approx(1.25e-2 * whole, rel=1e-6)
-        assert point.starts[STARTS[0]].error == pytest.approx(1.25e-3 * whole, rel=1e-6)
-        assert point.starts["unstressed"].error == pytest.approx(4e-5 / point.frequency, rel=1e-6)
-        assert point.passed
+        assert row["error_v_gy"] == pytest.approx(1.25e-3 * left, rel=0.01)
+        assert row["error_reaction"] == pytest.approx(1.25e-2 * whole, rel=1e-6)
+        assert row["inertia-relief:v_gy_error"] == pytest.approx(1.25e-3 * whole, rel=1e-6)
+        assert row["unstressed:v_gy_error"] == pytest.approx(4e-5 / row["first_frequency"], rel=1e-6)
+        assert row["passed"]
 
 
 def test_what_meshes_do_not_show_is_added_to_the_error(plan: CornerCase) -> None:
     rigid = plan.tail_slap
-    plain, damped = (make_point(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
-    for name in ("v_gy", "reaction"):
-        assert damped.errors[name] - plain.errors[name] == pytest.approx(1e-4, rel=1e-6)
-    first = STARTS[0]
-    assert damped.starts[first].error - plain.starts[first].error == pytest.approx(1e-4, rel=1e-6)
+    plain, damped = (plate_row(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
+    for name in ("error_v_gy", "error_reaction", "inertia-relief:v_gy_error"):
+        assert damped[name] - plain[name] == pytest.approx(1e-4, rel=1e-6)
 
 
-def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., FlexibilityResults]) -> None:
-    rigid = synthetic().sweep.plan.tail_slap
+def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., Flexibility]) -> None:
+    rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
-    points: tuple[Point, ...] = synthetic({5: record}).points
-    sizes = [sample.difference for sample in start_samples(points, "unstressed")]
+    sizes = [sample.difference for sample in start_samples(synthetic({5: record}).rows, "unstressed")]
     assert sizes[5] == sizes[4] == pytest.approx(0.04 / SWEEP[4])
     assert sizes == sorted(sizes)
 
 
-def said(found: FlexibilityResults, tmp_path: Path) -> tuple[str, str]:
+def said(found: Flexibility, tmp_path: Path) -> tuple[str, str]:
     """Terminal and page, with plain spaces."""
     report = flexibility_report(found)
     write_report(report, tmp_path)
@@ -136,22 +147,19 @@ def said(found: FlexibilityResults, tmp_path: Path) -> tuple[str, str]:
 
 
 @pytest.mark.long
-def test_what_half_the_patch_changes_is_said(
-    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
-) -> None:
-    rigid = synthetic().sweep.plan.tail_slap
+def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Flexibility], tmp_path: Path) -> None:
+    rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[4], rigid)
     longer = main_meshes(record)[-1]["values"]
     half = {name: rigid[name] + 1.1 * (longer[name] - rigid[name]) for name in rigid}
     found = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half)}})
-    assert found.points[4].half_change == pytest.approx(0.1, rel=1e-6)
     assert ">0.100</td>" in said(found, tmp_path)[1]
     failed = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half, failed=["mesh"])}})
-    assert math.isnan(failed.points[4].half_change)
+    assert math.isnan(failed.rows[4]["half_patch_v_gy"])
     assert ">0.100</td>" not in said(failed, tmp_path)[1]
 
 
-def test_headline(synthetic: Callable[..., FlexibilityResults]) -> None:
+def test_headline(synthetic: Callable[..., Flexibility]) -> None:
     assert headline(synthetic()).replace("\N{NO-BREAK SPACE}", " ") == (
         "Rigid-body v_GY is good to 1 %, at the strike and before, down to a first frequency of 2 Hz (inertia relief), "
         "1.2 Hz (Stage 1's momenta), 4 Hz (unstressed); from any of the three starts, 4 Hz. The scene's own plate has "
@@ -161,7 +169,7 @@ def test_headline(synthetic: Callable[..., FlexibilityResults]) -> None:
 
 @pytest.mark.long
 def test_levels_of_any_start_and_the_power_law_are_said(
-    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
+    synthetic: Callable[..., Flexibility], tmp_path: Path
 ) -> None:
     terminal, page = said(synthetic(), tmp_path)
     assert "any of the three 40 Hz 4 Hz 0.894 Hz 0.632 Hz" in terminal
@@ -171,11 +179,9 @@ def test_levels_of_any_start_and_the_power_law_are_said(
 
 
 @pytest.mark.long
-def test_what_the_starts_depart_from_is_said(
-    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
-) -> None:
+def test_what_the_starts_depart_from_is_said(synthetic: Callable[..., Flexibility], tmp_path: Path) -> None:
     """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
-    rigid = synthetic().sweep.plan.tail_slap
+    rigid = synthetic().case.tail_slap
     found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
     page = said(found, tmp_path)[1]
     rows = page[page.index("What each start departs from") :].split("<tr>")
@@ -183,7 +189,8 @@ def test_what_the_starts_depart_from_is_said(
         [0.0, 0.36, -0.32, 0.0, 0.0, 0.1296, -0.1152, 0.0], rel=5e-3
     )
     assert set(cells(rows, "0.1 Hz")) == {"–"}
-    assert found.points[7].starts[STARTS[0]].kept == pytest.approx(0.9, rel=1e-3)
+    kept = found.rows[7]["inertia-relief:v_gy_at_start"] / found.rows[7]["inertia-relief:v_gy"]
+    assert kept == pytest.approx(0.9, rel=1e-3)
 
 
 def number(shown: str) -> float:
@@ -197,14 +204,14 @@ def cells(rows: list[str], first: str) -> list[str]:
     return re.findall(r"<td[^>]*>([^<]*)</td>", row)
 
 
-def test_headline_of_what_is_not_known(synthetic: Callable[..., FlexibilityResults]) -> None:
+def test_headline_of_what_is_not_known(synthetic: Callable[..., Flexibility]) -> None:
     refused = {"refused": "plate: no"}
     runs = {name: 3 * [refused] for name in STARTS}
     nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
     assert "no run passed its checks" in headline(nothing)
-    rigid = nothing.sweep.plan.tail_slap
+    rigid = nothing.case.tail_slap
 
-    def words(found: FlexibilityResults) -> str:
+    def words(found: Flexibility) -> str:
         return headline(found).replace("\N{NO-BREAK SPACE}", " ")
 
     soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
@@ -222,17 +229,15 @@ def test_headline_of_what_is_not_known(synthetic: Callable[..., FlexibilityResul
     assert found.band[2].text.endswith("Hz")
 
 
-def test_points_that_fail_are_shown_as_such(
-    synthetic: Callable[..., FlexibilityResults], tmp_path: Path
-) -> None:
-    rigid = synthetic().sweep.plan.tail_slap
+def test_points_that_fail_are_shown_as_such(synthetic: Callable[..., Flexibility], tmp_path: Path) -> None:
+    rigid = synthetic().case.tail_slap
     fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
     lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
     refused = point_record(SWEEP[0], rigid)
     main_meshes(refused)[-1] = {"refused": "left out: its time loop would take too long"}
     found = synthetic({0: refused, 2: fails, 8: lost})
-    assert [point.passed for point in found.points] == [i not in (0, 2, 8) for i in range(9)]
-    assert not samples(found.points, "t")[2].passed
+    assert [row["passed"] for row in found.rows] == [i not in (0, 2, 8) for i in range(9)]
+    assert not samples_of(found.rows, "t")[2].passed
     terminal, page = said(found, tmp_path)
     assert "Failed: 1 kHz: left out" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
@@ -267,11 +272,11 @@ def test_interrupted_study_goes_on(plan: CornerCase, tmp_path: Path, monkeypatch
             done.append(key)
             journal.add(key, point_record(float(key.split()[0]), rigid))
 
-    monkeypatch.setattr(survey_module, "run_parts", one_at_a_time)
+    monkeypatch.setattr(compute, "run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
-        campaign(plan, SWEEP, tmp_path / "out", 1)
-    found = campaign(plan, SWEEP, tmp_path / "out", 1)
-    assert len(done) - 1 == len(set(done)) - 1 == len(found.points) == 9
+        corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    found = corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    assert len(done) - 1 == len(set(done)) - 1 == len(found.rows) == 9
     assert list(tmp_path.iterdir()) == []
 
 
@@ -284,7 +289,7 @@ def test_exit_status_where_nothing_passed(
             if key not in journal.records:
                 journal.add(key, point_record(5.0, rigid, values={}, failed=["finite numbers"]))
 
-    monkeypatch.setattr(survey_module, "run_parts", all_fail)
+    monkeypatch.setattr(compute, "run_parts", all_fail)
     given = [
         "study",
         "flexibility",
@@ -297,3 +302,101 @@ def test_exit_status_where_nothing_passed(
     assert _status(given) == CHECK_FAILED
     assert "no run passed its checks" in " ".join(capsys.readouterr().out.split())
     assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
+
+
+FREQUENCIES = (256.0, 128.0, 64.0, 32.0, 16.0, 8.0)
+
+
+@pytest.fixture(scope="module")
+def impact() -> ImpactCase:
+    return ImpactCase(*read_scene("impact-mash-tl4-sut"))
+
+
+def impact_plate(frequency: float, why: str = "", size: float | None = None) -> dict[str, Any]:
+    """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
+    size = 10.0 / frequency**2 if size is None else size
+    groups = {"difference": dict.fromkeys(NAMES, -size), "error": dict.fromkeys(NAMES, 0.01 * size)}
+    return impact_row(frequency, {**groups, "why": why})
+
+
+def test_levels_lie_where_the_difference_of_strikes_crosses_them() -> None:
+    samples = impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
+    levels = [lowest_frequency(samples, level) for level in IMPACT_LEVELS]
+    assert [level.kind for level in levels] == ["crossed"] * 3
+    assert [level.frequency for level in levels] == pytest.approx(
+        [math.sqrt(10.0 / x) for x in (0.01, 0.05, 0.1)]
+    )
+
+
+def test_a_plate_that_strikes_with_other_corners_tells_no_level() -> None:
+    rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, size=math.nan)]
+    level = lowest_frequency(impact_samples(rows, "strike_1.impulse"), IMPACT_LEVELS[-1])
+    assert (level.kind, level.frequency) == ("not reached", 16.0)
+
+
+def test_what_a_plate_s_run_records(monkeypatch: pytest.MonkeyPatch, impact: ImpactCase) -> None:
+    """The mesh's check is left to the levels; what is not compared is not a number; a refusal is its reason."""
+
+    def run(case: Any) -> Any:
+        checks = [SimpleNamespace(name=name, passed=False) for name in ("mesh", "energy balance")]
+        return SimpleNamespace(difference={NAMES[0]: 0.5}, mesh_error={}, checks=checks)
+
+    monkeypatch.setattr(ImpactCase, "run", run)
+    record = measure_impact(impact.source, {"contact.friction": 0.1})
+    assert (record["difference"][NAMES[0]], record["why"]) == (0.5, "energy balance")
+    assert math.isnan(record["difference"][NAMES[1]])
+    refused = {"contact.restitution": 2.0}
+    assert "contact.restitution" in measure_impact(impact.source, refused)["why"]
+    assert "contact.restitution" in measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
+
+
+def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path: Path, impact: ImpactCase) -> None:
+    rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
+    samples = {name: impact_samples(rows, name) for name in NAMES}
+    levels = {
+        name: tuple(lowest_frequency(its, level) for level in IMPACT_LEVELS) for name, its in samples.items()
+    }
+    values = dict.fromkeys(COLUMNS, 3e3)
+    plates = [
+        plate_record(2.0, {}, {}, ("contact: no",)),
+        plate_record(4.0, values, dict.fromkeys(COLUMNS, -0.06), ()),
+        plate_record(8.0, values, dict.fromkeys(COLUMNS, 0.04), ()),
+        plate_record(math.inf, dict.fromkeys(COLUMNS, 2e3), {}, ()),
+    ]
+    assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
+    found = Flexibility(impact, rows, levels, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
+    assert plates_table(found).marks == {0: "failed", 1: "failed"}
+    terminal, page = said(found, tmp_path)
+    assert "to 1 % down to 31.6 Hz" in page
+    assert all(word in page for word in WORDS.values())
+    assert "8 Hz: energy balance" in page
+    assert "2 Hz: contact: no." in page
+    assert "A plate of 8 Hz changes the second strike's impulse by +50 %" in terminal
+    assert page.count("<svg") == 2
+    lines = (tmp_path / "points.csv").read_text().splitlines()
+    assert len(lines) == 1 + len(rows)
+    assert np.isclose(float(lines[1].split(",")[1]), -10.0 / 256.0**2)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [plate["frequency"] for plate in summary["plates"]] == [2.0, 4.0, 8.0, None]
+    assert summary["levels"]["strike_2.impulse"][0]["kind"] == "crossed"
+
+
+def test_contacts_of_a_corner_that_are_close_are_one_strike() -> None:
+    contacts = [
+        Strike("front", start, end, 1.0, 1.0) for start, end in ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
+    ]
+    assert first_strike(contacts) == contacts[:2]
+    assert first_strike([]) == []
+
+
+@pytest.mark.long
+def test_a_stiff_plate_is_the_rigid_vehicle(impact: ImpactCase) -> None:
+    changes = {"plate.youngs_modulus": None, "plate.first_frequency": 200.0, "contact.patch_length": 1.0}
+    meshes = [
+        {**changes, "plate.elements": (10 * n, 4 * n), "time.end": 2.0 * impact.duration} for n in (1, 2)
+    ]
+    rigid, plate = both_strikes(rigid_impact(impact)), measure_plate(impact.source, 200.0, *meshes)
+    assert plate["failed"] == []
+    assert plate["error"] < 1e-2
+    for name, value in plate["values"].items():
+        assert value == pytest.approx(rigid[name], rel=1e-2), name

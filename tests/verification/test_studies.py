@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import tailslap.studies
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
+from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.command_line import _status
 from tailslap.studies import register, study_names
 from tailslap.studies.study import Call, Study
@@ -75,6 +77,22 @@ def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path: Pat
     assert _status(["study", "toy", TRUCK, "--set", "plate=", "--out", str(tmp_path / "none")]) == 2
     assert _status(["study", "toy", "nowhere"]) == 2
     assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.usefixtures("registry")
+@pytest.mark.parametrize(
+    ("kind", "scene", "words"),
+    [(CORNER, f"impact-{TRUCK}", "without this table"), (WHOLE_IMPACT, TRUCK, "with this table")],
+)
+def test_a_study_of_the_other_kind_of_scene_is_refused(
+    kind: str, scene: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    register(replace(TOY, analyses=(kind,)))
+    assert _status(["study", "toy", scene, "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "contact: given" in said
+    assert words in said
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.usefixtures("registry")

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import math
 import re
-from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from postprocess.figures.flexibility_plots import RINGS, SweepAxis, SweepLine, draw_sweep
+from postprocess.figures.loglog import RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.figures.plates import draw_mode
-from postprocess.figures.strike_plots import (
+from postprocess.figures.rows import (
     BandBar,
     InputPanel,
-    PlatePanel,
     draw_bands,
+    draw_histogram,
     draw_inputs,
-    draw_plates,
+    draw_sensitivity,
 )
-from postprocess.figures.uncertainty_plots import draw_histogram, draw_sensitivity
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Shades, Span
 
@@ -92,9 +90,8 @@ def test_a_histogram_says_each_share() -> None:
 
 def test_sensitivity_is_a_row_an_input() -> None:
     inputs = [
-        SimpleNamespace(
-            key=key, first_order=s, total=2 * s, first_order_interval=(s, s), total_interval=(s, 3 * s)
-        )
+        {"key": key, "first_order": s, "total": 2 * s}
+        | {"first_order_interval": [s, s], "total_interval": [s, 3 * s]}
         for key, s in (("a.x", 0.4), ("b.y", 0.1))
     ]
     chart = draw_sensitivity(inputs)
@@ -156,8 +153,8 @@ def test_inputs_have_a_chart_each_and_one_legend() -> None:
 
 
 def test_plates_that_are_not_to_be_relied_on_are_red() -> None:
-    panel = PlatePanel("peak [kN]", {1: [9.0, 5.0, 4.0]}, {1: 4.0})
-    chart = draw_plates([2.0, 4.0, 8.0], [False, True, True], [panel])
+    panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
+    chart = draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
     assert said(chart) == {"first strike": ["5", "4"], "not to be relied on": ["9"]}
 
 

@@ -1,4 +1,5 @@
-"""Verification: the study `uncertainty` against closed forms, SciPy's estimators and single solutions.
+"""Verification: the study `uncertainty` against closed forms, SciPy's estimators, laws of similarity and single
+solutions.
 
 With all else held, the peak force is g (1 - e)/dt: v_GY is in proportion to 1 - e by Eqs 24 and 31, and Eq 73
 divides by dt. For X = 1 - e and Y = 1/dt, uniform e and dt, all moments are elementary.
@@ -18,21 +19,38 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from postprocess.report.report import write_report
+from postprocess.report.terminal import printed
+from postprocess.signals.filters import moving_mean
+from solver.impact import solve_impacts
+from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import _status
 from tailslap.errors import InputError
 from tailslap.files.manifest import NAME as MANIFEST
+from tailslap.impact.answers import COLUMNS, both_strikes, filtered, peaks_within
+from tailslap.impact.rigid_text import rigid_impact
+from tailslap.paper.data import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.studies import study_names
-from tailslap.studies.uncertainty.indices import sobol_indices
-from tailslap.studies.uncertainty.model import peak_forces
-from tailslap.studies.uncertainty.ranges import Range, study_ranges
-from tailslap.studies.uncertainty.sampling import draw
-from tailslap.studies.uncertainty.spread import Spread, describe, find_spread
+from tailslap.studies.uncertainty.compute import (
+    Spread,
+    beside,
+    corner_ranges,
+    corner_spread,
+    demand_corners,
+    impact_ranges,
+    impact_spread,
+    input_curves,
+    measured,
+    peak_forces,
+)
+from tailslap.studies.uncertainty.report import spread_report
 
 pytestmark = pytest.mark.verification
 
-TRUCK = "mash-tl4-sut"
+TRUCK, IMPACT = "mash-tl4-sut", "impact-mash-tl4-sut"
 HELD = ("impact.friction", "impact.speed", "impact.angle")
 E_LOW, E_HIGH, DT_LOW, DT_HIGH = 0.0, 0.4, 0.08, 0.18  # the default ranges
 MPH, DEGREE, POUND = 1609.344 / 3600.0, math.pi / 180.0, 0.45359237
@@ -44,7 +62,7 @@ def plan_of(name: str, *changes: str) -> CornerCase:
 
 def run(name: str, *ranges: str, fixed: tuple[str, ...] = (), samples: int = 100_000) -> Spread:
     plan = plan_of(name)
-    return find_spread(plan, study_ranges(plan, ranges, fixed), samples)
+    return corner_spread(plan, corner_ranges(plan, ranges, fixed), samples)
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +77,22 @@ def complete() -> Spread:
     return run(TRUCK)
 
 
+@pytest.fixture(scope="module")
+def impacts() -> Spread:
+    """The study of a whole impact, as small as it gets."""
+    plan = impact_of()
+    return impact_spread(plan, impact_ranges(plan), 288)
+
+
+def impact_of(*changes: str, name: str = IMPACT) -> ImpactCase:
+    return ImpactCase(*read_scene(name, changes))
+
+
+def indices(spread: Spread, name: str) -> np.ndarray:
+    """One of the indices of the peak force, an entry an input."""
+    return np.array([row[name] for row in spread.sources["peak_force"]])
+
+
 def moments() -> tuple[float, float, float, float]:
     """E X, E X^2, E Y, E Y^2."""
     low, high = 1.0 - E_HIGH, 1.0 - E_LOW
@@ -68,9 +102,9 @@ def moments() -> tuple[float, float, float, float]:
 
 def factor(spread: Spread) -> float:
     """g [N s], from the scene's own force."""
-    impact = spread.plan.scene.impact
+    impact = spread.case.scene.impact
     assert impact is not None
-    return spread.plan.force.peak_force * spread.plan.scene.strike.duration / (1.0 - impact.restitution)
+    return spread.own["peak_force"] * spread.case.scene.strike.duration / (1.0 - impact.restitution)
 
 
 def test_sobol_indices_of_a_product(product: Spread) -> None:
@@ -79,23 +113,23 @@ def test_sobol_indices_of_a_product(product: Spread) -> None:
     variance, var_x, var_y = xx * yy - (x * y) ** 2, xx - x * x, yy - y * y
     first = np.array([var_x * y * y, var_y * x * x]) / variance
     total = np.array([var_x * yy, var_y * xx]) / variance
-    assert [item.key for item in product.samples.ranges] == ["impact.restitution", "strike.duration"]
-    found = product.indices
-    assert found.first == pytest.approx(first, abs=3e-4)
-    assert found.total == pytest.approx(total, abs=3e-4)
-    for exact, (low, high) in ((first, found.first_interval), (total, found.total_interval)):
+    assert [item.key for item in product.ranges] == ["impact.restitution", "strike.duration"]
+    for name, exact in (("first_order", first), ("total", total)):
+        assert indices(product, name) == pytest.approx(exact, abs=3e-4)
+        low, high = indices(product, f"{name}_interval").T
         assert np.all((low < exact) & (exact < high))
 
 
 def test_distribution_of_a_product(product: Spread) -> None:
     x, xx, y, yy = moments()
-    g, found = factor(product), product.distribution
+    g, found = factor(product), product.band("peak_force")
     assert found.mean == pytest.approx(g * x * y, rel=1e-6)
     assert found.standard_deviation == pytest.approx(g * math.sqrt(xx * yy - (x * y) ** 2), rel=1e-4)
-    for share, force in zip((0.05, 0.5, 0.95), found.percentiles, strict=True):
-        assert below(force / g) == pytest.approx(share, abs=4e-4)  # 2e-3 for random points
-    shares = np.array([below(edge / g) for edge in found.edges])
-    assert found.counts / found.counts.sum() == pytest.approx(np.diff(shares), abs=4e-4)
+    for fraction, force in zip((0.05, 0.5, 0.95), found.percentiles, strict=True):
+        assert below(force / g) == pytest.approx(fraction, abs=4e-4)  # 2e-3 for random points
+    histogram = spread_report(product).summary["peak_force"]["histogram"]
+    fractions = np.array([below(edge / g) for edge in histogram["edges"]])
+    assert histogram["counts"] / histogram["counts"].sum() == pytest.approx(np.diff(fractions), abs=4e-4)
 
 
 def below(ratio: float) -> float:
@@ -107,34 +141,36 @@ def below(ratio: float) -> float:
 def test_one_input_has_all_the_variance_and_a_uniform_force() -> None:
     """Restitution alone: F = g (1 - e)/dt is uniform, and its index is 1."""
     spread = run(TRUCK, fixed=(*HELD, "strike.duration"))
-    top = factor(spread) / spread.plan.scene.strike.duration
+    top = factor(spread) / spread.case.scene.strike.duration
     expected = [top * (1.0 - E_HIGH + share * (E_HIGH - E_LOW)) for share in (0.05, 0.5, 0.95)]
-    assert spread.distribution.percentiles == pytest.approx(expected, rel=1e-4)
-    assert spread.distribution.standard_deviation == pytest.approx(top * 0.4 / math.sqrt(12.0), rel=1e-5)
-    assert (*spread.indices.first, *spread.indices.total) == pytest.approx((1.0, 1.0), abs=1e-3)
+    assert spread.band("peak_force").percentiles == pytest.approx(expected, rel=1e-4)
+    assert spread.band("peak_force").standard_deviation == pytest.approx(
+        top * 0.4 / math.sqrt(12.0), rel=1e-5
+    )
+    assert (*indices(spread, "first_order"), *indices(spread, "total")) == pytest.approx((1.0, 1.0), abs=1e-3)
 
 
 def test_indices_lie_between_zero_and_one_and_alone_below_in_all(complete: Spread) -> None:
-    first, total = complete.indices.first, complete.indices.total
+    first, total = indices(complete, "first_order"), indices(complete, "total")
     assert np.all((first > 0.0) & (first < total) & (total < 1.0))
     assert first.sum() < 1.0 < total.sum()
-    shown = dict(zip((item.key for item in complete.samples.ranges), total, strict=True))
+    shown = dict(zip((item.key for item in complete.ranges), total, strict=True))
     assert max(shown, key=lambda key: shown[key]) == "strike.duration"
 
 
-def ishigami(rows: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """f(A), f(B), f(AB) of sin x + 7 sin^2 y + 0.1 z^4 sin x on (-pi, pi)^3."""
+def ishigami(rows: int) -> np.ndarray:
+    """f(A), f(B), f(AB), a row each, of sin x + 7 sin^2 y + 0.1 z^4 sin x on (-pi, pi)^3."""
     points = math.pi * (2.0 * stats.qmc.Sobol(6, seed=np.random.default_rng(1)).random(rows).T - 1.0)
     a, b = points[:3], points[3:]
     tables = [a, b, *(np.where(np.arange(3)[:, None] == i, b, a) for i in range(3))]
     forces = [np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x) for x, y, z in tables]
-    return forces[0], forces[1], np.array(forces[2:])
+    return np.array(forces)
 
 
 def test_estimators_are_scipys_and_give_ishigamis_indices() -> None:
     """Exact: V = V_1 + V_2 + V_13, V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225."""
-    f_a, f_b, f_ab = ishigami(2**14)
-    found = sobol_indices(f_a, f_b, f_ab, seed=1)
+    table = ishigami(2**14)
+    (f_a, f_b), f_ab, found = table[:2], table[2:], sobol_indices(table, seed=1)
     reference = stats.sobol_indices(func={"f_A": f_a[None], "f_B": f_b[None], "f_AB": f_ab[:, None]}, n=2**14)
     assert found.first == pytest.approx(reference.first_order, abs=1e-12)
     assert found.total == pytest.approx(reference.total_order, abs=1e-12)
@@ -145,16 +181,16 @@ def test_estimators_are_scipys_and_give_ishigamis_indices() -> None:
 
 
 def test_the_bootstrap_is_the_estimators_on_rows_drawn_with_replacement() -> None:
-    f_a, f_b, f_ab = ishigami(256)
-    mean = np.mean([f_a, f_b])
-    f_a, f_b, f_ab = f_a - mean, f_b - mean, f_ab - mean
+    table = ishigami(256)
+    centred = table - np.mean(table[:2])
+    (f_a, f_b), f_ab = centred[:2], centred[2:]
     random, drawn = np.random.default_rng(5), []
     for _ in range(500):
         rows = random.integers(0, 256, 256, dtype=np.int32)
         a, b, ab = f_a[rows], f_b[rows], f_ab[:, rows]
         variance = np.var([a, b])
         drawn.append([np.mean(b * (ab - a), axis=1), np.mean((a - ab) ** 2, axis=1) / 2.0] / variance)
-    found = sobol_indices(f_a, f_b, f_ab, seed=5)
+    found = sobol_indices(table, seed=5)
     for i, interval in enumerate((found.first_interval, found.total_interval)):
         assert interval == pytest.approx(np.percentile(drawn, [2.5, 97.5], axis=0)[:, i], abs=1e-12)
 
@@ -164,7 +200,7 @@ def test_the_bootstrap_s_intervals_are_those_of_random_rows() -> None:
     random, found, half = np.random.default_rng(2), [], []
     for seed in range(60):
         x, y = random.uniform(0.5, 1.0, (2, 2, 512))
-        result = sobol_indices(x[0] * y[0], x[1] * y[1], np.array([x[1] * y[0], x[0] * y[1]]), seed)
+        result = sobol_indices(np.array([x[0] * y[0], x[1] * y[1], x[1] * y[0], x[0] * y[1]]), seed)
         found.append([*result.first, *result.total])
         intervals = np.hstack([result.first_interval, result.total_interval])
         half.append((intervals[1] - intervals[0]) / 2.0)
@@ -187,21 +223,26 @@ def test_each_combination_is_the_plan_s_own_solution(
     name: str, ranges: tuple[str, ...], changes: tuple[str, ...]
 ) -> None:
     plan = CornerCase(*read_scene(name, changes))
-    samples = draw(plan.scene, study_ranges(plan, ranges, ()), 10)
-    for table, forces in ((samples.a, samples.force_a), (samples.b, samples.force_b)):
-        for column, force in zip(table.T.tolist(), forces, strict=True):
-            values = {item.key: x for item, x in zip(samples.ranges, column, strict=True)}
-            assert plan.varied(values).force.peak_force == pytest.approx(force, rel=1e-12)
+    keys = [item.key for item in corner_ranges(plan, ranges)]
+    inputs, tables = sampled(
+        corner_ranges(plan, ranges), 10, lambda given: {"f": peak_forces(plan.scene, given)}
+    )
+    assert list(inputs) == keys
+    for column, force in zip(np.array([*inputs.values()]).T[:64].tolist(), tables["f"].ravel(), strict=False):
+        changed = plan.varied(dict(zip(keys, column, strict=True)))
+        assert changed.force.peak_force == pytest.approx(force, rel=1e-12)
 
 
 def test_mixtures_take_one_input_from_the_second_table() -> None:
-    plan = CornerCase(*read_scene(TRUCK))
-    samples = draw(plan.scene, study_ranges(plan, (), ()), 100)
-    keys = [item.key for item in samples.ranges]
+    ranges = corner_ranges(plan_of(TRUCK))
+    inputs, tables = sampled(ranges, 100, lambda given: {"sum": sum(given.values(), np.zeros(()))})
+    keys, values = list(inputs), np.array([*inputs.values()]).reshape(len(ranges), len(ranges) + 2, -1)
+    a, b, *mixed = np.moveaxis(values, 1, 0)
     for i in range(len(keys)):
-        inputs = {key: (samples.b if key == keys[i] else samples.a)[j] for j, key in enumerate(keys)}
-        assert np.array_equal(samples.force_ab[i], peak_forces(plan.scene, inputs))
-    assert samples.combinations == len(samples.force_a) * (len(keys) + 2) >= 100
+        assert np.array_equal(mixed[i][i], b[i])
+        assert np.array_equal(np.delete(mixed[i], i, 0), np.delete(a, i, 0))
+        assert np.array_equal(tables["sum"][i + 2], sum(mixed[i]))
+    assert tables["sum"].size >= 100
 
 
 def test_what_the_theory_refuses_is_counted_and_said(
@@ -274,7 +315,7 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path: Path, monkeypatch: pyt
 
 def test_default_ranges() -> None:
     """MASH: 2.5 mph, 1.5 deg; 110 lb for the pickup, 55 lb for the car; the truck's tolerance is not known."""
-    found = {item.key: item for item in study_ranges(plan_of("mash-tl3-pickup"), (), ())}
+    found = {item.key: item for item in corner_ranges(plan_of("mash-tl3-pickup"))}
     expected = {
         "vehicle.mass": (4890 * POUND, 5110 * POUND),
         "impact.speed": (59.5 * MPH, 64.5 * MPH),
@@ -286,23 +327,23 @@ def test_default_ranges() -> None:
     assert set(found) == set(expected)
     for key, ends in expected.items():
         assert (found[key].lower, found[key].upper) == pytest.approx(ends, rel=1e-12)
-    (mass,) = (item for item in study_ranges(plan_of("mash-tl1-car"), (), ()) if item.key == "vehicle.mass")
+    (mass,) = (item for item in corner_ranges(plan_of("mash-tl1-car")) if item.key == "vehicle.mass")
     assert (mass.lower / POUND, mass.upper / POUND) == pytest.approx((2365, 2475), rel=1e-12)
-    assert "vehicle.mass" not in {item.key for item in study_ranges(plan_of(TRUCK), (), ())}
+    assert "vehicle.mass" not in {item.key for item in corner_ranges(plan_of(TRUCK))}
 
 
 def test_only_what_the_force_depends_on_varies() -> None:
     """[start] overrides Stage 1; without friction no coefficient counts."""
-    assert [item.key for item in study_ranges(plan_of("paper-table-3"), (), ())] == [
+    assert [item.key for item in corner_ranges(plan_of("paper-table-3"))] == [
         "impact.friction",
         "strike.duration",
     ]
-    assert [item.key for item in study_ranges(plan_of("paper-abaqus"), (), ())] == ["strike.duration"]
+    assert [item.key for item in corner_ranges(plan_of("paper-abaqus"))] == ["strike.duration"]
 
 
 def test_given_ranges_take_units_and_replace_the_default() -> None:
     given = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
-    found = {item.key: item for item in study_ranges(plan_of(TRUCK), given, ("impact.angle",))}
+    found = {item.key: item for item in corner_ranges(plan_of(TRUCK), given, ("impact.angle",))}
     assert (found["impact.speed"].lower, found["impact.speed"].upper) == pytest.approx((50 * MPH, 60 * MPH))
     assert (found["vehicle.length"].lower, found["vehicle.length"].upper) == pytest.approx((9.144, 10.0))
     friction = found["impact.friction"]
@@ -337,7 +378,7 @@ def test_wrong_ranges_are_told_which_key(
     ranges: tuple[str, ...], fixed: tuple[str, ...], key: str, message: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        study_ranges(plan_of(TRUCK), ranges, fixed)
+        corner_ranges(plan_of(TRUCK), ranges, fixed)
     assert caught.value.key == key
     assert message in caught.value.allowed
 
@@ -346,39 +387,45 @@ def test_a_default_range_that_does_not_fit_says_whose_it_is() -> None:
     with pytest.raises(
         InputError, match=r"impact\.angle: given .* by default .*1\.5 deg, MASH.*--range gives"
     ):
-        study_ranges(plan_of(TRUCK, "impact.angle=1 deg"), (), ())
+        corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
 
 
 def test_a_force_that_does_not_change_has_no_indices() -> None:
     """[start] gives the state after the impact, so that the speed, forced to vary here, has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(InputError, match="the same all over"):
-        find_spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
+        corner_spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 
 
-def test_describe_by_hand() -> None:
-    found = describe(np.array([1.0, 2.0, 3.0, 4.0, 5.0]))
+def test_bands_by_hand() -> None:
+    found = band_of(np.array([1.0, 2.0, 3.0, 4.0, 5.0, np.nan]))
     assert (found.mean, found.percentiles[1]) == (3.0, 3.0)
     assert found.standard_deviation == pytest.approx(math.sqrt(2.5), rel=1e-15)
     assert (found.percentiles[0], found.percentiles[2]) == pytest.approx((1.2, 4.8), rel=1e-15)
-    assert found.counts.sum() == 5
+    assert found.fraction_below(3.0) == 0.4
+    band = band_of(np.append(np.arange(101.0), np.nan))
+    assert band.percentiles == (5.0, 50.0, 95.0)
+    assert band.standard_deviation == pytest.approx(math.sqrt(101.0 * 102.0 / 12.0), rel=1e-12)
+    table = band_of(np.array([[1.0, np.nan], [2.0, 3.0], [9.0, 9.0]]))
+    assert table.values.tolist() == [1.0, 2.0, 3.0], "mixtures are not of the distribution"
 
 
 def test_a_hundred_thousand_combinations_in_two_seconds() -> None:
     plan = plan_of("mash-tl3-pickup")
-    ranges = study_ranges(plan, (), ())
+    ranges = corner_ranges(plan)
     began = time.process_time()
-    spread = find_spread(plan, ranges, 100_000)
+    spread = corner_spread(plan, ranges, 100_000)
     assert time.process_time() - began < 2.0
-    assert spread.samples.combinations >= 100_000
+    assert spread.computed >= 100_000
 
 
 def test_more_rows_come_closer(complete: Spread) -> None:
     """A quarter of the combinations agrees with the whole within its own intervals."""
     fewer = run(TRUCK, samples=25_000)
-    assert fewer.samples.force_a.size * 4 == complete.samples.force_a.size
-    low, high = fewer.indices.first_interval
-    assert np.all((low < complete.indices.first) & (complete.indices.first < high))
+    assert fewer.rows * 4 == complete.rows
+    low, high = indices(fewer, "first_order_interval").T
+    exact = indices(complete, "first_order")
+    assert np.all((low < exact) & (exact < high))
 
 
 def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
@@ -390,10 +437,193 @@ def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str
     assert _status(["study", "uncertainty", TRUCK, "--samples", "10"]) == 2
 
 
-def test_parts_of_the_record(complete: Spread) -> None:
-    """What is held, and how the scene's own force compares."""
-    assert complete.fixed == ("vehicle.length", "vehicle.width", "vehicle.mass")
-    forces: Any = np.concatenate([complete.samples.force_a, complete.samples.force_b])
-    assert complete.share_below == np.mean(forces < complete.plan.force.peak_force)
-    nothing = replace(complete.samples, force_a=np.full_like(complete.samples.force_a, np.nan))
-    assert nothing.rows_left_out == nothing.refused == len(nothing.force_a)
+def test_what_is_held_and_how_the_scene_s_own_force_compares(complete: Spread) -> None:
+    report = spread_report(complete)
+    assert report.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
+    below_own = np.mean(complete.samples["peak_force"] < complete.case.force.peak_force)
+    assert f"more than {100.0 * below_own:.0f} % of them" in report.page.headline
+    nothing = {"peak_force": np.where(np.arange(complete.rows) < 0, 0.0, complete.tables["peak_force"])}
+    nothing["peak_force"][0] = np.nan
+    summary = spread_report(replace(complete, tables=nothing)).summary
+    assert summary["rows_left_out"] == summary["refused"] == complete.rows
+
+
+def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass() -> None:
+    """F = v sqrt(k m) of a point mass, exact here too where the path is the same: k ~ v^2, k ~ m; T ~ sqrt(m/k)."""
+    plan, ones = impact_of(), np.ones(3)
+    faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
+    inputs = {
+        "impact.speed": 20.0 * faster,
+        "vehicle.mass": 9000.0 * heavier,
+        "contact.stiffness": 1e6 * ones * faster**2 * heavier,
+    }
+    columns = measured(plan, inputs)
+    force = faster * np.sqrt(faster**2 * heavier * heavier)
+    for strike in (1, 2):
+        raw, impulse, duration = (
+            columns[f"strike_{strike}.{name}"] for name in ("raw", "impulse", "duration")
+        )
+        assert raw / raw[0] == pytest.approx(force, rel=1e-9)
+        assert impulse / impulse[0] == pytest.approx(force / faster, rel=1e-9)
+        assert duration / duration[0] == pytest.approx(1.0 / faster, rel=1e-9)
+        for name in ("mean_50ms", "cfc60"):  # the filters' windows do not scale with the time
+            values = columns[f"strike_{strike}.{name}"]
+            assert values[2] / values[0] == pytest.approx(1.7, rel=1e-9)
+
+
+def test_many_impacts_are_the_single_one() -> None:
+    """Against the solution from event to event, with yaw inertia and centre of mass of their own."""
+    plan = impact_of(
+        "vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2", "contact.initial_force=20 kN"
+    )
+    exact, many = (
+        both_strikes(rigid_impact(plan)),
+        measured(plan, {"impact.speed": np.array([25.034, 25.034])}),
+    )
+    plan_speed = plan.scene.impact.speed if plan.scene.impact else 0.0
+    assert plan_speed == pytest.approx(25.034, rel=1e-4)
+    for name in COLUMNS:
+        assert many[name] == pytest.approx(exact[name], rel=1e-3), name
+
+
+def test_rows_of_the_force_history_hold_impulse_and_mean() -> None:
+    given = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0, "angle": 0.26, "friction": 0.47}
+    impacts = solve_impacts(**given, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
+    assert impacts.mean_force.shape[1:] == (1, 2)
+    for force, mean in zip(impacts.mean_force[:, 0].T, impacts.mean_50ms[0], strict=True):
+        assert moving_mean(np.append(0.0, force), 5e-4, 0.05).max() == pytest.approx(mean, rel=1e-3)
+    first = impacts.mean_force[: round(0.2 / 5e-4)].sum(axis=0) * 5e-4
+    assert first == pytest.approx(impacts.impulse[0], rel=1e-9)
+    assert solve_impacts(**given, stiffness=1e6, restitution=0.2).mean_force.shape == (0,)
+
+
+def test_filtered_peaks_are_those_in_the_strike() -> None:
+    """A rectangle of 80 ms and 1 N, and 10 ms later one of 2 N: the mean of the first does not know the second."""
+    force = np.zeros(400)
+    force[100:180], force[190:300] = 1.0, 2.0
+    curves = filtered(force, 1e-3)
+    assert peaks_within(curves, 1e-3, 0.1, 0.18)["mean_50ms"] == pytest.approx(1.0, rel=1e-12)
+    assert peaks_within(curves, 1e-3, 0.19, 0.3)["mean_50ms"] == pytest.approx(2.0, rel=1e-12)
+    assert all(map(math.isnan, peaks_within(curves, 1e-3, math.nan, math.nan).values()))
+
+
+def test_stiffness_alone_has_all_of_the_variance() -> None:
+    plan = impact_of()
+    fixed = tuple(item.key for item in impact_ranges(plan) if item.key != "contact.stiffness")
+    ranges = impact_ranges(plan, (), fixed)
+    assert [item.key for item in ranges] == ["contact.stiffness"]
+    found = impact_spread(plan, ranges, 288)
+    for name in ("strike_1.raw", "strike_2.mean_50ms", "strike_2.duration"):
+        (source,) = found.sources[name]
+        assert (source["first_order"], source["total"]) == pytest.approx((1.0, 1.0), abs=0.05)
+
+
+def test_indices_of_both_strikes_and_order_of_the_bands(impacts: Spread) -> None:
+    for name, sources in impacts.sources.items():
+        assert sum(row["total"] for row in sources) > 0.8, name  # at least 1, but for the few rows
+        assert all(row["total"] > -0.02 for row in sources)
+    assert impacts.sources_of("strike_2.raw")[0]["key"] == "contact.stiffness"
+    for name in COLUMNS:
+        low, middle, high = impacts.band(name).percentiles
+        assert low < middle < high
+        assert low < impacts.own[name] < high
+
+
+def test_validation_uncertainty_by_hand() -> None:
+    """u_val^2 = 3^2 + 4^2 without u_D; E = 13 needs u_D = 12."""
+    band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
+    near, far = (
+        beside(
+            ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)), "50 ms mean", "", 100.0, 3.0, band
+        )
+        for force in (104.0, 87.0)
+    )
+    assert [near[name] for name in ("error", "within", "u_d_needed", "share_below")] == [
+        -4.0,
+        True,
+        0.0,
+        2 / 3,
+    ]
+    assert (far["error"], far["within"]) == (13.0, False)
+    assert far["u_d_needed"] == pytest.approx(12.0, rel=1e-14)
+    assert near["verdict"] == "within u_val"
+    assert "unless u_D" in far["verdict"]
+
+
+def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts: Spread) -> None:
+    assert [each["row"] for each in impacts.beside] == [*"abcdef"] * 2
+    by_row = {each["row"]: each for each in impacts.beside[:6]}
+    assert [by_row[name]["measured"] for name in "abcdef"] == [680e3, 595e3, 415e3, 351e3, 360e3, 375e3]
+    assert len({by_row[name]["simulated"] for name in "acdef"}) == 1
+    assert by_row["b"]["simulated"] > by_row["a"]["simulated"]
+    assert "57.4 mph" in by_row["b"]["known"]
+
+
+def test_another_test_level_has_no_rows() -> None:
+    plan = impact_of(name="impact-mash-tl3-car")
+    assert impact_spread(plan, impact_ranges(plan), 288).beside == ()
+
+
+def test_curves_go_through_the_scenes_own_values(impacts: Spread) -> None:
+    assert [curve["key"] for curve in input_curves(impacts.case)] == [each["key"] for each in impacts.curves]
+    for each in impacts.curves:
+        for name in ("strike_1.raw", "strike_2.impulse"):
+            own = np.interp(each["own"], each["values"], each["columns"][name])
+            assert own == pytest.approx(impacts.own[name], rel=0.02), (each["key"], name)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"contact.side_stiffness": 1e10}, "contact.side_stiffness"),
+        ({"contact.stiffness": None, "contact.restitution": None}, "contact.stiffness"),
+    ],
+)
+def test_contacts_that_the_study_cannot_vary_are_refused(changes: dict[str, Any], key: str) -> None:
+    plan = impact_of().varied(changes)
+    with pytest.raises(InputError) as caught:
+        demand_corners(plan)
+    assert caught.value.key == key
+
+
+def test_ranges_that_make_no_impact_are_refused(tmp_path: Path) -> None:
+    for given in ("impact.angle=0 deg:20 deg", "strike.duration=0.1:0.2", "contact.restitution=0.5:1.5"):
+        arguments = ["study", "uncertainty", IMPACT, "--range", given, "--out", str(tmp_path / "out")]
+        assert _status(arguments) == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_study_of_strikes_says_where_it_went(capsys: pytest.CaptureFixture[str]) -> None:
+    assert _status(["study", "strike", IMPACT]) == 2
+    said = capsys.readouterr().err
+    assert "study uncertainty" in said
+    assert "study flexibility" in said
+
+
+def test_page_files_and_terminal_of_a_whole_impact(impacts: Spread, tmp_path: Path) -> None:
+    report = spread_report(impacts)
+    write_report(report, tmp_path)
+    page = (tmp_path / "report.html").read_text()
+    drawn = {path.stem for path in tmp_path.glob("*.svg")}
+    assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
+    assert page.count("<svg") == len(drawn) == 3 + len(impacts.curves)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["own"] == pytest.approx(dict(impacts.own))
+    assert {each["u_d"] for each in summary["rows"]} == {None}
+    with (tmp_path / "samples.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == 2 * impacts.rows
+    with (tmp_path / "curves.csv").open() as file:
+        assert {line["input"] for line in csv.DictReader(file)} == {each["key"] for each in impacts.curves}
+    assert max(map(len, printed(report.terminal).splitlines())) <= 96
+
+
+def test_impacts_without_a_second_strike_are_told(impacts: Spread) -> None:
+    tables = {name: table.copy() for name, table in impacts.tables.items()}
+    tables["strike_2.impulse"][0, :3] = np.nan
+    found = replace(impacts, tables=tables)
+    assert found.band("strike_2.impulse").values.size == 2 * found.rows - 3
+    report = spread_report(found)
+    assert report.summary["without_second_strike"] == 3
+    assert any(
+        "3 impacts have no second strike" in text for part in report.page.sections for text in part.sentences
+    )

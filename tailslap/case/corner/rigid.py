@@ -82,7 +82,7 @@ class RigidStages(Case):
         if self.scene.contact is not None:
             allowed = (
                 "this command or study is of the paper's constrained corner; of a whole impact there are run, rigid, "
-                "check, sweep, and study strike, flexibility, cost, stability"
+                "check, sweep, and study uncertainty, flexibility, cost, stability"
             )
             raise InputError("contact", "a table", allowed)
         _ = self.force

@@ -1,53 +1,79 @@
-"""What the study of flexibility reports."""
+"""Page, summary and tables of the study of flexibility."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
 
-from postprocess.report.numbers import known
+from postprocess.comparison.comparison import KEYS, QUANTITIES
+from postprocess.figures.loglog import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
+from postprocess.report.numbers import known, percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
+from postprocess.svg.chart import Chart
+from tailslap.impact.answers import COLUMNS
+from tailslap.impact.answers import QUANTITIES as OF_STRIKES
 from tailslap.report.common import study_page, study_summary
-from tailslap.studies.flexibility.campaign import LEVELS, FlexibilityResults
-from tailslap.studies.flexibility.diagrams import START_NAMES, SYMBOLS, figures
-from tailslap.studies.flexibility.levels import hertz
-from tailslap.studies.flexibility.measure import KEPT
-from tailslap.studies.flexibility.points import MEASURED
-from tailslap.studies.flexibility.sweep import STARTS
-
-if TYPE_CHECKING:
-    from tailslap.studies.flexibility.impacts import ImpactFlexibility
-
-MAIN = LEVELS.index(1e-2)
-SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
-F1 = Column("frequency", "f_1", form=hertz)
-GOOD = (
-    Column("what", "Off by at most"),
-    *columns({f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(LEVELS)}, form=str),
+from tailslap.studies.flexibility.compute import (
+    IMPACT_LEVELS,
+    KEPT,
+    LEVELS,
+    MEASURED,
+    NAMES,
+    STARTS,
+    Flexibility,
+    Reach,
+    Record,
+    hertz,
 )
+
+START_NAMES = dict(zip(STARTS, ("inertia relief", "Stage 1's momenta", "unstressed"), strict=True))
+SYMBOLS = {name: quantity.symbol for name, quantity in QUANTITIES.items()}
+SYMBOLS |= {"reaction": "reaction", "stored": "stored energy", "v_p": "v_P"}
+MAIN, MAIN_STRIKE = LEVELS.index(1e-2), "strike_2.impulse"
+"""What the headlines tell."""
+
+SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
+SIGNED, ONE = known("+.2e"), known(".1f")
+F1 = Column("frequency", "f_1", form=hertz)
+FILES = "points.csv, every plate with its numbers in SI; summary.json"
+
+
+def _good(levels: Sequence[float]) -> tuple[Column, ...]:
+    named = {f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(levels)}
+    return (Column("what", "Off by at most"), *columns(named, form=str))
+
+
 LAWS = (
     Column("law.exponent", "Exponent of f_1", form=".3f"),
     *columns({"law.highest": "From", "law.lowest": "Down to"}, form=hertz),
 )
-ERRORS = {name: Column(f"errors.{name}", "", form=SIZE) for name in MEASURED}
-POINTS = [Column(f"seven.{name}", SYMBOLS[name], form=SIZE, below=error) for name, error in ERRORS.items()]
-PARTS = {"difference": "At the strike", "largest": "Largest", "error": "Error"}
+POINTS = [
+    Column(column, SYMBOLS[name], form=SIZE, below=Column(f"error_{name}", "", form=SIZE))
+    for name, column in MEASURED.items()
+]
+PARTS = {"v_gy": "At the strike", "v_gy_largest": "Largest", "v_gy_error": "Error"}
 STARTED = [
-    Column(f"good.{start}.{key}", label, form=SIZE, group=group)
+    Column(f"{start}:{key}", label, form=SIZE, group=group)
     for start, group in START_NAMES.items()
     for key, label in PARTS.items()
 ]
 KEPT_BY = [
-    Column(f"good.{start}.departure.{name}", SYMBOLS[name], form=DEPARTURE, group=START_NAMES[start])
+    Column(f"{start}:{name}_at_start", SYMBOLS[name], form=DEPARTURE, group=START_NAMES[start])
     for start in STARTS[:2]
     for name in KEPT
 ]
-PLATES = {"deflection_ratio": "Static deflection ratio", "half_change": "Half the patch changes v_GY by"}
-PLATES |= {"thickness.apart": "Thickness for E, apart"}
-STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping", "Damping", "1/s", form=SIZE))
-MODAL = {"modal.v_gy": "v_GY", "modal_apart": "Largest of five from FE", "modal_estimate": "Own estimate"}
+PLATE_COLUMNS = {
+    "deflection_ratio": "Static deflection ratio",
+    "half_change": "Half the patch changes v_GY by",
+    "thickness_apart": "Thickness for E, apart",
+}
+STIFF = (
+    Column("youngs_modulus", "E", "Pa", form=SIZE),
+    Column("damping_rate", "Damping", "1/s", form=SIZE),
+)
+MODAL = {"modal_v_gy": "v_GY", "modal_apart": "Largest of five from FE", "modal_estimate": "Own estimate"}
 READING = (
     "Inertia relief begins in the elastic state of the rigid acceleration, with the rigid body's spin and corner speed "
     "or, by Stage 1's momenta, its v_GX and v_GY; unstressed, the plate has all four, oscillates and strikes in any "
@@ -55,89 +81,300 @@ READING = (
     "Errors, below the values: the grid convergence index of three meshes, and what damping and ringing may do. Plates "
     "set off failed a check.",
 )
+WORDS = {
+    f"strike_{k}.{name}": f"{which} strike's {word}"
+    for k, which in ((1, "first"), (2, "second"))
+    for name, word in (("impulse", "impulse"), ("peak_force", "peak"), ("duration", "duration"))
+}
+STRIKE_POINTS = [
+    Column(f"difference.{name}", WORDS[name], form=SIGNED, below=Column(f"error.{name}", "", form=SIGNED))
+    for name in NAMES
+]
+IMPACT_READING = (
+    "FE/rigid - 1 of each strike, the mesh's error below it: what elements of twice the order change. A plate whose "
+    "first two strikes are not of the rigid vehicle's corners has no numbers. Levels: lowest first frequency down to "
+    "which the difference stays below; <: at least down to there, >: not even there."
+)
+PLATES = (
+    "FE runs, soft to rigid, the corner's crush spread over a tenth of the length so that meshes converge; contacts of "
+    "a corner within 50 ms are one strike, filtered by itself. Mesh: the largest difference to a mesh half as fine; "
+    "above 5 %, or with a failed check, a plate is not to be relied on."
+)
+PLATE_PANELS = {"impulse": "impulse", "raw": "peak", "mean_50ms": "50 ms mean", "duration": "duration"}
 
 
-def flexibility_report(found: FlexibilityResults | ImpactFlexibility) -> Report:
+def flexibility_report(found: Flexibility) -> Report:
     """Page, summary, points, and what the terminal says."""
-    if not isinstance(found, FlexibilityResults):
-        from tailslap.studies.flexibility.impact_report import impact_flexibility_report
+    return impact_report(found) if found.case.scene.contact else corner_report(found)
 
-        return impact_flexibility_report(found)
-    three, five, reaction, stored, modes = figures(found)
-    starts = found.starts | {"any of the three": found.band}
-    rows = [{"what": START_NAMES.get(name, name), "levels": its} for name, its in starts.items()]
-    v_gy = Table(GOOD, rows, "v_GY is good down to a first frequency of", marks={len(STARTS): "marked"})
+
+def corner_report(found: Flexibility) -> Report:
+    """Of a constrained corner: three starts, the other quantities, the modal model."""
+    starts, rows = {**found.levels, "any of the three": found.band}, [_shown(row) for row in found.rows]
+    good = [{"what": START_NAMES.get(name, name), "levels": its} for name, its in starts.items()]
+    v_gy = Table(
+        _good(LEVELS), good, "v_GY is good down to a first frequency of", marks={len(STARTS): "marked"}
+    )
     laws = [{"what": SYMBOLS[n], "levels": found.others.get(n), "law": law} for n, law in found.laws.items()]
-    marks = {i: "failed" for i, point in enumerate(found.points) if not point.passed}
-    said = plates(found)
+    marks = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
     tables = [
         Table(
-            (F1, Column("checks", "Checks"), *POINTS),
-            found.points,
-            "At the strike, with inertia relief",
-            marks=marks,
+            (F1, Column("checks", "Checks"), *POINTS), rows, "At the strike, with inertia relief", marks=marks
         ),
-        Table((F1, *STARTED), found.points, "v_GY from each start"),
-        Table((F1, *KEPT_BY), found.points, "What each start departs from at t = 0"),
-        Table((F1, *STIFF, *columns(PLATES, form=SIZE)), found.points, "The plates"),
+        Table((F1, *STARTED), rows, "v_GY from each start"),
+        Table((F1, *KEPT_BY), rows, "What each start departs from at t = 0"),
+        Table((F1, *STIFF, *columns(PLATE_COLUMNS, form=SIZE)), rows, "The plates"),
     ]
-    modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), found.points)
+    modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
+    three, five, reaction, stored, modes = figures(found)
+    said = _modelled(found)
     page = study_page(
-        found.sweep.plan,
+        found.case,
         "Flexibility: how soft the vehicle may be for the rigid-body method to hold",
         headline(found),
         (
             Section("Three starts", "", (three,), (v_gy,), (said, *READING)),
-            Section("With inertia relief", "", (five,), (Table((*GOOD, *LAWS), laws),)),
+            Section("With inertia relief", "", (five,), (Table((*_good(LEVELS), *LAWS), laws),)),
             Section("Reaction and stored energy", "", (reaction, stored)),
             Section("Modal model against finite elements", "", (modes,), (modal,)),
             Section("Every plate", tables=tables),
         ),
-        "points.csv, every plate with its numbers in SI; summary.json",
-        found.passed,
+        FILES,
+        any(row["passed"] for row in rows),
     )
-    cost = f"Cost:   {len(found.points)} plates in {found.seconds:.0f} s"
-    points = {"points.csv": listed([point.row for point in found.points])}
-    return Report(page, summary(found), (page.headline, v_gy, said, cost), points)
-
-
-def summary(found: FlexibilityResults) -> dict[str, Any]:
-    """The numbers of the study, SI; what is not known is None."""
-    sweep = found.sweep
-    return {
-        **study_summary("flexibility", sweep.plan),
-        "passed": found.passed,
-        "headline": headline(found),
-        "rigid": sweep.plan.tail_slap,
-        "own_frequency": sweep.own_frequency,
-        "corner": sweep.support,
-        "meshes": sweep.meshes,
-        "levels_v_gy": found.starts,
-        "levels_v_gy_any_start": found.band,
-        "levels": found.others,
-        "power_laws": found.laws,
-        "points": [point.row for point in found.points],
+    summary = {
+        **study_summary("flexibility", found.case),
+        "passed": page.passed,
+        "headline": page.headline,
+        "rigid": found.case.tail_slap,  # type: ignore[attr-defined]
+        "own_frequency": found.own_frequency,
+        **found.setup,
+        "levels_v_gy": {name: _numbers(levels) for name, levels in found.levels.items()},
+        "levels_v_gy_any_start": _numbers(found.band),
+        "levels": {name: _numbers(levels) for name, levels in found.others.items()},
+        "power_laws": {name: law and law._asdict() for name, law in found.laws.items()},
+        "points": found.rows,
         "cost": {"seconds": found.seconds},
     }
+    cost = f"Cost:   {len(rows)} plates in {found.seconds:.0f} s"
+    return Report(page, summary, (page.headline, v_gy, said, cost), {"points.csv": listed(found.rows)})
 
 
-def headline(found: FlexibilityResults) -> str:
+def _shown(row: Record) -> Record:
+    """A plate as pages show it: what half the patch changes, and nothing of a start that failed."""
+    checks = "passed" if row["passed"] else f"{'failed' if row['steps'] else 'none'}: {row['why']}"
+    failed = tuple(f"{start}:" for start in STARTS if not row[f"{start}:passed"])
+    known_starts = {key: None if key.startswith(failed) else value for key, value in row.items()}
+    half = row["half_patch_v_gy"] / row["difference_v_gy"] - 1.0
+    more = {"frequency": row["first_frequency"], "checks": checks, "half_change": half}
+    return {**known_starts, **more}
+
+
+def _numbers(levels: Sequence[Reach]) -> list[Record]:
+    return [level._asdict() for level in levels]
+
+
+def headline(found: Flexibility) -> str:
     """Down to which first frequency the rigid body's v_GY is good, and where this scene's own plate lies."""
-    own = f"The scene's own plate has {hertz(found.sweep.own_frequency)}."
-    if not any(math.isfinite(its[MAIN].frequency) for its in found.starts.values()):
+    own = f"The scene's own plate has {hertz(found.own_frequency)}."
+    if not any(math.isfinite(its[MAIN].frequency) for its in found.levels.values()):
         return f"How good rigid-body v_GY is for a soft plate is not known: no run passed its checks. {own}"
-    each = ", ".join(f"{its[MAIN].text} ({START_NAMES[name]})" for name, its in found.starts.items())
+    each = ", ".join(f"{its[MAIN].text} ({START_NAMES[name]})" for name, its in found.levels.items())
     return (
         f"Rigid-body v_GY is good to {100.0 * LEVELS[MAIN]:g} %, at the strike and before, down to a first frequency "
         f"of {each}; from any of the three starts, {found.band[MAIN].text}. {own}"
     )
 
 
-def plates(found: FlexibilityResults) -> str:
+def _modelled(found: Flexibility) -> str:
     """How the plates are modelled, and which failed."""
-    support, (along, across) = found.sweep.support, found.sweep.meshes[-1]
-    failed = "; ".join(f"{hertz(p.frequency)}: {p.why}" for p in found.points if not p.passed)
+    support, (along, across) = found.setup["corner"], found.setup["meshes"][-1]
+    failed = "; ".join(f"{hertz(r['first_frequency'])}: {r['why']}" for r in found.rows if not r["passed"])
+    added = "" if support["own_patch"] else ", which the study adds"
     return (
-        f"Numbers are those of {along} x {across} elements, the corner with the {support.constraint} constraint over "
-        f"{support.patch:g} m{'' if support.own_patch else ', which the study adds'}. Failed: {failed or 'none'}."
+        f"Numbers are those of {along} x {across} elements, the corner with the {support['constraint']} constraint "
+        f"over {support['patch']:g} m{added}. Failed: {failed or 'none'}."
     )
+
+
+def figures(found: Flexibility) -> tuple[Chart, ...]:
+    """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
+    rows = found.rows
+    frequencies, passed = [row["first_frequency"] for row in rows], [row["passed"] for row in rows]
+
+    def draw(name: str, lines: list[SweepLine], words: str, caption: str, levels: Sequence[float]) -> Chart:
+        any_start = [any(row[f"{start}:passed"] for start in STARTS) for row in rows]
+        axis = SweepAxis(frequencies, any_start if name == "starts" else passed, found.own_frequency)
+        return draw_sweep(f"flexibility-{name}", axis, lines, words, caption, levels)
+
+    def size(name: str, label: str = "") -> SweepLine:
+        sizes = [abs(row[MEASURED[name]]) for row in rows]
+        return SweepLine(label or SYMBOLS[name], sizes, [row[f"error_{name}"] for row in rows])
+
+    def start(name: str) -> SweepLine:
+        values, errors, good = (
+            [row[f"{name}:{key}"] for row in rows] for key in ("v_gy_largest", "v_gy_error", "passed")
+        )
+        return SweepLine(START_NAMES[name], values, errors, passed=good)
+
+    modal = [
+        size("v_gy", "v_GY, FE"),
+        SweepLine("v_GY, modal", [abs(row["modal_v_gy"]) for row in rows], form=RINGS),
+        SweepLine("apart, largest of five", [row["modal_apart"] for row in rows], form=DOTS),
+        SweepLine("modal estimate", [row["modal_estimate"] for row in rows], form=DOTS),
+    ]
+    relative = "size of the relative difference"
+    return (
+        draw(
+            "starts",
+            [start(name) for name in STARTS],
+            relative,
+            "v_GY from three starts: largest difference from the rigid body",
+            LEVELS,
+        ),
+        draw(
+            "difference",
+            [size(name) for name in KEYS],
+            relative,
+            "Time of the strike, velocities of the centre of mass, angular velocity and slide",
+            LEVELS,
+        ),
+        draw(
+            "reaction",
+            [size("reaction")],
+            "largest deviation over the rigid reaction",
+            "Normal reaction of the wall",
+            (),
+        ),
+        draw(
+            "stored",
+            [size("stored")],
+            "elastic over kinetic energy",
+            "Largest elastic energy of the plate over its kinetic energy at the start",
+            (),
+        ),
+        draw("modal", modal, relative, "v_GY by both methods, and how far the methods are apart", LEVELS[:2]),
+    )
+
+
+def impact_report(found: Flexibility) -> Report:
+    """Of a whole impact: both strikes of each plate against the rigid vehicle's, and from 2 Hz to rigid."""
+    good = Table(
+        _good(IMPACT_LEVELS),
+        [{"what": WORDS[name], "levels": found.levels[name]} for name in NAMES],
+        "The rigid vehicle is good down to a first frequency of",
+    )
+    marks = {i: "failed" for i, row in enumerate(found.rows) if row["failed"]}
+    heads = (F1, *STRIKE_POINTS, Column("failed", "Checks failed"))
+    failed = "; ".join(f"{hertz(row['frequency'])}: {row['failed']}" for row in found.rows if row["failed"])
+    said = (
+        f"A corner's crush is spread over {found.setup['patch_length']:g} m of its side. "
+        f"Failed: {failed or 'none'}."
+    )
+    why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]
+    page = study_page(
+        found.case,
+        "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",
+        " ".join([_impact_headline(found), *_plates_headline(found)]),
+        (
+            Section("Both strikes", "", (_strikes_figure(found),), (good,), (said, IMPACT_READING)),
+            Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
+            Section(
+                "Every plate",
+                tables=(Table(heads, found.rows, "Differences of the two strikes", marks=marks),),
+            ),
+        ),
+        FILES,
+        any(not row["failed"] for row in found.rows),
+    )
+    summary = {
+        **study_summary("flexibility", found.case),
+        "passed": page.passed,
+        "headline": page.headline,
+        "rigid": found.case.rigid_numbers(),
+        "own_frequency": found.own_frequency,
+        **found.setup,
+        "levels": {name: _numbers(levels) for name, levels in found.levels.items()},
+        "points": found.rows,
+        "plates": found.plates,
+        "cost": {"seconds": found.seconds},
+    }
+    plates = plates_table(found, "The plate from soft to rigid", short=True)
+    cost = f"Cost:   {len(found.rows) + len(found.plates) - 1} plates in {found.seconds:.0f} s"
+    terminal = (page.headline, good, said, plates, cost)
+    return Report(page, summary, terminal, {"points.csv": listed(found.rows)})
+
+
+def _impact_headline(found: Flexibility) -> str:
+    """Down to which first frequency the second strike's impulse is the rigid vehicle's, and where the scene lies."""
+    levels = found.levels[MAIN_STRIKE]
+    each = ", ".join(f"to {100 * level.level:g} % down to {level.text}" for level in levels)
+    return (
+        f"The rigid vehicle's {WORDS[MAIN_STRIKE]} is that of the plate {each}. "
+        f"The scene's own plate has {hertz(found.own_frequency)}."
+    )
+
+
+def _plates_headline(found: Flexibility) -> list[str]:
+    """What the softest plate that is to be relied on changes."""
+    good = [row for row in found.plates[:-1] if row["passed"]]
+    if not good:
+        return []
+    soft, rigid = good[0], found.plates[-1]
+    impulse, duration, mean = (
+        percent(soft["values"][f"strike_2.{name}"] / rigid["values"][f"strike_2.{name}"] - 1.0, 0)
+        for name in ("impulse", "duration", "mean_50ms")
+    )
+    return [
+        f"A plate of {soft['frequency']:g} Hz changes the second strike's impulse by {impulse}, "
+        f"its duration by {duration} and its 50 ms mean by {mean}."
+    ]
+
+
+def _strikes_figure(found: Flexibility) -> Chart:
+    rows = found.rows
+    sizes, errors = (
+        {name: [abs(row[f"{group}.{name}"]) for row in rows] for name in NAMES}
+        for group in ("difference", "error")
+    )
+    lines = [SweepLine(WORDS[name], sizes[name], errors[name]) for name in NAMES]
+    own = found.own_frequency if math.isfinite(found.own_frequency) else 0.0
+    axis = SweepAxis([row["frequency"] for row in rows], [not row["failed"] for row in rows], own)
+    caption = "Difference of plate and rigid vehicle in both strikes, over the plate's first frequency"
+    return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, IMPACT_LEVELS)
+
+
+def _plate_figures(found: Flexibility) -> list[Chart]:
+    """Both strikes against the first frequency; none where no plate has run."""
+    soft, rigid = [row for row in found.plates[:-1] if row["values"]], found.plates[-1]["values"]
+    if not soft:
+        return []
+    panels: dict[str, dict[int, tuple[list[float], float]]] = {}
+    for name, words in PLATE_PANELS.items():
+        _, unit, scale = OF_STRIKES[name]
+        panels[f"{words} [{unit}]"] = {
+            k: ([row["values"][key] / scale for row in soft], rigid[key] / scale)
+            for k, key in ((k, f"strike_{k}.{name}") for k in (1, 2))
+        }
+    return [draw_plates([row["frequency"] for row in soft], [row["passed"] for row in soft], panels)]
+
+
+def plates_table(found: Flexibility, title: str = "", short: bool = False) -> Table:
+    """Both strikes against the first frequency; short: without the raw peaks."""
+    heads, scales = [], {}
+    for column in COLUMNS:
+        strike, name = column.removeprefix("strike_").split(".")
+        label, unit, scale = OF_STRIKES[name]
+        if name in ("mean_50ms", "impulse", "duration") or not short:
+            words = label.replace(" mean", "")
+            heads.append(Column(column, words, unit, form=ONE, group=f"Strike {strike}"))
+            scales[column] = scale
+    rows = [
+        {"frequency": "rigid" if row["frequency"] is None else f"{row['frequency']:g}", "error": row["error"]}
+        | {column: row["values"].get(column, math.nan) / scale for column, scale in scales.items()}
+        for row in found.plates
+    ]
+    first = Column("frequency", "f_1", "Hz", form=str)
+    last = Column("error", "Mesh", form=lambda e: percent(e, 1).lstrip("+") if math.isfinite(e) else "–")
+    failed = {n: "failed" for n, row in enumerate(found.plates) if not row["passed"]}
+    return Table((first, *heads, last), rows, title, marks=failed)

@@ -1,16 +1,15 @@
-"""The study `uncertainty`: how the peak force spreads when the inputs do, and which input it comes from."""
+"""The study `uncertainty`: how forces spread when the inputs do, and which input that comes from."""
 
 import click
 
+from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import Whole
 from tailslap.studies.study import Study, later
 
 SAMPLES = click.Option(
     ["--samples"],
-    type=Whole(1_000, 4_000_000),
-    default=100_000,
-    show_default=True,
-    help="Combinations of inputs, at least.",
+    type=Whole(288, 4_000_000),
+    help="Combinations of inputs, at least  [default: 100000; of a whole impact 4000]",
 )
 RANGES = click.Option(
     ["--range", "ranges"],
@@ -24,9 +23,10 @@ FIXED = click.Option(
 
 STUDY = Study(
     name="uncertainty",
-    summary="Spread of the peak force over ranges of the inputs, and its Sobol indices.",
-    compute=later("tailslap.studies.uncertainty.spread:study_spread"),
+    summary="Spread of the peak force, or of a whole impact's strikes, over ranges of the inputs; Sobol indices.",
+    compute=later("tailslap.studies.uncertainty.compute:study_spread"),
     report=later("tailslap.studies.uncertainty.report:spread_report"),
     options=(SAMPLES, RANGES, FIXED),
     needs_plate=False,
+    analyses=(CORNER, WHOLE_IMPACT),
 )

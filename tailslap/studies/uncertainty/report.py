@@ -1,142 +1,403 @@
-"""What the study of uncertainty reports."""
+"""Page, summary and tables of the study of uncertainty."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
-from postprocess.figures.uncertainty_plots import draw_histogram, draw_sensitivity
-from postprocess.report.numbers import grouped
+import numpy as np
+
+from postprocess.figures import rows as figures
+from postprocess.report.numbers import grouped, known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
+from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
+from tailslap.impact.answers import COLUMNS, QUANTITIES
 from tailslap.report.common import study_page, study_summary
-from tailslap.studies.uncertainty.indices import RESAMPLES
-from tailslap.studies.uncertainty.sampling import SEED
-from tailslap.studies.uncertainty.spread import PERCENTILES, Spread, VariedInput
+from tailslap.scene.write import scene_inputs
+from tailslap.studies.uncertainty.compute import LEVEL, TAKEN, Spread, used_keys
 
+BINS = 60
+FRACTION = known(".2f")
 
-def spread_report(found: Spread) -> Report:
-    """Page, summary, combinations, and what the terminal says."""
-    inputs = sorted(found.inputs, key=lambda item: -item.total)
-    table = Table((*COLUMNS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
-    said, name = headline(found, inputs), found.plan.scene.name
-    page = study_page(
-        found.plan,
-        "Uncertainty of the peak force of the tail-slap, by the rigid-body method",
-        said,
-        (
-            Section("Distribution", figures=(draw_histogram(*found.histogram),), layout="half"),
-            Section("Sensitivity", figures=(draw_sensitivity(inputs),), layout="half"),
-            Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
-            Section("Peak force", tables=(pairs(_forces(found)),), layout="half"),
-            Section("What was computed, and what it means", sentences=_sentences(found), layout="half"),
-        ),
-        "summary.json, these numbers in SI; samples.csv, the combinations of the distribution",
-    )
-    short = Table((*COLUMNS[:2], *INDICES), inputs, title=f"{name}: Sobol indices of the peak force")
-    cost = f"Cost:   {found.samples.combinations} combinations in {found.seconds:.2f} s"
-    return Report(
-        page,
-        summary(found),
-        (short, said, refusals(found), cost),
-        histories={"samples.csv": found.columns},
-    )
+INPUTS = (
+    Column("key", "Input"),
+    Column("range", "Range", form=str),
+    Column("origin", "From"),
+    Column("value", "Scene", form=str),
+)
 
 
 def _interval(ends: Any) -> str:
     return " to ".join(f"{end:.3f}" for end in ends)
 
 
-COLUMNS = (
-    Column("key", "Input"),
-    Column("range", "Range", form=str),
-    Column("origin", "From"),
-    Column("value", "Scene", form=str),
-)
 INDICES = (
     Column("first_order", "Alone", form=".3f", below=Column("first_order_interval", "", form=_interval)),
     Column("total", "With interactions", form=".3f", below=Column("total_interval", "", form=_interval)),
 )
 
+MAIN = "strike_2.mean_50ms"
+CURVES = {
+    "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
+    "contact.restitution": ("restitution", "", 1.0),
+    "contact.friction": ("friction", "", 1.0),
+    "vehicle.mass": ("mass", "t", 1e3),
+    "impact.speed": ("speed", "m/s", 1.0),
+    "impact.angle": ("angle", "deg", np.pi / 180.0),
+    "vehicle.centre_of_mass": ("centre of mass behind the front", "m", 1.0),
+}
+"""The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that."""
 
-def summary(found: Spread) -> dict[str, Any]:
-    """The numbers of the study, SI; the inputs as the scene lists them."""
-    samples, its = found.samples, found.distribution
-    forces = {"mean": its.mean, "standard_deviation": its.standard_deviation}
-    forces |= {f"percentile_{p}": x for p, x in zip(PERCENTILES, its.percentiles, strict=True)}
-    forces["of_the_scene"] = float(found.plan.force.peak_force)
-    return {
-        **study_summary("uncertainty", found.plan),
-        "seed": SEED,
-        "rows": samples.force_a.size,
-        "combinations": samples.combinations,
-        "refused": samples.refused,
-        "rows_left_out": samples.rows_left_out,
-        "first_refusal": found.first_refusal or None,
-        "peak_force": forces | {"histogram": {"edges": its.edges, "counts": its.counts}},
-        "inputs": [vars(item) for item in found.inputs],
-        "held": found.fixed,
-        "cost": {"seconds": found.seconds},
-    }
+CURVE_AXES = {
+    "peak [kN]": ("mean_50ms", "raw", "cfc60"),
+    "impulse [kN s]": ("impulse",),
+    "duration [ms]": ("duration",),
+}
+BANDS = (
+    Column("strike", "Strike"),
+    Column("quantity", "Quantity"),
+    Column("own", "Scene", form=".1f", style="strong", unit_key="unit"),
+    *(Column(f"{p} %", f"{p} %", form=".1f", group="Band", unit_key="unit") for p in PERCENTILES),
+    Column("unit", "Unit", is_unit=True),
+    Column("source", "Most of the variance from"),
+    Column("index", "Index", form=FRACTION),
+)
+SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
+"""Quantities whose indices are shown."""
+
+ROWS = (
+    Column("label", "Row"),
+    Column("kind", "By"),
+    Column("measured", "D", "N", form=".0f", style="strong"),
+    Column("simulated", "S", "N", form=".0f", style="strong"),
+    Column("band.0", "5 %", "N", form=".0f", group="Band of S"),
+    Column("band.2", "95 %", "N", form=".0f", group="Band of S"),
+    Column("error", "E", "N", form="+.0f"),
+)
+UNCERTAINTY = (
+    Column("share_below", "Below D", form=".2f"),
+    Column("u_num", "u_num", "N", form=".2g"),
+    Column("u_input", "u_input", "N", form=".0f"),
+)
+VERDICT = Column("verdict", "|E| against u_val")
+ROW_NOTES = (
+    "D: measured, by crash test or finite elements, as Tables 4 and 5 of the paper have it; * projected by its "
+    "authors, 1.33 times the 50 ms mean. S: the second strike of the rigid vehicle. E = S - D; as in ASME V&V 20, "
+    "u_val^2 = u_num^2 + u_input^2 + u_D^2. u_num: the many impacts' solution against the one from event to event. "
+    "u_input: the band's standard deviation. u_D: unknown; no source gives it, and the last column says how large it "
+    "would have to be for |E| to be within u_val.",
+    "Of the rows' impacts only row b's 57.4 mph and 15.4 deg are known, and put in; mass and length of the vehicles, "
+    "their crush and restitution are not. The walls of rows a and b are rails on posts or with a batter, no plain "
+    "walls. No range was set by these rows, and no row is fitted.",
+)
+NOT_TL_4 = f"Tables 4 and 5 of the paper are of {LEVEL}: a scene with another impact.test_level has no rows beside it."
+INDEX_NOTE = (
+    "Sobol indices, with interactions: the share of the variance that would stay if all else were known."
+)
 
 
-def _forces(found: Spread) -> list[tuple[str, float, str]]:
-    its = found.distribution
-    rows = [("mean", its.mean), ("standard deviation", its.standard_deviation)]
-    rows += [(f"{p} % lie below", x) for p, x in zip(PERCENTILES, its.percentiles, strict=True)]
-    rows.append(("of the scene's own values", float(found.plan.force.peak_force)))
-    return [(name, force / 1e3, "kN") for name, force in rows]
+def spread_report(found: Spread) -> Report:
+    """Page, summary, combinations, and what the terminal says."""
+    return impact_report(found) if found.case.scene.contact else corner_report(found)
 
 
-def headline(found: Spread, inputs: list[VariedInput]) -> str:
-    """The result in three sentences, or four."""
-    its = found.distribution
-    low, _, high = (force / 1e3 for force in its.percentiles)
-    refused = (
-        f"The theory refuses {_refused_share(found)} of the combinations, which are not in these numbers."
-    )
-    return (
-        f"Mean {its.mean / 1e3:.0f} kN, standard deviation {its.standard_deviation / 1e3:.0f} kN; nine in ten "
-        f"combinations lie between {low:.0f} and {high:.0f} kN. The scene's own values give "
-        f"{found.plan.force.peak_force / 1e3:.0f} kN, more than {100.0 * found.share_below:.0f} % of them. The "
-        f"largest part of the variance comes from {inputs[0].key}, with an index of {inputs[0].first_order:.2f}. "
-        f"{refused if found.samples.refused else ''}"
-    ).rstrip()
+def _input_rows(found: Spread) -> list[dict[str, Any]]:
+    """The inputs in the order of the scene, their ranges in words."""
+    words = ((item, *item.in_words()) for item in found.ranges)
+    return [{"key": i.key, "range": ends, "origin": i.origin, "value": own} for i, ends, own in words]
 
 
-def _sentences(found: Spread) -> list[str]:
-    """What a reader must know beside the numbers."""
-    samples, fixed = (
-        found.samples,
-        f"Fixed at the scene's value: {', '.join(found.fixed)}; --range varies these too.",
-    )
-    return [
-        f"Each input varies evenly over its range, independently of the others. {grouped(samples.force_a.size)} rows "
-        f"of Sobol points, scrambled with the seed {SEED}, give {grouped(samples.combinations)} combinations; each is "
+def corner_report(found: Spread) -> Report:
+    """The peak force of a tail-slap."""
+    words = {row["key"]: row for row in _input_rows(found)}
+    inputs = [words[row["key"]] | row for row in found.sources_of("peak_force")]
+    table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
+    band, own = found.band("peak_force"), found.own["peak_force"]
+    counts, edges = np.histogram(band.values, BINS)
+    percentiles = list(zip(PERCENTILES, band.percentiles, strict=True))
+    forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
+    forces |= {f"{p} % lie below": force for p, force in percentiles} | {"of the scene's own values": own}
+    said, refused = _corner_headline(found, inputs[0]), _refusals(found)
+    held = _held(found)
+    sentences = [
+        f"Each input varies evenly over its range, independently of the others. {grouped(found.rows)} rows "
+        f"of Sobol points, scrambled with the seed {SEED}, give {grouped(found.computed)} combinations; each is "
         "solved exactly by Stages 1 to 3. The same call gives the same numbers.",
-        refusals(found),
-        *([fixed] if found.fixed else []),
+        refused,
+        *([f"Fixed at the scene's value: {', '.join(held)}; --range varies these too."] if held else []),
         "An index is the share of the variance that comes from an input: alone (first order), and with its "
         f"interactions (total). The 95 % intervals are a bootstrap's, of {RESAMPLES} resamples, and err on the wide "
         "side.",
         "The duration of the strike is an input of the method, which does not predict it: the peak force is that "
         "of a triangular pulse of this duration.",
     ]
+    histogram = figures.draw_histogram(edges, counts, percentiles, own)
+    numbers = pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
+    page = study_page(
+        found.case,
+        "Uncertainty of the peak force of the tail-slap, by the rigid-body method",
+        said,
+        (
+            Section("Distribution", figures=(histogram,), layout="half"),
+            Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
+            Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
+            Section("Peak force", tables=(numbers,), layout="half"),
+            Section("What was computed, and what it means", sentences=sentences, layout="half"),
+        ),
+        "summary.json, these numbers in SI; samples.csv, the combinations of the distribution",
+    )
+    forces_table = found.tables["peak_force"]
+    summary = {
+        **study_summary("uncertainty", found.case),
+        "seed": SEED,
+        "rows": found.rows,
+        "combinations": found.computed,
+        "refused": np.count_nonzero(np.isnan(forces_table)),
+        "rows_left_out": np.count_nonzero(np.isnan(forces_table).any(axis=0)),
+        "first_refusal": found.refusal or None,
+        "peak_force": {
+            **band.numbers(),
+            "of_the_scene": own,
+            "histogram": {"edges": edges, "counts": counts},
+        },
+        "inputs": found.sources["peak_force"],
+        "held": held,
+        "cost": {"seconds": found.seconds},
+    }
+    title = f"{found.case.scene.name}: Sobol indices of the peak force"
+    cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
+    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refused, cost)
+    return Report(page, summary, terminal, histories={"samples.csv": found.samples})
 
 
-def refusals(found: Spread) -> str:
+def _held(found: Spread) -> tuple[str, ...]:
+    """Keys of the scene that the force depends on and that did not vary."""
+    varied, used = {item.key for item in found.ranges}, used_keys(found.case.scene)
+    keys = (row.key for row in scene_inputs(found.case.scene, found.case.source))
+    return tuple(key for key in keys if key in used and key not in varied)
+
+
+def _corner_headline(found: Spread, first: Mapping[str, Any]) -> str:
+    """The result in three sentences, or four."""
+    band, own = found.band("peak_force"), found.own["peak_force"]
+    low, _, high = (force / 1e3 for force in band.percentiles)
+    said = (
+        f"Mean {band.mean / 1e3:.0f} kN, standard deviation {band.standard_deviation / 1e3:.0f} kN; nine in ten "
+        f"combinations lie between {low:.0f} and {high:.0f} kN. The scene's own values give "
+        f"{own / 1e3:.0f} kN, more than {100.0 * band.fraction_below(own):.0f} % of them. The "
+        f"largest part of the variance comes from {first['key']}, with an index of {first['first_order']:.2f}."
+    )
+    if not (refused := _refused(found)):
+        return said
+    return f"{said} The theory refuses {refused} of the combinations, which are not in these numbers."
+
+
+def _refused(found: Spread) -> str:
+    """The part of the combinations that the theory refuses, "" for none."""
+    refused = np.count_nonzero(np.isnan(found.tables["peak_force"]))
+    return f"{100.0 * refused / found.computed:.2g} %" if refused else ""
+
+
+def _refusals(found: Spread) -> str:
     """How many combinations the theory refuses, and what became of them."""
-    samples = found.samples
-    if not samples.refused:
+    if not (part := _refused(found)):
         return "The theory refuses none of the combinations."
+    nan = np.isnan(found.tables["peak_force"])
+    refused, rows = (int(np.count_nonzero(each)) for each in (nan, nan.any(axis=0)))
     return (
-        f"The theory refuses {grouped(samples.refused)} of {grouped(samples.combinations)} combinations "
-        f"({_refused_share(found)}): they have no force, and the distribution is that of the others. "
-        f"{grouped(samples.rows_left_out)} of {grouped(samples.force_a.size)} rows have one and are left out of the "
-        "indices, which are then approximate, for the inputs of the rest are no longer independent. "
-        f"The first: {found.first_refusal}."
+        f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations "
+        f"({part}): they have no force, and the distribution is that of the others. "
+        f"{grouped(rows)} of {grouped(found.rows)} rows have one and are left out of "
+        "the indices, which are then approximate, for the inputs of the rest are no longer independent. "
+        f"The first: {found.refusal}."
     )
 
 
-def _refused_share(found: Spread) -> str:
-    return f"{100.0 * found.samples.refused / found.samples.combinations:.2g} %"
+def impact_report(found: Spread) -> Report:
+    """Both strikes of a whole impact."""
+    inputs, said = found.sources_of(MAIN), _impact_headline(found)
+    sensitivity = [figures.draw_sensitivity(inputs, "the second strike's 50 ms mean")] if inputs else []
+    bands = _bands_table(found)
+    beside = [row | {"label": row["row"] + "*" * row["projected"]} for row in found.beside]
+    page = study_page(
+        found.case,
+        "Both strikes of the whole impact: against each input, and as bands",
+        said,
+        (
+            Section("Bands", figures=[_band_figure(found)], tables=[bands]),
+            Section("Inputs, and their shares of the variance", tables=[_inputs_table(found)]),
+            Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
+            Section(
+                "What was computed, and what it means", sentences=_impact_sentences(found), layout="half"
+            ),
+            Section(
+                "Beside Tables 4 and 5 of the paper",
+                "" if beside else NOT_TL_4,
+                tables=[Table((*ROWS, *UNCERTAINTY, VERDICT), beside, "", ROW_NOTES)],
+            ),
+            Section("Each input alone", figures=_curve_figures(found)),
+        ),
+        "summary.json, these numbers in SI; samples.csv, the impacts of the bands; curves.csv, those of the curves",
+    )
+    numbers = {}
+    for name in COLUMNS:
+        rows = found.sources.get(name, ())
+        indices = {row["key"]: {kind: row[kind] for kind in ("first_order", "total")} for row in rows}
+        numbers[name] = {**found.band(name).numbers(), "indices": indices}
+    summary = {
+        **study_summary("uncertainty", found.case),
+        "seed": SEED,
+        "impacts": found.computed,
+        "without_second_strike": _single(found),
+        "own": found.own,
+        "bands": numbers,
+        "inputs": [asdict(item) for item in found.ranges],
+        "rows": found.beside,
+        "cost": {"seconds": found.seconds},
+    }
+    title = "Beside Tables 4 and 5 (* projected); u_D is unknown"
+    terminal = (
+        _bands_table(found, f"{found.case.scene.name}: both strikes"),
+        _inputs_table(found, short=True),
+        Table((*ROWS, VERDICT), beside, title),
+        said,
+        f"Cost:   {found.computed} impacts, with curves {found.seconds:.1f} s",
+    )
+    curves = {"curves.csv": _curves_table(found)}
+    return Report(page, summary, terminal, curves, {"samples.csv": found.samples})
+
+
+def _single(found: Spread) -> int:
+    """How many of the distribution's impacts have no second strike."""
+    return int(np.count_nonzero(np.isnan(found.samples["strike_2.impulse"])))
+
+
+def _impact_headline(found: Spread) -> str:
+    """The second strike's force, where its spread comes from, and the rows."""
+    low, _, high = (force / 1e3 for force in found.band(MAIN).percentiles)
+    said = [
+        f"The second strike's 50 ms mean is {found.own[MAIN] / 1e3:.0f} kN with the scene's own values; nine in ten "
+        f"combinations lie between {low:.0f} and {high:.0f} kN."
+    ]
+    if sources := found.sources_of(MAIN):
+        first = sources[0]
+        said.append(f"Most of the variance comes from {first['key']}, with an index of {first['total']:.2f}.")
+    if shown := [row for row in found.beside if not row["projected"]]:
+        inside = sum(row["band"][0] <= row["measured"] <= row["band"][2] for row in shown)
+        said.append(
+            f"Of {len(shown)} forces of Tables 4 and 5 that were not projected, {inside} lie in the band, and "
+            f"{sum(row['within'] for row in shown)} within u_val with u_D unknown."
+        )
+    return " ".join(said)
+
+
+def _impact_sentences(found: Spread) -> list[str]:
+    """What a reader must know beside the numbers."""
+    sentences = [
+        f"{grouped(found.computed)} impacts of the rigid vehicle: {grouped(2 * found.rows)} for the bands, Sobol "
+        f"points scrambled with the seed {SEED}, the rest for the indices. Inputs vary evenly, independently of each "
+        "other. The same call gives the same numbers.",
+        "Raw: the force at the corner that strikes. Filtered: the total force on the wall; of 50 ms means those that "
+        "lie in the strike.",
+        "Nothing here is a duration that was read off a test: it follows from mass, crush and friction.",
+        "A band says what these ranges do, and nothing of what the model lacks: roll and pitch, load that shifts, a "
+        "wall that gives, wheels and suspension.",
+    ]
+    if single := _single(found):
+        sentences.append(
+            f"{grouped(single)} impacts have no second strike; they are not in the second strike's numbers, and "
+            "their rows not in the indices."
+        )
+    return sentences
+
+
+def _bands_table(found: Spread, title: str = "") -> Table:
+    """All quantities of both strikes: the scene's own values, bands, and the first source of the variance."""
+    rows = []
+    for name in COLUMNS:
+        strike, quantity = name.removeprefix("strike_").split(".")
+        label, unit, scale = QUANTITIES[quantity]
+        ends = zip(PERCENTILES, found.band(name).percentiles, strict=True)
+        first = next(iter(found.sources_of(name)), {"key": "–", "total": math.nan})
+        rows.append(
+            {"strike": int(strike), "quantity": label, "own": found.own[name] / scale, "unit": unit}
+            | {f"{p} %": value / scale for p, value in ends}
+            | {"source": first["key"], "index": first["total"]}
+        )
+    return Table(BANDS, rows, title)
+
+
+def _inputs_table(found: Spread, short: bool = False) -> Table:
+    """Ranges of the bands, and the total indices of the main quantities; short: for a terminal, the second strike's."""
+    shown = {
+        f"strike_{strike}.{name}": (f"Strike {strike}", label)
+        for strike in ((2,) if short else (1, 2))
+        for name, label in SHOWN.items()
+        if f"strike_{strike}.{name}" in found.sources
+    }
+    heads = [
+        Column(name, label, form=FRACTION, group="" if short else group)
+        for name, (group, label) in shown.items()
+    ]
+    rows = [
+        row | {name: found.sources[name][number]["total"] for name in shown}
+        for number, row in enumerate(_input_rows(found))
+    ]
+    if short:
+        return Table((*INPUTS[:2], *heads), rows, "Inputs, and their shares of strike 2")
+    return Table((*INPUTS, *heads), rows, notes=(INDEX_NOTE,))
+
+
+def _curves_table(found: Spread) -> Table:
+    """A row an impact of the curves, SI, for a file."""
+    heads = (Column("input", "Input"), Column("value", "Value"), *(Column(name, name) for name in COLUMNS))
+    rows = [
+        {"input": curve["key"], "value": value, **{n: float(curve["columns"][n][i]) for n in COLUMNS}}
+        for curve in found.curves
+        for i, value in enumerate(curve["values"].tolist())
+    ]
+    return Table(heads, rows)
+
+
+def _curve_figures(found: Spread) -> list[Any]:
+    """Peaks, impulses and durations against each input alone."""
+    panels = []
+    for curve in found.curves:
+        label, unit, scale = CURVES[curve["key"]]
+        lines: dict[str, Any] = {
+            axis: {
+                strike: {
+                    QUANTITIES[n][0]: curve["columns"][f"strike_{strike}.{n}"] / QUANTITIES[n][2]
+                    for n in names
+                }
+                for strike in (1, 2)
+            }
+            for axis, names in CURVE_AXES.items()
+        }
+        name = "against-" + curve["key"].replace(".", "-").replace("_", "-")
+        heading, logarithmic = f"{label} [{unit}]" if unit else label, curve["key"] == "contact.stiffness"
+        values, own = curve["values"] / scale, curve["own"] / scale
+        panels.append(figures.InputPanel(name, heading, values, own, logarithmic, lines))
+    return figures.draw_inputs("Both strikes against", panels)
+
+
+def _band_figure(found: Spread) -> Any:
+    """Bands of the peaks, with the paper's rows beside those of the second strike."""
+    bars = []
+    for name in ("raw", "mean_50ms", "cfc60"):
+        kind = TAKEN[name][0] if name in TAKEN else ""
+        dots = [
+            (row["row"], row["measured"] / 1e3, row["projected"])
+            for row in found.beside
+            if row["kind"] == kind
+        ]
+        for strike in (1, 2):
+            column = f"strike_{strike}.{name}"
+            low, middle, high = (force / 1e3 for force in found.band(column).percentiles)
+            label, own = f"{QUANTITIES[name][0]}, strike {strike}", found.own[column] / 1e3
+            bars.append(figures.BandBar(label, strike, (low, middle, high), own, dots if strike == 2 else ()))
+    return figures.draw_bands(bars)

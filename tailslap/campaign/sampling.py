@@ -1,0 +1,280 @@
+"""Inputs that vary over ranges: which and how far, the combinations that are drawn, where a spread comes from.
+
+Default ranges: MASH 2016 for speed and angle of any test and the inertial mass of its two light vehicles, as printed
+beside the measured values of crash tests 612541-01-1 to -4 in National Academies (2024), doi 10.17226/27896, chapters
+12, 13, 18 and 19. The tolerances of its trucks' masses were not found published. Friction, restitution and the duration
+of the strike: assumed, wide enough for the values of the paper's tables.
+
+Sobol indices: the part of the variance that comes from each input, alone and with its interactions. The estimators are
+those of `scipy.stats.sobol_indices` (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259, Table 2 b and f), written as
+means over rows. That makes the bootstrap a product of two tables, where SciPy's takes a square of the number of rows;
+and rows can be left out, where SciPy turns a NaN into an index of 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tailslap.case.case import Case
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Source, parse_value, vary
+from tailslap.scene.write import SceneInput, scene_inputs
+
+Array = NDArray[np.float64]
+Limits = tuple[float, float, str]
+"""The ends of a range [SI], and where it comes from."""
+
+SEED, RESAMPLES, CONFIDENCE = 307, 500, 0.95
+"""Of every random number: the same call gives the same numbers; resamples of the bootstrap and its intervals."""
+
+PERCENTILES = (5, 50, 95)
+MIN_ROWS = 16
+"""Rows below which there are no indices."""
+
+ASSUMED, FROM_USER = "assumed", "--range"
+MILE_PER_HOUR, DEGREE, POUND = 0.44704, 0.017453292519943295, 0.45359237
+
+LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
+"""MASH's name: inertial mass and its tolerance [lb]."""
+
+
+def default_limits(scene: Scene) -> dict[str, Limits]:
+    """The range of each key that varies by default, where the scene has the key."""
+    limits: dict[str, Limits] = {"strike.duration": (0.08, 0.18, ASSUMED)}
+    for name, (pounds, tolerance) in LIGHT_VEHICLES.items():
+        if abs(scene.vehicle.mass - pounds * POUND) <= tolerance * POUND:
+            origin = f"± {tolerance:g} lb, MASH {name}"
+            limits["vehicle.mass"] = about(scene.vehicle.mass, tolerance * POUND, origin)
+    if scene.impact:
+        limits |= {
+            "impact.friction": (0.3, 0.6, ASSUMED),
+            "impact.restitution": (0.0, 0.4, ASSUMED),
+            "impact.speed": about(scene.impact.speed, 2.5 * MILE_PER_HOUR, "± 2.5 mph, MASH"),
+            "impact.angle": about(scene.impact.angle, 1.5 * DEGREE, "± 1.5 deg, MASH"),
+        }
+    return limits
+
+
+def about(value: float, tolerance: float, origin: str) -> Limits:
+    """The range of so much below and above a value."""
+    return value - tolerance, value + tolerance, origin
+
+
+@dataclass(frozen=True)
+class Range:
+    """An input that varies evenly between two values [unit]; given: the scene's own value, where it has one."""
+
+    key: str
+    lower: float
+    upper: float
+    unit: str
+    given: float | None
+    origin: str
+
+    def in_words(self) -> tuple[str, str]:
+        """The range and the scene's own value, angles in degrees."""
+        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
+        own = "–" if self.given is None else f"{self.given * factor:.5g} {unit}".strip()
+        return f"{self.lower * factor:.5g} to {self.upper * factor:.5g} {unit}".strip(), own
+
+
+def ranges_of(
+    case: Case,
+    used: tuple[str, ...],
+    limits: Mapping[str, Limits],
+    ranges: tuple[str, ...],
+    fixed: tuple[str, ...],
+) -> tuple[Range, ...]:
+    """The ranges for a case, in the order of the keys that may vary. Raises InputError.
+
+    Parameters
+    ----------
+    case : Case
+        Whose scene and source say what a key means and what its own value is.
+    used : tuple of str
+        The keys that may vary.
+    limits : dict
+        The ranges of those that vary by default.
+    ranges, fixed : tuple of str
+        What the user says: KEY=LOWER:UPPER, and keys that do not vary.
+    """
+    ends: dict[str, tuple[Any, Any, str]] = {key: its for key, its in limits.items() if key in used}
+    for text in ranges:
+        key, lower, upper = _split(text, used)
+        if key in ends and ends[key][2] == FROM_USER:
+            raise InputError("--range", text, "its key is given twice; allowed is one --range for each key")
+        ends[key] = (lower, upper, FROM_USER)
+    for key in fixed:
+        if key in ends and ends[key][2] == FROM_USER:
+            raise InputError("--fix", key, "--range varies it; leave out one of the two")
+        if ends.pop(key, None) is None:
+            raise InputError("--fix", key, f"it does not vary; allowed are {', '.join(ends) or 'none'}")
+    if not ends:
+        raise InputError("--fix", ", ".join(fixed), "then nothing varies; allowed is to leave one free")
+    return tuple(_range(case, key, *ends[key]) for key in used if key in ends)
+
+
+def _split(text: str, used: tuple[str, ...]) -> tuple[str, str, str]:
+    """Key and ends of KEY=LOWER:UPPER."""
+    key, equals, values = (part.strip() for part in text.partition("="))
+    lower, colon, upper = (part.strip() for part in values.partition(":"))
+    if not all((key, equals, lower, colon, upper)):
+        raise InputError("--range", text, "allowed is KEY=LOWER:UPPER, like impact.friction=0.2:0.5")
+    if key not in used:
+        why = f"the peak force of this scene does not depend on it; allowed are {', '.join(used)}"
+        raise InputError(key, values, why)
+    return key, lower, upper
+
+
+def _range(case: Case, key: str, lower: Any, upper: Any, origin: str) -> Range:
+    """The range, its ends read as the scene would read them, with its units and bounds."""
+    typed = origin == FROM_USER
+    try:
+        ends = [
+            _row(*vary(case.source, {key: parse_value(end) if typed else end}), key) for end in (lower, upper)
+        ]
+    except InputError as error:
+        if typed:
+            raise
+        where = Verbatim(f"{lower} to {upper} by default ({origin})")
+        raise InputError(key, where, f"{error.allowed}; --range gives another range") from None
+    low, high = (float(row.value or 0.0) if row else math.nan for row in ends)
+    if not high > low:
+        text = f"{lower}:{upper}" if typed else f"{lower!r}:{upper!r}"
+        raise InputError(key, text, "the second value must be larger than the first")
+    own = _row(case.scene, case.source, key)
+    unit = ends[0].unit if ends[0] else ""
+    return Range(key, low, high, unit, None if own is None else float(own.value or 0.0), origin)
+
+
+def _row(scene: Scene, source: Source, key: str) -> SceneInput | None:
+    """The key as a row of the scene's table of inputs."""
+    return next((row for row in scene_inputs(scene, source) if row.key == key), None)
+
+
+def sobol_points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
+    """Two tables of inputs, each of shape (inputs, rows): halves of one sequence in twice the dimensions."""
+    from scipy.stats import qmc
+
+    random = np.random.default_rng(SEED)
+    drawn = qmc.Sobol(2 * len(ranges), scramble=True, bits=64, seed=random).random(rows).T
+    lower, upper = (np.array([[getattr(item, end)] for item in ranges]) for end in ("lower", "upper"))
+    a, b = (lower + (upper - lower) * half for half in np.split(drawn, 2))
+    return a, b
+
+
+def sampled(
+    ranges: tuple[Range, ...], at_least: int, solve: Callable[[dict[str, Array]], Mapping[str, Array]]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Combinations of inputs and what is computed of them, at least so many, a power of two of rows (Saltelli 2010).
+
+    Parameters
+    ----------
+    ranges : tuple of Range
+        Of the inputs, each even over its range, independent of the others.
+    at_least : int
+        Combinations in all.
+    solve : callable
+        Takes inputs by key, shape (n,) [SI], and returns columns by name, shape (n,); NaN: refused.
+
+    Returns
+    -------
+    inputs : dict of ndarray, shape ((inputs + 2) rows,)
+        By key: two tables that share no row, and for each input the first table with that input from the second.
+    tables : dict of ndarray, shape (inputs + 2, rows)
+        By name, in the same order.
+    """
+    rows = 1 << max(5, math.ceil(math.log2(at_least / (len(ranges) + 2))))
+    a, b = sobol_points(ranges, rows)
+    mixed = [np.where(np.arange(len(a))[:, None] == i, b, a) for i in range(len(a))]
+    inputs = dict(zip((item.key for item in ranges), np.hstack([a, b, *mixed]), strict=True))
+    return inputs, {name: column.reshape(-1, rows) for name, column in solve(inputs).items()}
+
+
+@dataclass(frozen=True)
+class Band:
+    """How a quantity spreads [SI]: percentiles are those of PERCENTILES; values: all known ones."""
+
+    percentiles: tuple[float, ...]
+    mean: float
+    standard_deviation: float
+    values: Array
+
+    def fraction_below(self, value: float) -> float:
+        """Fraction of the combinations that stay below a value."""
+        return float(np.mean(self.values < value))
+
+    def numbers(self) -> dict[str, float]:
+        """Of a summary."""
+        ends = zip(PERCENTILES, self.percentiles, strict=True)
+        moments = {"mean": self.mean, "standard_deviation": self.standard_deviation}
+        return {**{f"percentile_{p}": x for p, x in ends}, **moments}
+
+
+def band_of(values: Array) -> Band:
+    """Of a sample without what is NaN; of the first two rows of a table."""
+    values = values[:2].ravel() if values.ndim == 2 else values
+    known = values[np.isfinite(values)]
+    ends = tuple(np.percentile(known, PERCENTILES).tolist())
+    return Band(ends, float(known.mean()), float(known.std(ddof=1)), known)
+
+
+class Indices(NamedTuple):
+    """An index for each input, shape (inputs,), and the ends of its confidence interval, shape (2, inputs)."""
+
+    first: Array
+    total: Array
+    first_interval: Array
+    total_interval: Array
+
+
+def sobol_indices(table: Array, seed: int = SEED) -> Indices:
+    """First-order and total indices, with percentile intervals of the bootstrap over rows.
+
+    table: as of `sampled`, without NaN. Its rows are quasi-random, more even than random ones, which the bootstrap does
+    not see: its intervals err on the wide side. Without variance the indices are NaN.
+    """
+    a, b, *_ = centred = table - np.mean(table[:2])
+    ab = centred[2:]
+    parts = [b * (ab - a), 0.5 * (a - ab) ** 2, 0.5 * (a * a + b * b), 0.5 * (a + b)]
+    terms = np.ascontiguousarray(np.vstack(parts).T)
+    random, rows = np.random.default_rng(seed), len(terms)
+    resampled = []
+    for _ in range(RESAMPLES):
+        drawn = random.integers(0, rows, rows, dtype=np.int32)
+        resampled.append(np.bincount(drawn, minlength=rows) @ terms / rows)
+    tails = (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE)
+    ends = np.quantile(_ratios(np.array(resampled)), tails, axis=0)
+    return Indices(*np.split(_ratios(terms.mean(axis=0)), 2), *np.split(ends, 2, axis=-1))
+
+
+def _ratios(means: Array) -> Array:
+    """Indices, first-order ones and then total ones, from the means of the terms along the last axis."""
+    variance = means[..., -2:-1] - means[..., -1:] ** 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios: Array = means[..., :-2] / variance
+    return ratios
+
+
+def index_rows(ranges: tuple[Range, ...], table: Array) -> list[dict[str, Any]]:
+    """A row an input: its range, its Sobol indices and their intervals; rows of the table with NaN are left out."""
+    found = sobol_indices(np.ascontiguousarray(table[:, np.isfinite(table).all(axis=0)]))
+    first, total = (found.first_interval.T.tolist(), found.total_interval.T.tolist())
+    return [
+        {
+            **{name: getattr(item, name) for name in ("key", "lower", "upper", "unit", "origin")},
+            "of_the_scene": item.given,
+            "first_order": float(found.first[i]),
+            "first_order_interval": first[i],
+            "total": float(found.total[i]),
+            "total_interval": total[i],
+        }
+        for i, item in enumerate(ranges)
+    ]
