@@ -17,6 +17,7 @@ import pytest
 from postprocess.comparison.comparison import KEYS
 from postprocess.report.report import report_text, write_report
 from solver.impact import Strike
+from tailslap.campaign.levels import lowest_frequency
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.command_line import CHECK_FAILED, _status
@@ -33,7 +34,6 @@ from tailslap.studies.flexibility.compute import (
     define,
     impact_row,
     impact_samples,
-    lowest_frequency,
     measure_impact,
     measure_plate,
     plate_record,

@@ -11,31 +11,33 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.comparison import largest_relative, relative_difference
+from tailslap.campaign.levels import (
+    ABOVE_ALL,
+    CROSSED,
+    NOT_REACHED,
+    UNKNOWN,
+    Reach,
+    Sample,
+    jointly,
+    lowest_frequency,
+    power_law,
+)
 from tailslap.case.corner.case import CornerCase
 from tailslap.command_line import DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility.compute import (
-    ABOVE_ALL,
-    CROSSED,
-    NOT_REACHED,
     STARTS,
-    UNKNOWN,
-    Reach,
-    Sample,
     Sweep,
     convergence_index,
     corner_support,
     define,
     frequencies,
-    jointly,
     largest_difference,
-    lowest_frequency,
     mesh_changes,
     modal_opinion,
     one_run,
-    power_law,
     run_changes,
     thickness_changes,
     three_meshes,

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from postprocess.comparison.comparison import KEYS, largest_relative, relative_d
 from postprocess.comparison.grid_convergence import SAFETY_FACTOR, grid_convergence
 from solver.impact import CORNERS
 from tailslap.campaign.engine import run_parts
+from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law
 from tailslap.campaign.records import Journal
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
@@ -84,16 +85,6 @@ THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
 ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
 """Rows of the history of a start that oscillates, a period of the first frequency: enough to see its largest swing."""
 
-KNOWN_FRACTION = 1.0 / 3.0
-"""Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
-difference that is below the level with its error on top is known to be."""
-
-CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = "crossed", "not reached", "above all", "unknown"
-"""The level is crossed; not within the points that passed; by all of them; the error is too large to say."""
-
-STRAIGHT, MIN_FITTED = 0.1, 4
-"""Relative distance from the fitted power law up to which points are said to follow it, and so many at least."""
-
 MAX_ORDER = 2.0
 """Order of convergence of linear elements and central differences."""
 
@@ -106,104 +97,6 @@ PLATES = (2.0, 4.0, 8.0, 16.0, 32.0)
 LONGER, WORST = 2.0, 0.05
 """Time of such a plate's run over that of the rigid vehicle's impact; difference between both meshes above which it is
 not to be relied on."""
-
-
-class Sample(NamedTuple):
-    """A plate: first frequency [Hz], size of the difference, numerical error, whether its checks passed."""
-
-    frequency: float
-    difference: float
-    error: float
-    passed: bool
-
-
-class Reach(NamedTuple):
-    """What is known of a level. frequency [Hz]: where it is crossed; the softest good plate if it is not reached; the
-    stiffest if all are above; the stiffest that is not known, NaN without any that passed."""
-
-    level: float
-    kind: str
-    frequency: float
-
-    @property
-    def text(self) -> str:
-        """The lowest first frequency as people read it; <: good down to there at least, >: not even there."""
-        signs = {CROSSED: "", NOT_REACHED: "<\N{NO-BREAK SPACE}", ABOVE_ALL: ">\N{NO-BREAK SPACE}"}
-        return signs[self.kind] + hertz(self.frequency) if self.kind in signs else "not known"
-
-
-class PowerLaw(NamedTuple):
-    """difference = factor * frequency ** exponent, frequencies in Hz, from `highest` down to `lowest`."""
-
-    exponent: float
-    factor: float
-    highest: float
-    lowest: float
-
-
-def hertz(frequency: float) -> str:
-    """A frequency [Hz] with its unit, which a line does not break off."""
-    if not math.isfinite(frequency):
-        return "–"
-    number, unit = (frequency / 1e3, "kHz") if frequency >= 999.5 else (frequency, "Hz")
-    return f"{number:.3g}\N{NO-BREAK SPACE}{unit}"
-
-
-def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
-    """Down to which first frequency the difference is at most the level; samples from stiff to soft.
-
-    Between two points that passed, next to each other, differences and errors follow powers of the frequency.
-    """
-    last: int | None = None
-    for number, sample in enumerate(samples):
-        if not sample.passed:
-            continue
-        if not math.isfinite(sample.error):
-            return Reach(level, UNKNOWN, sample.frequency)
-        if sample.difference > level:
-            return _crossing(samples, last, number, level)
-        if not (sample.error < KNOWN_FRACTION * level or sample.difference + sample.error <= level):
-            return Reach(level, UNKNOWN, sample.frequency)
-        last = number
-    if last is None:
-        return Reach(level, UNKNOWN, math.nan)
-    return Reach(level, NOT_REACHED, samples[last].frequency)
-
-
-def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: float) -> Reach:
-    """The level between the last point below it, if any, and this one above it."""
-    soft, floor = samples[number], float(np.finfo(float).eps)
-    if last is None:
-        known = soft.error < KNOWN_FRACTION * soft.difference
-        return Reach(level, ABOVE_ALL if known else UNKNOWN, soft.frequency)
-    stiff = samples[last]
-    low = max(stiff.difference, floor)  # the logarithm of nothing is none
-    part = math.log(level / low) / math.log(soft.difference / low)
-    error = max(stiff.error, floor) ** (1.0 - part) * max(soft.error, floor) ** part
-    if number != last + 1 or not error < KNOWN_FRACTION * level:
-        return Reach(level, UNKNOWN, soft.frequency)
-    return Reach(level, CROSSED, stiff.frequency * (soft.frequency / stiff.frequency) ** part)
-
-
-def jointly(levels: Sequence[Reach]) -> Reach:
-    """What holds for each of several series of points, given what is known of the same level in each."""
-    for kind in (ABOVE_ALL, UNKNOWN):
-        found = [level.frequency for level in levels if level.kind == kind]
-        if found:
-            return Reach(levels[0].level, kind, max(filter(math.isfinite, found), default=math.nan))
-    return max(levels, key=lambda level: (level.frequency, level.kind == CROSSED))
-
-
-def power_law(samples: Sequence[Sample]) -> PowerLaw | None:
-    """The law that most points from the stiff end on follow; None where no four do. samples from stiff to soft."""
-    known = [s for s in samples if s.passed and s.error < KNOWN_FRACTION * s.difference]
-    for count in range(len(known), MIN_FITTED - 1, -1):
-        x, y = (np.log([getattr(s, name) for s in known[:count]]) for name in ("frequency", "difference"))
-        exponent, offset = np.polyfit(x, y, 1)
-        if np.abs(np.expm1(y - exponent * x - offset)).max() <= STRAIGHT:
-            ends = (known[0].frequency, known[count - 1].frequency)
-            return PowerLaw(float(exponent), math.exp(offset), *ends)
-    return None
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ from tailslap.studies.flexibility.compute import (
     NAMES,
     STARTS,
     Flexibility,
-    Reach,
     Record,
     hertz,
 )
@@ -149,10 +148,10 @@ def corner_report(found: Flexibility) -> Report:
         "rigid": found.case.tail_slap,  # type: ignore[attr-defined]
         "own_frequency": found.own_frequency,
         **found.setup,
-        "levels_v_gy": {name: _numbers(levels) for name, levels in found.levels.items()},
-        "levels_v_gy_any_start": _numbers(found.band),
-        "levels": {name: _numbers(levels) for name, levels in found.others.items()},
-        "power_laws": {name: law and law._asdict() for name, law in found.laws.items()},
+        "levels_v_gy": found.levels,
+        "levels_v_gy_any_start": found.band,
+        "levels": found.others,
+        "power_laws": found.laws,
         "points": found.rows,
         "cost": {"seconds": found.seconds},
     }
@@ -168,10 +167,6 @@ def _shown(row: Record) -> Record:
     half = row["half_patch_v_gy"] / row["difference_v_gy"] - 1.0
     more = {"frequency": row["first_frequency"], "checks": checks, "half_change": half}
     return {**known_starts, **more}
-
-
-def _numbers(levels: Sequence[Reach]) -> list[Record]:
-    return [level._asdict() for level in levels]
 
 
 def headline(found: Flexibility) -> str:
@@ -197,64 +192,60 @@ def _modelled(found: Flexibility) -> str:
     )
 
 
-def figures(found: Flexibility) -> tuple[Chart, ...]:
+RELATIVE = "size of the relative difference"
+FIGURES = {
+    "starts": (RELATIVE, "v_GY from three starts: largest difference from the rigid body", LEVELS),
+    "difference": (
+        RELATIVE,
+        "Time of the strike, velocities of the centre of mass, angular velocity and slide",
+        LEVELS,
+    ),
+    "reaction": ("largest deviation over the rigid reaction", "Normal reaction of the wall", ()),
+    "stored": (
+        "elastic over kinetic energy",
+        "Largest elastic energy of the plate over its kinetic energy at the start",
+        (),
+    ),
+    "modal": (RELATIVE, "v_GY by both methods, and how far the methods are apart", LEVELS[:2]),
+}
+"""Label, caption and marked levels of each."""
+
+
+def figures(found: Flexibility) -> list[Chart]:
     """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
     rows = found.rows
-    frequencies, passed = [row["first_frequency"] for row in rows], [row["passed"] for row in rows]
 
-    def draw(name: str, lines: list[SweepLine], words: str, caption: str, levels: Sequence[float]) -> Chart:
-        any_start = [any(row[f"{start}:passed"] for start in STARTS) for row in rows]
-        axis = SweepAxis(frequencies, any_start if name == "starts" else passed, found.own_frequency)
-        return draw_sweep(f"flexibility-{name}", axis, lines, words, caption, levels)
+    def values(column: str) -> list[float]:
+        return [row[column] for row in rows]
 
-    def size(name: str, label: str = "") -> SweepLine:
-        sizes = [abs(row[MEASURED[name]]) for row in rows]
-        return SweepLine(label or SYMBOLS[name], sizes, [row[f"error_{name}"] for row in rows])
+    def size(name: str) -> SweepLine:
+        return SweepLine(SYMBOLS[name], [abs(x) for x in values(MEASURED[name])], values(f"error_{name}"))
 
-    def start(name: str) -> SweepLine:
-        values, errors, good = (
-            [row[f"{name}:{key}"] for row in rows] for key in ("v_gy_largest", "v_gy_error", "passed")
-        )
-        return SweepLine(START_NAMES[name], values, errors, passed=good)
-
-    modal = [
-        size("v_gy", "v_GY, FE"),
-        SweepLine("v_GY, modal", [abs(row["modal_v_gy"]) for row in rows], form=RINGS),
-        SweepLine("apart, largest of five", [row["modal_apart"] for row in rows], form=DOTS),
-        SweepLine("modal estimate", [row["modal_estimate"] for row in rows], form=DOTS),
-    ]
-    relative = "size of the relative difference"
-    return (
-        draw(
-            "starts",
-            [start(name) for name in STARTS],
-            relative,
-            "v_GY from three starts: largest difference from the rigid body",
-            LEVELS,
-        ),
-        draw(
-            "difference",
-            [size(name) for name in KEYS],
-            relative,
-            "Time of the strike, velocities of the centre of mass, angular velocity and slide",
-            LEVELS,
-        ),
-        draw(
-            "reaction",
-            [size("reaction")],
-            "largest deviation over the rigid reaction",
-            "Normal reaction of the wall",
-            (),
-        ),
-        draw(
-            "stored",
-            [size("stored")],
-            "elastic over kinetic energy",
-            "Largest elastic energy of the plate over its kinetic energy at the start",
-            (),
-        ),
-        draw("modal", modal, relative, "v_GY by both methods, and how far the methods are apart", LEVELS[:2]),
-    )
+    lines = {
+        "starts": [
+            SweepLine(
+                *(label, values(f"{start}:v_gy_largest"), values(f"{start}:v_gy_error")),
+                passed=[row[f"{start}:passed"] for row in rows],
+            )
+            for start, label in START_NAMES.items()
+        ],
+        "difference": [size(name) for name in KEYS],
+        "reaction": [size("reaction")],
+        "stored": [size("stored")],
+        "modal": [
+            size("v_gy")._replace(label="v_GY, FE"),
+            SweepLine("v_GY, modal", [abs(x) for x in values("modal_v_gy")], form=RINGS),
+            SweepLine("apart, largest of five", values("modal_apart"), form=DOTS),
+            SweepLine("modal estimate", values("modal_estimate"), form=DOTS),
+        ],
+    }
+    charts = []
+    for name, (label, caption, levels) in FIGURES.items():
+        counted = STARTS if name == "starts" else ()
+        passed = [row["passed"] or any(row[f"{start}:passed"] for start in counted) for row in rows]
+        axis = SweepAxis(values("first_frequency"), passed, found.own_frequency)
+        charts.append(draw_sweep(f"flexibility-{name}", axis, lines[name], label, caption, levels))
+    return charts
 
 
 def impact_report(found: Flexibility) -> Report:
@@ -294,7 +285,7 @@ def impact_report(found: Flexibility) -> Report:
         "rigid": found.case.rigid_numbers(),
         "own_frequency": found.own_frequency,
         **found.setup,
-        "levels": {name: _numbers(levels) for name, levels in found.levels.items()},
+        "levels": found.levels,
         "points": found.rows,
         "plates": found.plates,
         "cost": {"seconds": found.seconds},

@@ -1,0 +1,120 @@
+"""Down to which frequency a difference stays below a level, and whether it is a power of the frequency."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+KNOWN_FRACTION = 1.0 / 3.0
+"""Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
+difference that is below the level with its error on top is known to be."""
+
+CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = "crossed", "not reached", "above all", "unknown"
+"""The level is crossed; not within the points that passed; by all of them; the error is too large to say."""
+
+STRAIGHT, MIN_FITTED = 0.1, 4
+"""Relative distance from the fitted power law up to which points are said to follow it, and so many at least."""
+
+
+class Sample(NamedTuple):
+    """A plate: first frequency [Hz], size of the difference, numerical error, whether its checks passed."""
+
+    frequency: float
+    difference: float
+    error: float
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What is known of a level. frequency [Hz]: where it is crossed; the softest good plate if it is not reached; the
+    stiffest if all are above; the stiffest that is not known, NaN without any that passed."""
+
+    level: float
+    kind: str
+    frequency: float
+
+    @property
+    def text(self) -> str:
+        """The lowest first frequency as people read it; <: good down to there at least, >: not even there."""
+        signs = {CROSSED: "", NOT_REACHED: "<\N{NO-BREAK SPACE}", ABOVE_ALL: ">\N{NO-BREAK SPACE}"}
+        return signs[self.kind] + hertz(self.frequency) if self.kind in signs else "not known"
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """difference = factor * frequency ** exponent, frequencies in Hz, from `highest` down to `lowest`."""
+
+    exponent: float
+    factor: float
+    highest: float
+    lowest: float
+
+
+def hertz(frequency: float) -> str:
+    """A frequency [Hz] with its unit, which a line does not break off."""
+    if not math.isfinite(frequency):
+        return "–"
+    number, unit = (frequency / 1e3, "kHz") if frequency >= 999.5 else (frequency, "Hz")
+    return f"{number:.3g}\N{NO-BREAK SPACE}{unit}"
+
+
+def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
+    """Down to which first frequency the difference is at most the level; samples from stiff to soft.
+
+    Between two points that passed, next to each other, differences and errors follow powers of the frequency.
+    """
+    last: int | None = None
+    for number, sample in enumerate(samples):
+        if not sample.passed:
+            continue
+        if not math.isfinite(sample.error):
+            return Reach(level, UNKNOWN, sample.frequency)
+        if sample.difference > level:
+            return _crossing(samples, last, number, level)
+        if not (sample.error < KNOWN_FRACTION * level or sample.difference + sample.error <= level):
+            return Reach(level, UNKNOWN, sample.frequency)
+        last = number
+    if last is None:
+        return Reach(level, UNKNOWN, math.nan)
+    return Reach(level, NOT_REACHED, samples[last].frequency)
+
+
+def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: float) -> Reach:
+    """The level between the last point below it, if any, and this one above it."""
+    soft, floor = samples[number], float(np.finfo(float).eps)
+    if last is None:
+        known = soft.error < KNOWN_FRACTION * soft.difference
+        return Reach(level, ABOVE_ALL if known else UNKNOWN, soft.frequency)
+    stiff = samples[last]
+    low = max(stiff.difference, floor)  # the logarithm of nothing is none
+    part = math.log(level / low) / math.log(soft.difference / low)
+    error = max(stiff.error, floor) ** (1.0 - part) * max(soft.error, floor) ** part
+    if number != last + 1 or not error < KNOWN_FRACTION * level:
+        return Reach(level, UNKNOWN, soft.frequency)
+    return Reach(level, CROSSED, stiff.frequency * (soft.frequency / stiff.frequency) ** part)
+
+
+def jointly(levels: Sequence[Reach]) -> Reach:
+    """What holds for each of several series of points, given what is known of the same level in each."""
+    for kind in (ABOVE_ALL, UNKNOWN):
+        found = [level.frequency for level in levels if level.kind == kind]
+        if found:
+            return Reach(levels[0].level, kind, max(filter(math.isfinite, found), default=math.nan))
+    return max(levels, key=lambda level: (level.frequency, level.kind == CROSSED))
+
+
+def power_law(samples: Sequence[Sample]) -> PowerLaw | None:
+    """The law that most points from the stiff end on follow; None where no four do. samples from stiff to soft."""
+    known = [s for s in samples if s.passed and s.error < KNOWN_FRACTION * s.difference]
+    for count in range(len(known), MIN_FITTED - 1, -1):
+        x, y = (np.log([getattr(s, name) for s in known[:count]]) for name in ("frequency", "difference"))
+        exponent, offset = np.polyfit(x, y, 1)
+        if np.abs(np.expm1(y - exponent * x - offset)).max() <= STRAIGHT:
+            ends = (known[0].frequency, known[count - 1].frequency)
+            return PowerLaw(float(exponent), math.exp(offset), *ends)
+    return None
