@@ -46,7 +46,7 @@ from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, shown, vary
 from tailslap.scene_run import compare
 from tailslap.studies import with_elements
-from tailslap.studies.flexibility.impacts import NAMES, patch_length
+from tailslap.studies.flexibility.compute import NAMES, patch_length
 from tailslap.studies.study import Call
 from tailslap.verification.check import failed_names
 

@@ -483,7 +483,7 @@ def impact_flexibility(
 ) -> Flexibility:
     """Run every plate; an interrupted study of the same scene goes on from its journal. given: falling [Hz]."""
     began, own = time.perf_counter(), case.plan()
-    patch = case.scene.needed_contact.patch_length or PATCH * case.scene.vehicle.length
+    patch = patch_length(case)
     along, across = own.plate.counts
     fixed: Changes = {"plate.youngs_modulus": None, "contact.patch_length": patch}
     sweep = {
@@ -512,6 +512,11 @@ def impact_flexibility(
     seconds = time.perf_counter() - began
     setup = {"patch_length": patch}
     return Flexibility(case, rows, levels, own.first_frequency, setup, seconds, {}, {}, [*soft, rigid])
+
+
+def patch_length(case: ImpactCase) -> float:
+    """Length of side that a corner's crush is spread over [m]: the scene's, or the study's."""
+    return case.scene.needed_contact.patch_length or PATCH * case.scene.vehicle.length
 
 
 def impact_row(frequency: float, record: Record) -> Record:

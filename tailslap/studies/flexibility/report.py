@@ -12,6 +12,7 @@ from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
+from tailslap.campaign.levels import hertz
 from tailslap.impact.answers import COLUMNS
 from tailslap.impact.answers import QUANTITIES as OF_STRIKES
 from tailslap.report.common import study_page, study_summary
@@ -24,7 +25,6 @@ from tailslap.studies.flexibility.compute import (
     STARTS,
     Flexibility,
     Record,
-    hertz,
 )
 
 START_NAMES = dict(zip(STARTS, ("inertia relief", "Stage 1's momenta", "unstressed"), strict=True))
@@ -194,21 +194,20 @@ def _modelled(found: Flexibility) -> str:
 
 RELATIVE = "size of the relative difference"
 FIGURES = {
-    "starts": (RELATIVE, "v_GY from three starts: largest difference from the rigid body", LEVELS),
+    "starts": ("v_GY from three starts: largest difference from the rigid body", RELATIVE),
     "difference": (
-        RELATIVE,
         "Time of the strike, velocities of the centre of mass, angular velocity and slide",
-        LEVELS,
+        RELATIVE,
     ),
-    "reaction": ("largest deviation over the rigid reaction", "Normal reaction of the wall", ()),
+    "reaction": ("Normal reaction of the wall", "largest deviation over the rigid reaction"),
     "stored": (
-        "elastic over kinetic energy",
         "Largest elastic energy of the plate over its kinetic energy at the start",
-        (),
+        "elastic over kinetic energy",
     ),
-    "modal": (RELATIVE, "v_GY by both methods, and how far the methods are apart", LEVELS[:2]),
+    "modal": ("v_GY by both methods, and how far the methods are apart", RELATIVE),
 }
-"""Label, caption and marked levels of each."""
+MARKED = {"starts": LEVELS, "difference": LEVELS, "modal": LEVELS[:2]}
+"""Caption and label of each, and the levels that are marked."""
 
 
 def figures(found: Flexibility) -> list[Chart]:
@@ -240,11 +239,13 @@ def figures(found: Flexibility) -> list[Chart]:
         ],
     }
     charts = []
-    for name, (label, caption, levels) in FIGURES.items():
+    for name, (caption, label) in FIGURES.items():
         counted = STARTS if name == "starts" else ()
         passed = [row["passed"] or any(row[f"{start}:passed"] for start in counted) for row in rows]
         axis = SweepAxis(values("first_frequency"), passed, found.own_frequency)
-        charts.append(draw_sweep(f"flexibility-{name}", axis, lines[name], label, caption, levels))
+        charts.append(
+            draw_sweep(f"flexibility-{name}", axis, lines[name], label, caption, MARKED.get(name, ()))
+        )
     return charts
 
 
