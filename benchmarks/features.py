@@ -80,7 +80,7 @@ COMMANDS = {
 }
 
 CODE = (
-    "import sys\nfrom tailslap.command_line import _status\n"
+    "import sys\nfrom tailslap.cli import _status\n"
     "status = _status(sys.argv[1:])\nprint()\nprint(len(sys.modules))\nsys.exit(status)\n"
 )
 
@@ -384,7 +384,7 @@ def _arguments(command: tuple[str, ...], scene: str, changes: tuple[str, ...], f
 
 
 def _timed(arguments: list[str]) -> float:
-    return seconds(lambda: _process([sys.executable, "-m", "tailslap.command_line", *arguments]))
+    return seconds(lambda: _process([sys.executable, "-m", "tailslap.cli", *arguments]))
 
 
 def _imports(arguments: list[str]) -> tuple[int, dict[str, float]]:

@@ -29,7 +29,7 @@ from tailslap.scene_run import Outcome, run_scene
 SIZES = ((4.0, 1.5), (10.0, 2.438), (19.0, 2.7))
 FRICTIONS = (0.05, 0.2, 0.47, 0.8)
 MODULI = (20e9, 200e9, 2e12)
-COMMAND = [sys.executable, "-m", "tailslap.command_line"]
+COMMAND = [sys.executable, "-m", "tailslap.cli"]
 
 
 def outcome(name: str, *changes: str) -> Outcome:

@@ -45,7 +45,7 @@ SUBREAPER = 36
 
 def sweep(place: Path, *arguments: str) -> subprocess.Popen[bytes]:
     """The command, started as a process of its own."""
-    command = [sys.executable, "-m", "tailslap.command_line", "sweep", *arguments, "--out", str(place)]
+    command = [sys.executable, "-m", "tailslap.cli", "sweep", *arguments, "--out", str(place)]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL)
 
 

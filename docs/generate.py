@@ -244,9 +244,8 @@ def _entries(body: str) -> str:
 
 def commands_page() -> str:
     """What each command says of itself."""
-    from tailslap.command_line import commands
+    from tailslap.cli import commands, study_command
     from tailslap.studies import find_study, study_names
-    from tailslap.studies.study import study_command
 
     every: Mapping[str, click.Command] = {
         **commands.commands,

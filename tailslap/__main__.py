@@ -1,5 +1,5 @@
 """`python -m tailslap`: the command line."""
 
-from tailslap.command_line import main
+from tailslap.cli import main
 
 main()

@@ -3,6 +3,7 @@ empty. Anything else is wrong input, which the message of the option names."""
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Callable, Mapping
@@ -25,7 +26,8 @@ class Whole(click.IntRange):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number; fails with what is allowed."""
-        if isinstance(value, str) and not WHOLE.fullmatch(value.strip()):
+        is_odd = isinstance(value, float) and not value.is_integer()
+        if is_odd or (isinstance(value, str) and not WHOLE.fullmatch(value.strip())):
             self.fail(f"{value!r} is not a whole number.", param, ctx)
         return super().convert(value, param, ctx)
 
@@ -35,7 +37,8 @@ class Real(click.FloatRange):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number; fails with what is allowed."""
-        if isinstance(value, str) and not REAL.fullmatch(value.strip()):
+        is_odd = isinstance(value, float) and not math.isfinite(value)
+        if is_odd or (isinstance(value, str) and not REAL.fullmatch(value.strip())):
             self.fail(f"{value!r} is not a finite number.", param, ctx)
         return super().convert(value, param, ctx)
 

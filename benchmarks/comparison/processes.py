@@ -100,7 +100,7 @@ def run_script(interpreter: str, script: str, plate: Plate, expected: float, lim
 
 
 def _tailslap(arguments: Sequence[str], limit: float) -> tuple[float, subprocess.CompletedProcess[str]]:
-    command = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    command = [sys.executable, "-m", "tailslap.cli", *arguments]
     environment = _environment() | {"PYTHONPATH": str(BENCHMARKS.parent)}
     with tempfile.TemporaryDirectory() as folder:
         return _timed(command, environment, Path(folder), 3.0 * limit + 300.0)

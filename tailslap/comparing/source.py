@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tailslap.api.result import Result
 from tailslap.errors import InputError, Verbatim
 from tailslap.files.load import column_units, load
+from tailslap.result import Result
 from tailslap.scene.units import converted
 
 TIME = "t"

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
-from tailslap.api.result import FE, RIGID, Result
 from tailslap.errors import InputError, Verbatim
 from tailslap.files.load import load
+from tailslap.result import FE, RIGID, Result
 
 if TYPE_CHECKING:
     from postprocess.fields.series import FieldSeries

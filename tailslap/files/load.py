@@ -12,11 +12,9 @@ from typing import Any
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
 from postprocess.fields.series import FILE, read_fields
 from postprocess.files.histories import read_history
-from tailslap.api.columns import Columns
-from tailslap.api.result import FE, RIGID, Result
-from tailslap.api.run_tables import run_headline, run_tables
 from tailslap.errors import InputError, Verbatim
 from tailslap.files.manifest import NAME, read_manifest
+from tailslap.result import FE, RIGID, Columns, Result, run_headline, run_tables
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
 FILES = {FE: "history.csv", RIGID: "rigid.csv"}
@@ -129,7 +127,7 @@ def _summary(place: Path) -> dict[str, Any]:
 def _copies(place: Path) -> Any:
     """What fills another folder with the files of this one."""
 
-    def fill(folder: Path, pictures: bool) -> None:
+    def fill(folder: Path, pictures: bool, units: str) -> None:
         for entry in read_manifest(place) or ():
             if entry.path != NAME and (pictures or not entry.path.startswith("contour_")):
                 shutil.copyfile(place / entry.path, folder / entry.path)

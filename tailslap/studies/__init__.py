@@ -10,10 +10,8 @@ import importlib
 import pkgutil
 from typing import TYPE_CHECKING
 
-import click
-
 from tailslap.errors import InputError
-from tailslap.studies.study import Study, study_command
+from tailslap.studies.study import Study
 
 if TYPE_CHECKING:
     from tailslap.case.corner.case import CornerCase
@@ -60,20 +58,3 @@ def find_study(name: str) -> Study:
         raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
     found: Study = _registered.get(name) or importlib.import_module(f"{__name__}.{name}").STUDY
     return found
-
-
-class Studies(click.Group):
-    """The commands below `tailslap study`, each imported when it is asked for."""
-
-    def list_commands(self, context: click.Context) -> list[str]:
-        """Names for the help text."""
-        return study_names()
-
-    def get_command(self, context: click.Context, name: str) -> click.Command:
-        """The study's command; InputError, listing the studies, for a name that is none."""
-        return study_command(find_study(name))
-
-
-@click.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")
-def study() -> None:
-    """Run a prepared study of a scene: `tailslap study NAME --help` tells more."""

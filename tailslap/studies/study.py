@@ -6,14 +6,14 @@ import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tailslap.case import case_of, kind_of
 from tailslap.case.case import CORNER
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.options import ALLOW_LARGE, FORCE, JSON, PROGRESS, QUIET, SCENE, SET, UNITS, Folder
+from tailslap.scene.vary import shown
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -72,47 +72,35 @@ class Study:
     analyses: tuple[str, ...] = (CORNER,)
 
 
-class Shown(NamedTuple):
-    """Whether another scene's result is replaced, and how results are said."""
+def checked_options(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The study's own options as `compute` takes them, by their types and bounds, defaults among them.
 
-    force: bool
-    units: str
-    as_json: bool
+    given: by the names on the command line with "_" for "-"; an option that can be given several times takes a list or
+    a mapping. Raises InputError.
+    """
+    known = option_names(study)
+    context, found = click.Context(click.Command(study.name)), {}
+    for name, value in given.items():
+        if name not in known:
+            allowed = f"allowed are {', '.join(known)}" if known else "this study has no options of its own"
+            raise InputError(f"study {study.name}", name, allowed)
+        option = known[name]
+        if isinstance(value, Mapping):
+            value = shown(value)
+        if value is not None:
+            found[str(option.name)] = [value] if option.multiple and isinstance(value, str) else value
+    for option in study.options:
+        try:
+            found[str(option.name)] = option.handle_parse_result(context, found, [])[0]
+        except click.UsageError as error:
+            value = found.get(str(option.name))
+            raise InputError(f"study {study.name}", value, error.format_message()) from None
+    return found
 
 
-def study_command(study: Study) -> click.Command:
-    """The study on the command line: SCENE, --set, --out, and its own options."""
-    shared: list[click.Parameter] = [
-        *(SCENE, SET),
-        click.Option(
-            ["--out"],
-            type=Folder(),
-            help=f"Result folder  [default: results/NAME-{study.name}]",
-        ),
-        *(ALLOW_LARGE, FORCE, UNITS, JSON, QUIET, PROGRESS),
-    ]
-
-    def run(name: str, changes: tuple[str, ...], out: Path | None, allow_large: bool, **options: Any) -> int:
-        shown = Shown(*(options.pop(option) for option in ("force", "units", "as_json")))
-        return _run(study, name, changes, out, allow_large, shown, options)
-
-    return click.Command(study.name, params=[*shared, *study.options], callback=run, help=study.summary)
-
-
-def _run(
-    study: Study,
-    name: str,
-    changes: tuple[str, ...],
-    out: Path | None,
-    allow_large: bool,
-    shown: Shown,
-    options: dict[str, Any],
-) -> int:
-    """Compute, fill the result folder, say what was found; 1 if the study failed."""
-    from tailslap.report.deliver import deliver
-
-    place, found = compute_study(study, name, changes, out, allow_large, options, shown.force)
-    return deliver(place, lambda folder: study.report(found), as_json=shown.as_json, units=shown.units)
+def option_names(study: Study) -> dict[str, click.Option]:
+    """The study's own options by their names in Python: `--range` is `range`."""
+    return {option.opts[0].lstrip("-").replace("-", "_"): option for option in study.options}
 
 
 def compute_study(

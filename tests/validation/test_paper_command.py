@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from tailslap.command_line import _status
+from tailslap.cli import _status
 
 pytestmark = pytest.mark.validation
 

@@ -19,8 +19,8 @@ import tailslap
 from fem import FRICTION_LAWS, MATERIALS
 from postprocess.report.numbers import number
 from tailslap import Columns, InputError, Result
-from tailslap.api.laws import named
-from tailslap.command_line import main
+from tailslap.api import named
+from tailslap.cli import main
 
 pytestmark = pytest.mark.verification
 
@@ -309,7 +309,7 @@ def test_examples_are_right(name: str, tmp_path: Path, monkeypatch: pytest.Monke
 
 def test_modules_do_not_hide_the_functions() -> None:
     """An import of a module of the same name would put it in the function's place."""
-    code = "import tailslap.command_line as c, tailslap; c.commands.get_command; print(*map(callable, ({})))"
+    code = "import tailslap.cli as c, tailslap; c.commands.get_command; print(*map(callable, ({})))"
     names = ", ".join(f"tailslap.{name}" for name in FUNCTIONS)
     run = subprocess.run(
         [sys.executable, "-c", code.format(names)], capture_output=True, text=True, check=True, env=os.environ

@@ -20,7 +20,7 @@ from fem.run.impact import simulate_impact
 from fem.run.observers import Arrays
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import Interrupted
 from tailslap.files import checkpoints
 from tailslap.files.checkpoints import checkpointed, next_checkpoint
@@ -138,7 +138,7 @@ def test_files_belong_to_one_definition(tmp_path: Path, monkeypatch: pytest.Monk
 LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures")
 OFTEN = """
 import sys
-from tailslap.command_line import main
+from tailslap.cli import main
 from tailslap.files import checkpoints
 checkpoints.SAVE_S = 0.3
 main(sys.argv[1:])

@@ -21,7 +21,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from tailslap.command_line import _status, commands
+from tailslap.cli import _status, commands
 from tailslap.studies import study_names
 
 pytestmark = pytest.mark.verification
@@ -48,7 +48,7 @@ def run(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess
 
 def imported(*arguments: str, cwd: Path) -> set[str]:
     """Which of HEAVY a command imports."""
-    code = f"import sys; from tailslap.command_line import _status; s = _status({list(arguments)!r})\n"
+    code = f"import sys; from tailslap.cli import _status; s = _status({list(arguments)!r})\n"
     code += f"print(s, *[m for m in {HEAVY!r} if m in sys.modules], sep=';')"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, check=True)
     status, *modules = done.stdout.splitlines()[-1].split(";")
@@ -276,7 +276,7 @@ def long_run(tmp_path: Path, stderr: Any) -> subprocess.Popen[bytes]:
     command = [
         sys.executable,
         "-m",
-        "tailslap.command_line",
+        "tailslap.cli",
         "run",
         "paper-table-3",
         *changes,

@@ -11,7 +11,7 @@ import pytest
 import tailslap
 from postprocess.comparison.side_by_side import beside
 from tailslap import InputError, Result
-from tailslap.command_line import main
+from tailslap.cli import main
 from tailslap.comparing.source import parse_mapping, read_table
 
 pytestmark = pytest.mark.verification

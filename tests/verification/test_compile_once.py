@@ -91,7 +91,7 @@ def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(
 @pytest.mark.long
 def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path: Path) -> None:
     """Standard error is no terminal here."""
-    command = [sys.executable, "-m", "tailslap.command_line", "run", "paper-table-3", "--no-pictures"]
+    command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", "--no-pictures"]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
 
     def said() -> str:

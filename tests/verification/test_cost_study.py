@@ -13,7 +13,7 @@ from postprocess.comparison.comparison import largest_relative
 from postprocess.comparison.grid_convergence import grid_convergence
 from postprocess.report.report import write_report
 from tailslap.case import case_of
-from tailslap.command_line import main
+from tailslap.cli import main
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost import compute as study

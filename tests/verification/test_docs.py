@@ -11,7 +11,7 @@ import click
 import pytest
 
 import tailslap
-from tailslap.command_line import commands
+from tailslap.cli import commands
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 

@@ -15,7 +15,7 @@ import pytest
 
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import labelled, printed, table_lines
-from tailslap.command_line import _status, commands
+from tailslap.cli import _status, commands
 from tailslap.errors import InputError
 from tailslap.scene.meanings import MEANINGS
 from tailslap.scene.read import read_scene

@@ -18,7 +18,7 @@ import tailslap
 from postprocess.fields import FORMATS
 from postprocess.fields.series import ELEMENTS, NODES, UNITS, FieldSeries
 from tailslap import Result
-from tailslap.command_line import main
+from tailslap.cli import main
 from tailslap.errors import InputError
 
 pytestmark = pytest.mark.verification

@@ -67,7 +67,7 @@ def test_what_a_dead_process_left_is_cleared_and_what_a_living_one_fills_is_not(
 def command(
     folder: Path, *arguments: str, prepare: Callable[[], None] | None = None, **variables: str
 ) -> subprocess.CompletedProcess[str]:
-    line = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    line = [sys.executable, "-m", "tailslap.cli", *arguments]
     environment = {**os.environ, "PYTHONPATH": os.getcwd(), **variables}
     return subprocess.run(
         line, cwd=folder, env=environment, preexec_fn=prepare, capture_output=True, text=True, timeout=300

@@ -20,7 +20,7 @@ from fem.laws.materials import NeoHookean
 from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import distorted, plate_mesh
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification

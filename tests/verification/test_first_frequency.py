@@ -14,7 +14,7 @@ import pytest
 import scipy.linalg
 
 from tailslap.case.corner.case import CornerCase
-from tailslap.command_line import DONE, _status
+from tailslap.cli import DONE, _status
 from tailslap.errors import InputError
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene.read import read_scene

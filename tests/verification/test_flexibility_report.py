@@ -20,7 +20,7 @@ from solver.impact import Strike
 from tailslap.campaign.levels import lowest_frequency
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.command_line import CHECK_FAILED, _status
+from tailslap.cli import CHECK_FAILED, _status
 from tailslap.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.impact.rigid_text import rigid_impact
 from tailslap.scene.read import read_scene

@@ -23,7 +23,7 @@ from tailslap.campaign.levels import (
     power_law,
 )
 from tailslap.case.corner.case import CornerCase
-from tailslap.command_line import DONE, WRONG_INPUT, _status
+from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary

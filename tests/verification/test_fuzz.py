@@ -19,7 +19,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.scene.read import shipped_scenes
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity

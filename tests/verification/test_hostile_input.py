@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 import pytest
 
-from tailslap.command_line import _status, commands
+from tailslap.cli import _status, commands
 from tailslap.errors import InputError, escaped
 from tailslap.options import Folder, Real, Text, Whole
 from tailslap.scene.read import read_scene, source_of_text
@@ -199,7 +199,7 @@ def test_what_a_terminal_would_obey_is_escaped() -> None:
 
 
 def command(*arguments: str, **more: object) -> subprocess.CompletedProcess[bytes]:
-    line = [sys.executable, "-m", "tailslap.command_line", *arguments]
+    line = [sys.executable, "-m", "tailslap.cli", *arguments]
     return subprocess.run(line, timeout=60, **more)  # type: ignore[call-overload, no-any-return]
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.command_line import main
+from tailslap.cli import main
 from tailslap.errors import InputError
 from tailslap.impact.answers import strike_numbers
 from tailslap.impact.checks import CHECKS, MESH_CHECKS, energy_error

@@ -42,7 +42,7 @@ def test_a_package_stands_alone(package: str) -> None:
 
 
 def test_nothing_imports_the_command_line() -> None:
-    importing = [name for name, imported in graph().items() if "tailslap.command_line" in imported]
+    importing = [name for name, imported in graph().items() if "tailslap.cli" in imported]
     assert importing == ["tailslap.__main__"]
 
 

@@ -21,7 +21,7 @@ from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart, to_global
 from postprocess.comparison.comparison import KEYS
 from tailslap.case.corner.case import CornerCase
-from tailslap.command_line import CHECK_FAILED, DONE, WRONG_INPUT, _status
+from tailslap.cli import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.modal_analysis.run import ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan

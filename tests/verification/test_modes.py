@@ -22,7 +22,7 @@ from fem.modal.mode_kinds import (
 from fem.plate.elastic import FreeModes, free_modes, most_modes
 from meshes import plate_mesh
 from postprocess.figures.plates import draw_mode, mesh_edges
-from tailslap.command_line import DONE, WRONG_INPUT, _status
+from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.files.manifest import NAME as MANIFEST
 
 pytestmark = pytest.mark.verification

@@ -17,7 +17,7 @@ from postprocess.report.table import Table, text_table
 from postprocess.svg.chart import Axis, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import PALETTE
 from postprocess.svg.marks import Line, Swatch
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.report.parts import DESIGN
 from tailslap.report.run_report import run_report
 

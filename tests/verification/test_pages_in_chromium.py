@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from postprocess.report.page import write_page
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.report.run_report import run_report
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")

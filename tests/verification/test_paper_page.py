@@ -18,7 +18,7 @@ from test_postprocess_report import Parsed
 
 from postprocess.report.page import glued, prose
 from postprocess.report.table import Column, Table
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.paper import tables
 from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
@@ -138,7 +138,7 @@ def test_wrong_input_ends_with_two_and_nothing_written(
 
 
 def test_a_reader_of_the_pipe_may_leave(tmp_path: Path, besides_compiling: Callable[[str], str]) -> None:
-    command = f"{sys.executable} -m tailslap.command_line paper | head -n 1; exit ${{PIPESTATUS[0]}}"
+    command = f"{sys.executable} -m tailslap.cli paper | head -n 1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
     assert done.stdout.startswith("B. Chuong and R. B. Malla")

@@ -14,7 +14,7 @@ from postprocess.report.numbers import percent
 from postprocess.report.terminal import printed
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.paper import data, page, tables
 from tailslap.paper.data import ABAQUS, MASS, ForceRow
 from tailslap.paper.tables import Numbers, corner_fraction

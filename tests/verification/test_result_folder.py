@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.files.folder import demand_place, result_folder
 from tailslap.files.manifest import NAME

@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 import tailslap
-from tailslap.command_line import commands, main
+from tailslap.cli import commands, main
 from tailslap.scene.meanings import MEANINGS
 from tailslap.scene.schema import Scene, Table
 

@@ -15,7 +15,7 @@ import pytest
 from postprocess.report.report import report_text, write_report
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.cost import expected_effort
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted
 from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.validate import validate

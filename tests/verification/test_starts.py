@@ -20,7 +20,7 @@ from fem.start.inertia_relief import TooSoftError
 from fem.start.rigid_state import RigidStart, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
-from tailslap.command_line import WRONG_INPUT, _status
+from tailslap.cli import WRONG_INPUT, _status
 
 pytestmark = pytest.mark.verification
 

@@ -14,7 +14,7 @@ from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
 from tailslap.case.case import CORNER, WHOLE_IMPACT
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.studies import register, study_names
 from tailslap.studies.study import Call, Study
 

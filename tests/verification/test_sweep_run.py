@@ -28,7 +28,7 @@ from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perfo
 from tailslap.campaign.records import Records, count, program
 from tailslap.campaign.table import CIRCUMSTANCES, compute_row
 from tailslap.case.corner.case import CornerCase
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
@@ -202,7 +202,7 @@ def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
     command = [
         sys.executable,
         "-m",
-        "tailslap.command_line",
+        "tailslap.cli",
         "sweep",
         scene,
         *varied,

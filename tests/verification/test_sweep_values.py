@@ -19,7 +19,7 @@ from tailslap.campaign.definition import (
     parse_varied,
     split_outside,
 )
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError
 
 pytestmark = pytest.mark.verification

@@ -127,7 +127,7 @@ def test_sensitivity_bounds_what_was_seen() -> None:
 
 
 def test_command_writes_what_was_picked(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tailslap.command_line", "run", "paper-abaqus", "--no-pictures"]
+    command = [sys.executable, "-m", "tailslap.cli", "run", "paper-abaqus", "--no-pictures"]
     done = subprocess.run(
         [*command, "--tolerance", "1e-4", "--out", str(tmp_path / "out")], capture_output=True, text=True
     )

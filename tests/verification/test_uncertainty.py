@@ -26,7 +26,7 @@ from solver.impact import solve_impacts
 from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.impact.answers import COLUMNS, both_strikes, filtered, peaks_within

@@ -16,7 +16,7 @@ from postprocess.fields.contours import ContourField, Setting, Sheet, draw_conto
 from postprocess.figures.animation import write_animation
 from postprocess.report.units import US
 from tailslap import Result
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError
 
 pytestmark = pytest.mark.verification

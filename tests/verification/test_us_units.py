@@ -16,7 +16,7 @@ from postprocess.report.units import SI, US
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from tailslap.case.corner.case import CornerCase
-from tailslap.command_line import _status
+from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.impact.report import RISK
 from tailslap.scene.read import read_scene
@@ -194,7 +194,7 @@ def test_json_is_si_always(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_rigid_imports_neither_statistics_nor_plots() -> None:
-    code = "import sys; from tailslap.command_line import _status; _status(['rigid','mash-tl4-sut','--units','us'])\n"
+    code = "import sys; from tailslap.cli import _status; _status(['rigid','mash-tl4-sut','--units','us'])\n"
     code += "print(sorted({'scipy.stats', 'scipy.special', 'matplotlib', 'rich', 'jinja2'} & {*sys.modules}))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"

@@ -1,0 +1,594 @@
+"""The functions of `import tailslap`; the commands of the same names call them.
+
+`load` and `export` stand in `tailslap.files`.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.laws.constraints import CONSTRAINTS
+from fem.laws.friction import FRICTION_LAWS
+from fem.laws.materials import MATERIALS
+from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
+from fem.registry import Registry
+from fem.start.start_kinds import START_KINDS
+from postprocess.files.summary import plain
+from postprocess.report.table import Table
+from postprocess.report.terminal import labelled_text, printed
+from postprocess.report.units import SYSTEMS, US
+from tailslap.case import case_of
+from tailslap.case.case import Case
+from tailslap.case.cost import demand_run
+from tailslap.errors import InputError, Verbatim
+from tailslap.files import load
+from tailslap.result import FE, RIGID, Columns, Result, filled_by, run_headline, run_tables
+from tailslap.scene.read import read_source, remarks
+from tailslap.scene.vary import Source, parse_changes, shown, vary
+
+Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
+"""Name of a scene that comes with the program, path of a TOML file, the tables themselves, or a case made of them."""
+
+Changes = Mapping[str, Any] | Sequence[str]
+"""Values by dotted key: numbers in SI, texts with their unit, objects, None to take the key out; or KEY=VALUE texts."""
+
+Values = str | Sequence[Any]
+"""Values of a key that varies: a list, or text as the command takes it, "log:20 GPa:2 TPa:5"."""
+
+MODAL = "modal"
+
+REGISTRIES: dict[str, Registry[Any]] = {
+    "corner.reaction": FRICTION_LAWS,
+    "corner.constraint": CONSTRAINTS,
+    "material.law": MATERIALS,
+    "plate.element": ELEMENT_KINDS,
+    "plate.lumping": LUMPINGS,
+    "plate.start": START_KINDS,
+}
+"""Where the object behind the name of each of these keys is registered."""
+
+_OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
+"""Names that the program itself has registered."""
+
+
+def run(
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    tolerance: float | None = None,
+    allow_large: bool = False,
+) -> Result:
+    """Run a scene: rigid solution, mesh, FE run, comparison, checks. Nothing is written.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene that comes with the program, path of a TOML file, or its tables as a dict.
+    changes : mapping or sequence of str, optional
+        Values by dotted key: numbers in SI, texts with their unit, None to take a key out. A friction law, a constraint
+        or a material of your own stands in the place of its name: {"corner.reaction": law}. Or texts as the command
+        takes them, "plate.thickness=20mm".
+    tolerance : float, optional
+        Relative error [-] for which the cheapest mesh and constraint are picked.
+    allow_large : bool
+        Also where it takes more memory, time or threads than there are.
+
+    Returns
+    -------
+    Result
+        `summary` is what `summary.json` of the command holds, to the bit but for the times it took.
+
+    Raises
+    ------
+    InputError
+        For a scene, a key or a value that is wrong; it names the key, what was given and what is allowed.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> result = tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"})
+    >>> result.passed, round(result.summary["fe"]["t"], 4)
+    (True, 0.3867)
+    """
+    case = _affordable(scene, changes, allow_large)
+    outcome = case.run(tolerance)
+    summary = plain(case.summary(outcome, True))
+    histories = case.histories(outcome)
+
+    def fields() -> Any:
+        from tailslap.report.fields import field_series
+
+        return field_series(outcome.fe_plan.model, outcome.run.snapshots)
+
+    def ends() -> Any:
+        from tailslap.report.fields import series_of_ends
+
+        return series_of_ends(outcome)
+
+    return Result(
+        "run",
+        summary["scene"],
+        summary,
+        run_headline(summary),
+        summary["passed"],
+        run_tables(summary),
+        {FE: load.history(histories["history.csv"]), RIGID: load.history(histories["rigid.csv"])},
+        fill=filled_by(lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])),
+        make_fields=None if outcome.run.snapshots is None else fields,
+        make_ends=ends if getattr(outcome.run, "strike", None) is not None else None,
+    )
+
+
+def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") -> Result:
+    """Solve the rigid-body method, or the rigid vehicle's whole impact, alone; loads no mesh or FE library.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        As of `run`.
+    changes : mapping or sequence of str, optional
+        As of `run`.
+    units : str
+        Of the printed text, "si" or "us"; numbers are in SI.
+
+    Returns
+    -------
+    Result
+        `summary` is what `tailslap rigid --json` prints; the history is the motion to its end.
+
+    Raises
+    ------
+    InputError
+        As `run`.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> round(tailslap.rigid("mash-tl4-sut").summary["stage3"]["peak_force"] / 1e3)
+    653
+    """
+    case = _case(scene, changes)
+    summary, columns = plain(case.rigid_numbers()), case.rigid_history()
+
+    def fill(folder: Path, pictures: bool, units: str) -> None:
+        from postprocess.files.histories import write_history
+        from postprocess.files.summary import write_summary
+
+        write_summary(folder / "summary.json", summary)
+        write_history(folder / "rigid.csv", columns)
+
+    return Result(
+        "rigid",
+        summary["scene"],
+        summary,
+        histories={RIGID: load.history(columns)},
+        text=labelled_text(case.rigid_text(units), 19),
+        fill=fill,
+    )
+
+
+def check(
+    scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: str = "si"
+) -> Result:
+    """Say what a run would use, choose, leave out and cost; runs nothing.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        As of `run`.
+    changes : mapping or sequence of str, optional
+        As of `run`.
+    allow_large : bool
+        As of `run`.
+    units : str
+        Of the printed text, "si" or "us"; numbers are in SI.
+
+    Returns
+    -------
+    Result
+        Printed, it says what `tailslap check` does; `summary` is what `tailslap check --json` prints.
+
+    Raises
+    ------
+    InputError
+        As `run`.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.check("paper-table-3").summary["plate"][0][:23]
+    '120 elements, 147 nodes'
+    """
+    from tailslap.report.check_text import LABEL, as_numbers
+
+    case = _case(scene, changes)
+    lines = case.check_text(allow_large)
+    said = lines if units == "si" else [US.said(line) for line in lines]
+    return Result(
+        "check", case.scene.name, as_numbers(case.scene.name, lines), text=labelled_text(said, LABEL)
+    )
+
+
+def modal(
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    modes: int = 4,
+    steps: int = 100,
+    tolerance: float = 1e-5,
+    allow_large: bool = False,
+    units: str = "si",
+) -> Result:
+    """Run a scene with a few modes of the plate.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        As of `run`; with a constrained corner.
+    changes : mapping or sequence of str, optional
+        As of `run`.
+    modes : int
+        Elastic modes to keep, the lowest.
+    steps : int
+        Time steps to the tail-slap.
+    tolerance : float
+        Relative error allowed [-].
+    allow_large : bool
+        As of `run`.
+    units : str
+        Of the printed text, "si" or "us"; numbers are in SI.
+
+    Returns
+    -------
+    Result
+        `summary` is what `tailslap modal --json` prints.
+
+    Raises
+    ------
+    InputError
+        As `run`, and for what the modal model does not have.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.modal("paper-table-3", modes=2).passed
+    True
+    """
+    from tailslap.modal_analysis import run as modal_analysis
+
+    fe_plan = _corner_plan(scene, changes, allow_large)
+    found = modal_analysis.modal_run(fe_plan, modes, tolerance, steps)
+    summary = plain(modal_analysis.modal_numbers(fe_plan, found))
+    return Result(
+        "modal",
+        summary["scene"],
+        summary,
+        passed=found.passed,
+        histories={MODAL: load.history(found.history)},
+        text=modal_analysis.modal_text(fe_plan, found, units),
+    )
+
+
+def modes(
+    scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
+) -> Result:
+    """Natural frequencies and shapes of the free plate in its plane.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        As of `run`.
+    changes : mapping or sequence of str, optional
+        As of `run`.
+    count : int
+        Elastic modes, the lowest.
+    allow_large : bool
+        As of `run`.
+
+    Returns
+    -------
+    Result
+        `summary["modes"]` has a record a mode: frequency [Hz], kind, and beam theory's.
+
+    Raises
+    ------
+    InputError
+        As `run`, and for a number of modes that the mesh does not have.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.modes("paper-table-3", count=1).summary["modes"][0]["kind"]
+    'bending'
+    """
+    from tailslap.modal_analysis import modes as free
+
+    found = free.find_modes(_corner_plan(scene, changes, allow_large), count)
+    summary = plain(free.summary(found))
+    return Result(
+        "modes",
+        summary["scene"],
+        summary,
+        free.headline(found),
+        tables={"Frequencies": free.modes_table(found)},
+        fill=filled_by(lambda place, pictures, units: free.modes_report(found)),
+    )
+
+
+def study(
+    name: str,
+    scene: str | os.PathLike[str],
+    changes: Changes | None = None,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    allow_large: bool = False,
+    force: bool = True,
+    **options: Any,
+) -> Result:
+    """Run a prepared study of a scene.
+
+    Parameters
+    ----------
+    name : str
+        "cost", "flexibility", "stability", "strike" or "uncertainty".
+    scene : str or path
+        Name of a scene that comes with the program, or path of a TOML file.
+    changes : mapping or sequence of str, optional
+        As of `run`.
+    folder : path, optional
+        Where the command would leave its result: an interrupted study goes on from the journal beside it. Nothing is
+        written there but by `save`.
+    allow_large : bool
+        As of `run`.
+    force : bool
+        Also where that folder holds the result of another scene.
+    **options : object
+        The study's own, by the names on the command line with "_" for "-": samples=1000, range={"impact.friction":
+        "0.2:0.5"}; those that can be given several times take a list or a dict.
+
+    Returns
+    -------
+    Result
+        `summary` is what the command's `summary.json` holds.
+
+    Raises
+    ------
+    InputError
+        As `run`, and for a study or an option that is wrong.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> found = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000)
+    >>> found.summary["study"], found.passed
+    ('uncertainty', None)
+    """
+    from tailslap.studies import find_study
+    from tailslap.studies.study import checked_options, compute_study
+
+    chosen = find_study(name)
+    own, out = checked_options(chosen, options), None if folder is None else Path(folder)
+    place, found = compute_study(chosen, os.fspath(scene), _texts(changes), out, allow_large, own, force)
+    report = chosen.report(found)
+    parts = [part for part in report.terminal if isinstance(part, Table)]
+    return Result(
+        f"study {name}",
+        report.page.title,
+        plain(report.summary),
+        report.page.headline,
+        report.page.passed,
+        {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables),
+        fill=filled_by(lambda place, pictures, units: report),
+        text=printed(report.terminal),
+        place=place,
+    )
+
+
+def sweep(
+    scene: str | os.PathLike[str],
+    vary: Mapping[str, Values] | Sequence[str],
+    changes: Changes | None = None,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    sample: int | None = None,
+    seed: int = 307,
+    cluster: str | None = None,
+    workers: int | None = None,
+    units: str = "si",
+) -> Result:
+    """Run a scene for many values of its keys, in worker processes.
+
+    Parameters
+    ----------
+    scene : str or path
+        Name of a scene that comes with the program, or path of a TOML file.
+    vary : mapping
+        Values by dotted key: a list, or text as the command takes it, "log:20 GPa:2 TPa:5".
+    changes : mapping or sequence of str, optional
+        As of `run`, but by name: workers know no objects.
+    folder : path, optional
+        Where the table is kept, and where an interrupted sweep goes on; without it, results/NAME-sweep.
+    sample : int, optional
+        Instead of the grid, so many runs by Latin hypercube; ranges are then "a:b" or "log:a:b".
+    seed : int
+        Of the samples.
+    cluster : str, optional
+        Address of a Dask scheduler.
+    workers : int, optional
+        Processes on this machine; without it, as many as it has cores.
+    units : str
+        Of the page and the printed text, "si" or "us"; numbers are in SI.
+
+    Returns
+    -------
+    Result
+        Its history is the table, a row a run. A script that calls this needs `if __name__ == "__main__":`.
+
+    Raises
+    ------
+    InputError
+        As `run`, and for values that make no sweep.
+    StoppedError
+        Where it was interrupted, or the cluster was lost; what was finished is kept.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> found = tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})  # doctest: +SKIP
+    >>> found.history["difference.v_gy"]  # doctest: +SKIP
+    """
+    from tailslap.campaign.definition import make_definition
+    from tailslap.campaign.perform import perform
+    from tailslap.campaign.report import sweep_text
+
+    if cluster and workers:
+        raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
+    if isinstance(vary, Mapping):
+        texts = {k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in vary.items()}
+        vary = [f"{key}={text}" for key, text in texts.items()]
+    definition = make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
+    place = Path(folder) if folder is not None else Path("results") / f"{definition.scene}-sweep"
+    done = perform(definition, place, cluster, workers, units=units)
+    return replace(load.sweep_result(place), text=sweep_text(done, place), place=place)
+
+
+def compare(
+    reference: Result | str | os.PathLike[str],
+    *others: Result | str | os.PathLike[str],
+    columns: Mapping[str, str] | str | None = None,
+    only: Sequence[str] = (),
+) -> Result:
+    """Set histories beside a reference: differences, Sprague and Geers' metrics, residuals.
+
+    Parameters
+    ----------
+    reference : Result or path
+        A run, its result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test.
+    *others : Result or path
+        What is compared with it, likewise.
+    columns : mapping or str, optional
+        What columns of files are called, by this program's names: {"time": "t", "v_gy": "-VY [mph]"}; a minus turns the
+        sign, a unit in brackets is the file's. Without a unit in file or mapping SI is assumed.
+    only : sequence of str
+        Columns to compare; without any, the usual ones in common.
+
+    Returns
+    -------
+    Result
+        `summary["compared"]` has the metrics by label and column; `passed` says whether all are within the limits of
+        NCHRP W179.
+
+    Raises
+    ------
+    InputError
+        For what cannot be read, or has no column in common.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> soft = tailslap.run("paper-table-3", {"plate.youngs_modulus": "20 GPa"})
+    >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
+    True
+    """
+    from tailslap.comparing import report
+
+    found = report.compare_items((reference, *others), columns, only)
+    return Result(
+        "compare",
+        " · ".join(item.label for item in found.items),
+        plain(report.summary(found)),
+        report.headline(found),
+        found.within,
+        {"Metrics": report.metrics_table(found)},
+        {item.label: Columns(item.columns, item.units) for item in found.items},
+        fill=filled_by(lambda place, pictures, units: report.compare_report(found)),
+    )
+
+
+def _case(scene: Scene, changes: Changes | None) -> Case:
+    """The case of a scene with these changes. Raises InputError."""
+    if isinstance(scene, Case) and not changes:
+        return scene
+    source = scene.source if isinstance(scene, Case) else _source(scene)
+    if isinstance(changes, Mapping):
+        values = named({key: _plain(value) for key, value in changes.items()})
+    else:
+        values = parse_changes(changes or (), source.given)
+    varied, source = vary(source, values)
+    for remark in remarks(source):
+        warnings.warn(remark, stacklevel=3)
+    return case_of(varied, source)
+
+
+def _affordable(scene: Scene, changes: Changes | None, allow_large: bool) -> Case:
+    """The case of a scene with a plate that this machine can carry. Raises InputError."""
+    case = _case(scene, changes)
+    demand_run(case.scene, case.duration, allow_large)
+    return case
+
+
+def _corner_plan(scene: Scene, changes: Changes | None, allow_large: bool) -> Any:
+    """The plan of a constrained corner. Raises InputError for a whole impact."""
+    from tailslap.case.corner.case import CornerCase
+
+    case = _affordable(scene, changes, allow_large)
+    return CornerCase(case.scene, case.source).plan()
+
+
+def _texts(changes: Changes | None) -> tuple[str, ...]:
+    """The changes as texts, which workers take."""
+    return shown(named(changes)) if isinstance(changes, Mapping) else tuple(changes or ())
+
+
+def _source(scene: Scene) -> Source:
+    if isinstance(scene, Mapping):
+        return Source(given={key: _plain(value) for key, value in scene.items()})
+    if isinstance(scene, str | os.PathLike):
+        return read_source(os.fspath(scene))
+    allowed = "allowed is a name, the path of a TOML file, or a dict of tables"
+    raise InputError("scene", type(scene).__name__, allowed)
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's numbers and arrays as Python's own, within tables too."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    return value
+
+
+def named(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes with names in place of objects, which are registered.
+
+    An object takes the place of an earlier one of the same name, as when a cell of a notebook is run again, but not of
+    the program's own. Raises InputError for what is no such object, or has a name of the program's own.
+    """
+    return {key: _named(key, value) if key in REGISTRIES else value for key, value in changes.items()}
+
+
+def _named(key: str, value: Any) -> Any:
+    if value is None or isinstance(value, str):
+        return value
+    registry = REGISTRIES[key]
+    kind: Any = type(next(iter(registry.values())))
+    if not isinstance(value, kind):
+        raise InputError(key, Verbatim(repr(value)), f"allowed is a name or a {kind.__name__}")
+    if value.name in registry and registry[value.name] is value:
+        return value.name
+    if value.name in _OWN[key]:
+        raise InputError(key, value.name, "the program has one of this name; give yours another")
+    if value.name in registry:
+        registry.remove(value.name)
+    try:
+        registry.register(value)
+    except ValueError as error:
+        raise InputError(key, value.name, str(error)) from None
+    return value.name

@@ -1,0 +1,513 @@
+"""The command `tailslap`. Messages go to standard error, results to standard output."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+# The matrices are small or sparse: threads of BLAS would only disturb each other, a hundredfold where cores are busy.
+# Set before NumPy is loaded, and taken over by worker processes.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# No plugin of Pydantic concerns a scene; to look for them it reads the records of all installed packages.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+
+import tailslap
+from postprocess.fields import FORMATS
+from tailslap import studies
+from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
+from tailslap.options import (
+    ALLOW_LARGE,
+    FORCE,
+    JSON,
+    MAX_RUNS,
+    PROGRESS,
+    QUIET,
+    SCENE,
+    SET,
+    UNITS,
+    Folder,
+    Real,
+    Text,
+    Whole,
+    tell,
+    with_options,
+)
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
+    from tailslap.case.case import Case
+    from tailslap.result import Fill
+    from tailslap.studies.study import Study
+
+DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
+
+COMPLETE = "_TAILSLAP_COMPLETE"
+"""Set by a shell that asks for completions."""
+
+HELP = {"help_option_names": ["-h", "--help"]}
+RESULTS = Path("results")
+
+
+def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
+    """Give a command SCENE and --set, and call it with the case of that scene."""
+
+    @functools.wraps(function)
+    def command(name: str, changes: tuple[str, ...], **options: Any) -> int:
+        from tailslap.case import case_of
+        from tailslap.scene.read import read_scene, remarks
+
+        scene, source = read_scene(name, changes)
+        for remark in remarks(source):
+            click.echo(f"tailslap: remark: {remark}", err=True)
+        return function(case_of(scene, source), **options)
+
+    return with_options(SCENE, SET)(command)
+
+
+def filled(fill: Fill | None, place: Path, pictures: bool, units: str) -> Report:
+    """Fill the folder `place` with a result's files; its report. Raises InputError where it cannot be written."""
+    from tailslap.files.folder import result_folder
+
+    assert fill is not None
+    with result_folder(place) as folder:
+        report = fill(folder, pictures, units)
+    assert report is not None
+    return report
+
+
+def deliver(
+    fill: Fill | None,
+    place: Path,
+    as_json: bool,
+    units: str = "si",
+    pictures: bool = True,
+    page: str = "report.html",
+) -> int:
+    """Fill the folder `place` and say what was found, or as JSON the summary; 1 if something failed."""
+    report = filled(fill, place, pictures, units)
+    from postprocess.files.summary import summary_text
+    from postprocess.report.report import report_text
+
+    click.echo(summary_text(report.summary) if as_json else report_text(report, place, page))
+    return DONE if report.passed else CHECK_FAILED
+
+
+@click.group(context_settings=HELP)
+@click.version_option(tailslap.__version__, prog_name="tailslap")
+def commands() -> None:
+    """Check the rigid-body method for vehicle impact on bridge parapets by finite elements.
+
+    SCENE is a TOML file or the name of a scene that comes with the program: see `tailslap scenes`.
+    """
+
+
+@commands.command()
+@takes_a_case
+@with_options(ALLOW_LARGE)
+@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME]")
+@click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
+@click.option(
+    "--tolerance",
+    type=Real(0.0, 1.0, min_open=True, max_open=True),
+    help="Pick the cheapest mesh and constraint for this relative error.",
+)
+@click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
+@with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
+def run(
+    case: Case,
+    allow_large: bool,
+    out: Path | None,
+    no_pictures: bool,
+    tolerance: float | None,
+    resume: bool,
+    force: bool,
+    units: str,
+    as_json: bool,
+) -> int:
+    """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
+    from tailslap.files.checkpoints import checkpointed
+    from tailslap.files.folder import demand_own, demand_place
+
+    place = out or RESULTS / case.scene.name
+    demand_own(place, case.scene.name, force)
+    demand_place(place)
+    with checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
+        found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
+        if not no_pictures:  # what was computed is there, whatever becomes of the pictures
+            filled(found.fill, place, False, units)
+        return deliver(found.fill, place, as_json, units, not no_pictures)
+
+
+@commands.command()
+@takes_a_case
+@with_options(UNITS, JSON, QUIET)
+def rigid(case: Case, as_json: bool, units: str) -> int:
+    """The rigid-body method, or the rigid vehicle's whole impact, alone."""
+    if as_json and units == "us":
+        raise InputError("--units", units, "--json is in SI always; leave out one of the two")
+    found = tailslap.rigid(case, units=units)
+    return tell(found.summary, found.text, as_json)
+
+
+class Studies(click.Group):
+    """The commands below `tailslap study`, each imported when it is asked for."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Names for the help text."""
+        return studies.study_names()
+
+    def get_command(self, context: click.Context, name: str) -> click.Command:
+        """The study's command; InputError, listing the studies, for a name that is none."""
+        return study_command(studies.find_study(name))
+
+
+@commands.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")
+def study() -> None:
+    """Run a prepared study of a scene: `tailslap study NAME --help` tells more."""
+
+
+def study_command(chosen: Study) -> click.Command:
+    """The study on the command line: SCENE, --set, --out, and its own options."""
+    help_out = f"Result folder  [default: results/NAME-{chosen.name}]"
+    shared: list[click.Parameter] = [
+        *(SCENE, SET, click.Option(["--out"], type=Folder(), help=help_out)),
+        *(ALLOW_LARGE, FORCE, UNITS, JSON, QUIET, PROGRESS),
+    ]
+
+    from tailslap.studies.study import option_names
+
+    def run(
+        name: str,
+        changes: tuple[str, ...],
+        out: Path | None,
+        allow_large: bool,
+        force: bool,
+        units: str,
+        as_json: bool,
+        **given: Any,
+    ) -> int:
+        own = {name: given[str(option.name)] for name, option in option_names(chosen).items()}
+        found = tailslap.study(
+            chosen.name, name, changes, folder=out, allow_large=allow_large, force=force, **own
+        )
+        return deliver(found.fill, found.place or RESULTS, as_json, units)
+
+    return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
+
+
+@commands.command()
+@with_options(SCENE, SET)
+@click.option(
+    "--vary",
+    "varied",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="a:b:n, n values from a to b; log:a:b:n, the same in equal ratios; or a list v1,v2,v3. Units as in a scene.",
+)
+@click.option(
+    "--sample",
+    type=Whole(2, MAX_RUNS),
+    metavar="N",
+    help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
+)
+@click.option("--seed", type=Whole(0), default=307, show_default=True, help="Of the samples.")
+@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option("--cluster", type=Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786.")
+@click.option(
+    "--workers",
+    type=Whole(1, 1024),
+    metavar="N",
+    help="Processes on this machine  [default: its cores]",
+)
+@with_options(UNITS, JSON, QUIET, PROGRESS)
+def sweep(
+    name: str,
+    varied: tuple[str, ...],
+    changes: tuple[str, ...],
+    sample: int | None,
+    seed: int,
+    out: Path | None,
+    cluster: str | None,
+    workers: int | None,
+    units: str,
+    as_json: bool,
+) -> int:
+    """Run a scene for many values of its keys: one table, a row a run.
+
+    Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
+    checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
+    """
+    from tailslap.campaign.perform import StoppedError
+
+    settings: dict[str, Any] = {"sample": sample, "seed": seed, "cluster": cluster, "workers": workers}
+    try:
+        found = tailslap.sweep(name, varied, changes, folder=out, units=units, **settings)
+    except StoppedError as stopped:
+        click.echo(f"tailslap: {stopped}", err=True)
+        return stopped.status
+    tell(found.summary, found.text, as_json)
+    return DONE if found.passed else CHECK_FAILED
+
+
+@commands.command()
+@click.argument("folder", metavar="RESULT", type=Folder())
+@click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
+@click.option("--out", type=Folder(), help="Folder for them  [default: RESULT-FORMAT]")
+@click.option(
+    "--field", type=Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
+)
+@click.option(
+    "--magnify", type=Real(0.0, 1e9), default=1.0, show_default=True, help="The elastic deformation in them."
+)
+@with_options(UNITS, JSON, QUIET)
+def export(
+    folder: Path, to: str, out: Path | None, field: str | None, magnify: float, units: str, as_json: bool
+) -> int:
+    """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
+
+    RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
+    histories of any run.
+    """
+    written = tailslap.export(folder, to, out, field=field, magnify=magnify, units=units)
+    return tell({"written": written}, f"Written: {written}", as_json)
+
+
+@commands.command()
+@click.argument("given", metavar="RESULT RESULT...", nargs=-1, required=True, type=Folder())
+@click.option(
+    "--columns",
+    type=Text(),
+    metavar="NAME=THEIRS,...",
+    help="What columns of files are called, like 'time=t,v_gy=-VY [mph]': a minus turns the sign.",
+)
+@click.option("--only", type=Text(), metavar="NAME,...", help="Columns to compare.")
+@click.option("--out", type=Folder(), help="Folder of the page  [default: results/compare]")
+@with_options(UNITS, JSON, QUIET)
+def compare(
+    given: tuple[Path, ...],
+    columns: str | None,
+    only: str | None,
+    out: Path | None,
+    units: str,
+    as_json: bool,
+) -> int:
+    """Set results beside the first: curves, differences, metrics of validation.
+
+    A RESULT is a result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test. Exit status 1 if
+    a metric is beyond the limits of NCHRP W179.
+    """
+    names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
+    found = tailslap.compare(*given, columns=columns, only=names)
+    return deliver(found.fill, out or RESULTS / "compare", as_json, units)
+
+
+@commands.command()
+@takes_a_case
+@with_options(ALLOW_LARGE, UNITS, JSON, QUIET)
+def check(case: Case, allow_large: bool, units: str, as_json: bool) -> int:
+    """Say what a run would use, leave out and cost; run nothing."""
+    found = tailslap.check(case, allow_large=allow_large, units=units)
+    return tell(found.summary, found.text, as_json)
+
+
+@commands.command()
+@takes_a_case
+@with_options(ALLOW_LARGE)
+@click.option(
+    "--count", type=Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
+)
+@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-modes]")
+@with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
+def modes(
+    case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
+) -> int:
+    """Natural frequencies of the plate, with pictures."""
+    from tailslap.files.folder import demand_own
+
+    place = out or RESULTS / f"{case.scene.name}-modes"
+    demand_own(place, case.scene.name, force)
+    found = tailslap.modes(case, count=count, allow_large=allow_large)
+    return deliver(found.fill, place, as_json, units)
+
+
+@commands.command()
+@takes_a_case
+@with_options(ALLOW_LARGE)
+@click.option(
+    "--modes", type=Whole(1, 200), default=4, show_default=True, help="Elastic modes to keep, the lowest."
+)
+@click.option("--steps", type=Whole(10, 1_000_000), default=100, show_default=True, help="Time steps.")
+@click.option(
+    "--tolerance",
+    type=Real(0.0, 1.0, min_open=True),
+    default=1e-5,
+    show_default=True,
+    help="Relative error allowed.",
+)
+@with_options(UNITS, JSON, QUIET)
+def modal(case: Case, as_json: bool, **options: Any) -> int:
+    """Run a scene with a few modes of the plate."""
+    found = tailslap.modal(case, **options)
+    tell(found.summary, found.text, as_json)
+    return DONE if found.passed else CHECK_FAILED
+
+
+@commands.command()
+@with_options(JSON, QUIET)
+def scenes(as_json: bool) -> int:
+    """List the scenes that come with the program."""
+    from postprocess.report.terminal import labelled_text
+    from tailslap.scene.read import shipped_scenes, title
+
+    shipped = {name: title(text) for name, text in shipped_scenes().items()}
+    width = max(map(len, shipped))
+    lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
+    return tell(shipped, labelled_text(lines, width + 2), as_json)
+
+
+@commands.command()
+@click.argument("name", metavar="NAME")
+@with_options(JSON, QUIET)
+def new(name: str, as_json: bool) -> int:
+    """Write NAME.toml: a scene with every key, its meaning, and an example."""
+    from tailslap.scene.write import write_new_scene
+
+    path = write_new_scene(name)
+    return tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
+
+
+@commands.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@with_options(JSON, QUIET)
+def completion(shell: str, as_json: bool) -> int:
+    """Print what makes a shell complete commands, options, scenes and keys.
+
+    For bash, in ~/.bashrc: eval "$(tailslap completion bash)"
+    """
+    from click.shell_completion import get_completion_class
+
+    made = get_completion_class(shell)
+    script = made(commands, {}, "tailslap", COMPLETE).source() if made else ""
+    return tell({"shell": shell, "script": script}, script, as_json)
+
+
+@commands.command()
+@click.option("--out", type=Folder(), help="Result folder  [default: results/paper]")
+@with_options(JSON, QUIET)
+def paper(out: Path | None, as_json: bool) -> int:
+    """Write the paper's tables and figures, computed beside printed."""
+    from tailslap.paper import page, tables
+    from tailslap.progress import announced
+    from tailslap.result import filled_by
+
+    def report(folder: Path, pictures: bool, units: str) -> Report:
+        with announced("Computing the paper's tables ..."):
+            return page.paper_report(tables.review())
+
+    name = "paper.html"
+    return deliver(filled_by(report, name), out or RESULTS / "paper", as_json, page=name)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry point: run a command and leave with its exit status."""
+    open_closed_streams()
+    take_signals_as_interrupts()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without Greek letters shows question marks
+    status = _status(arguments)
+    drop_unwritten()
+    sys.exit(status)
+
+
+def _status(arguments: list[str] | None) -> int:
+    try:
+        status = _run(arguments)
+        sys.stdout.flush()
+        return status
+    except InputError as error:
+        return _complain(str(error), WRONG_INPUT)
+    except click.ClickException as error:
+        said = io.StringIO()
+        error.show(said)
+        click.echo(escaped(said.getvalue()), err=True, nl=False)
+        return WRONG_INPUT
+    except (KeyboardInterrupt, click.Abort) as error:
+        kept = error.__cause__ if isinstance(error.__cause__, Interrupted) else error
+        return _complain(str(kept) or "interrupted; nothing was written", INTERRUPTED)
+    except BrokenPipeError:
+        return DONE
+    except MemoryError:
+        return _complain("the memory of this machine does not hold this mesh: see plate.elements", CANNOT_RUN)
+    except ImportError as error:
+        return _complain(f"{error}\n`python3 bootstrap.py` in the checkout says what is missing", CANNOT_RUN)
+    except OSError as error:
+        return _complain(machine_fault(error), CANNOT_RUN)
+    except Exception as error:  # a fault of the program: one line, as everywhere; the rest on demand
+        if os.environ.get("TAILSLAP_TRACEBACK"):
+            raise
+        why = f"a fault of the program, {type(error).__name__}: {shortened(str(error))}"
+        return _complain(f"{why}\nwith TAILSLAP_TRACEBACK=1 it shows where; please report it", CANNOT_RUN)
+
+
+def _run(arguments: list[str] | None) -> int:
+    """Not by `commands.main`, which ends with 1 where the reader of a pipe leaves."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    if COMPLETE in os.environ:
+        from click.shell_completion import shell_complete
+
+        return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
+    try:
+        with commands.make_context("tailslap", given) as context:
+            status = commands.invoke(context)
+    except click.exceptions.Exit as left:
+        return left.exit_code
+    return status if isinstance(status, int) else DONE
+
+
+def _complain(message: str, status: int) -> int:
+    click.echo(f"tailslap: {escaped(message)}", err=True)
+    return status
+
+
+def open_closed_streams() -> None:
+    """Give streams that are closed to the void: else the next file that is opened would take their place."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_RDWR), number)
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w" if number else "r"))  # noqa: SIM115
+
+
+def take_signals_as_interrupts() -> None:
+    """TERM and HUP end a command as Ctrl-C does, with all that is cleared away then; HUP not under nohup."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler)
+
+
+def drop_unwritten() -> None:
+    """Write what is buffered, or where nobody takes it, drop it without a word from the interpreter."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with contextlib.suppress(OSError, ValueError, io.UnsupportedOperation):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,386 @@
+"""Result: the record that all functions return, with its columns, in a notebook, as plots, as files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from html import escape
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from postprocess.report.table import Table
+from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.files import folder as folders
+
+if TYPE_CHECKING:
+    import pyvista
+
+    from postprocess.fields.series import FieldSeries
+    from postprocess.figures.histories import HistoryPlot
+    from postprocess.report.report import Report
+
+Fill = Callable[[Path, bool, str], "Report | None"]
+"""Fills an empty folder with a result's files, with pictures or without, in units "si" or "us"; returns its report."""
+
+RIGID, FE = "rigid", "FE"
+
+SHOWN = 5
+"""Rows that a notebook shows at each end."""
+
+FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
+"""Columns that are drawn unless the caller says otherwise, where they are there."""
+
+MOST = 4
+"""Columns that are drawn at most, unless they are asked for."""
+
+
+def filled_by(make: Callable[[Path, bool, str], Report], page: str = "report.html") -> Fill:
+    """Fill a folder with the files of a report, which may draw pictures into it; page: the name of its page."""
+
+    def fill(place: Path, pictures: bool, units: str) -> Report:
+        report = make(place, pictures, units)
+        from postprocess.report.report import in_units, write_report
+        from postprocess.report.units import SYSTEMS
+
+        if units != "si":
+            report = in_units(report, SYSTEMS[units])
+        write_report(report, place, page)
+        return report
+
+    return fill
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Columns(Mapping[str, np.ndarray]):
+    """A history or another table: arrays by the names of its columns.
+
+    Parameters
+    ----------
+    arrays : mapping of ndarray, shape (rows,)
+        By name, SI.
+    units : mapping of str
+        SI units by name; a column without one has none, or is not known.
+
+    Examples
+    --------
+    >>> history = Columns({"t": np.array([0.0, 0.1])}, {"t": "s"})
+    >>> history["t"].max(), history.units["t"]
+    (np.float64(0.1), 's')
+    """
+
+    arrays: Mapping[str, np.ndarray]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.arrays[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrays)
+
+    def __len__(self) -> int:
+        return len(self.arrays)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self.arrays.values()), ()))
+
+    def __repr__(self) -> str:
+        return f"<Columns: {self.rows} rows of {', '.join(self.arrays)}>"
+
+    def heading(self, name: str) -> str:
+        """Name of a column with its unit.
+
+        Parameters
+        ----------
+        name : str
+            Of a column.
+
+        Returns
+        -------
+        str
+            Like "v_gx [m/s]".
+        """
+        unit = self.units.get(name, "")
+        return f"{name} [{unit}]" if unit else name
+
+    def to_pandas(self) -> Any:
+        """The columns as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Its `attrs["units"]` are the units.
+
+        Raises
+        ------
+        ImportError
+            Where pandas is not installed.
+        """
+        frame = _library("pandas").DataFrame(dict(self.arrays))
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def to_polars(self) -> Any:
+        """The columns as a polars DataFrame; polars has no place for units.
+
+        Returns
+        -------
+        polars.DataFrame
+            Columns by the same names.
+
+        Raises
+        ------
+        ImportError
+            Where polars is not installed.
+        """
+        return _library("polars").DataFrame(dict(self.arrays))
+
+    def _repr_html_(self) -> str:
+        """Its first and last rows, for notebooks."""
+        numbers = [*range(self.rows)]
+        if self.rows > 2 * SHOWN:
+            numbers = [*numbers[:SHOWN], -1, *numbers[-SHOWN:]]
+        head = "".join(f"<th>{escape(self.heading(name))}</th>" for name in self)
+        rows = (["…"] * len(self) if n < 0 else [_text(v[n]) for v in self.arrays.values()] for n in numbers)
+        body = "".join(f"<tr>{_cells(row)}</tr>" for row in rows)
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><p>{self.rows} rows</p>"
+
+
+def _cells(texts: Iterable[str]) -> str:
+    return "".join(f"<td>{escape(text)}</td>" for text in texts)
+
+
+def _text(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value)
+
+
+def _library(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        said = f"{name} is not installed: `pip install {name}`; the columns themselves are NumPy arrays"
+        raise ImportError(said) from None
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Result:
+    """What a command has found.
+
+    Attributes
+    ----------
+    command : str
+        The command that finds the same: "run", "rigid", "study strike" and so on.
+    scene : str
+        Name of the scene.
+    summary : dict
+        Numbers and words, SI, by the names of `summary.json`; None where there is no finite number.
+    headline : str
+        What was found, in a sentence.
+    passed : bool or None
+        Whether every check passed; None where nothing is judged.
+    tables : mapping of Table
+        What the terminal shows, by title.
+    histories : mapping of Columns
+        "FE" and "rigid", where there are any; of a sweep its table.
+    fill : callable or None
+        Fills a folder with the files that the command leaves: takes the folder, whether with pictures, and units.
+    make_fields : callable or None
+        Makes the fields that were kept.
+    make_ends : callable or None
+        Makes the fields at the start and at the tail-slap, of a run that has kept none.
+    text : str
+        What the terminal says, where it is no table.
+    place : Path or None
+        Folder that the command would fill, where the result knows it.
+    """
+
+    command: str
+    scene: str
+    summary: dict[str, Any]
+    headline: str = ""
+    passed: bool | None = None
+    tables: Mapping[str, Table] = field(default_factory=dict)
+    histories: Mapping[str, Columns] = field(default_factory=dict)
+    fill: Fill | None = None
+    make_fields: Callable[[], FieldSeries] | None = None
+    make_ends: Callable[[], FieldSeries] | None = None
+    text: str = ""
+    place: Path | None = None
+
+    @property
+    def history(self) -> Columns:
+        """The FE run's history, or the only one that there is."""
+        return self._history(FE, *self.histories)
+
+    @property
+    def rigid(self) -> Columns:
+        """The rigid vehicle's history, at the same instants."""
+        return self._history(RIGID)
+
+    @property
+    def fields(self) -> FieldSeries:
+        """Fields of the plate at the instants of `[output] fields = N`, shape as `FieldSeries` says."""
+        if self.make_fields is None:
+            raise InputError("output.fields", Missing, "no fields were kept; run with {'output.fields': 20}")
+        return self.make_fields()
+
+    def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
+        """Mesh of the plate with its fields, for PyVista.
+
+        Parameters
+        ----------
+        t : float, optional
+            Of the instants of `[output] fields = N` the nearest to this one [s]; without it the last, the tail-slap.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+            The unstrained plate where the run starts, SI; `mesh.warp_by_vector("displacement")` is where it is. At the
+            points vectors (`velocity`) and their components (`velocity_x`), at the cells stresses and energy density,
+            the instant in `field_data["t"]`.
+
+        Raises
+        ------
+        InputError
+            Where no fields were kept: for an instant, and for a result without a tail-slap of its own.
+
+        Examples
+        --------
+        >>> import tailslap
+        >>> mesh = tailslap.run("mash-tl4-sut").mesh()
+        >>> mesh.n_cells, round(float(mesh["velocity_y"].min()), 2)
+        (120, -6.55)
+        """
+        if t is None and self.make_fields is None and self.make_ends is not None:
+            return self.make_ends().grid()
+        series = self.fields
+        return series.grid(-1 if t is None else int(abs(series.t - t).argmin()))
+
+    def plot(self, *names: str) -> HistoryPlot:
+        """Draw columns over time, the rigid vehicle's beside the FE run's.
+
+        Parameters
+        ----------
+        *names : str
+            Columns of the history; without any, the first few of the result's kind.
+
+        Returns
+        -------
+        HistoryPlot
+            Shown by a notebook as it is; `save` writes it as PNG, SVG or PDF.
+
+        Raises
+        ------
+        InputError
+            For a column that is not there, or a result without histories.
+        """
+        from postprocess.figures.histories import Curve, plot_overlays
+
+        drawn = {label: columns for label, columns in self.histories.items() if "t" in columns}
+        if not drawn:
+            raise InputError("plot", Missing, "this result has no history over time")
+        known = list(dict.fromkeys(name for columns in drawn.values() for name in columns))
+        panels = {}
+        for name in names or [name for name in FIRST if name in known][:MOST] or known[1 : MOST + 1]:
+            if name not in known:
+                raise InputError("plot", Verbatim(name), f"allowed are {', '.join(known)}")
+            having = {label: columns for label, columns in drawn.items() if name in columns}
+            heading = next(iter(having.values())).heading(name)
+            panels[heading] = [Curve(label, its["t"], its[name]) for label, its in having.items()]
+        return plot_overlays(panels)
+
+    def save(self, folder: str | os.PathLike[str], pictures: bool = True, *, force: bool = False) -> Path:
+        """Write the files that the command leaves.
+
+        Parameters
+        ----------
+        folder : path
+            A new or empty folder, or an unchanged earlier result, which is replaced.
+        pictures : bool
+            Whether with contour pictures or an animation.
+        force : bool
+            Also where there is the result of another scene.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        InputError
+            Where the folder cannot be written or holds other files, or the result leaves none.
+        """
+        if self.fill is None:
+            raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
+        place = Path(folder)
+        folders.demand_own(place, self.scene, force)
+        with folders.result_folder(place) as unfinished:
+            self.fill(unfinished, pictures, "si")
+        return place
+
+    def __repr__(self) -> str:
+        judged = {None: "", True: " passed", False: " FAILED"}[self.passed]
+        said = f": {self.headline}" if self.headline else ""
+        text = f"<{self.command} {self.scene}{judged}{said}"
+        return f"{text if len(text) < 159 else text[:156] + '...'}>".replace("\n", " ")
+
+    def __str__(self) -> str:
+        if self.text:
+            return self.text
+        from postprocess.report.terminal import printed
+
+        return printed((*self.tables.values(), self.headline or repr(self)))
+
+    def _repr_html_(self) -> str:
+        said = f"<p><b>{escape(self.headline)}</b></p>" if self.headline else ""
+        shown = "".join(_table_html(title, table) for title, table in self.tables.items())
+        text = "" if said or shown else f"<pre>{escape(self.text or repr(self))}</pre>"
+        return f"<div>{said}{shown}{text}</div>"
+
+    def _history(self, *names: str) -> Columns:
+        for name in names:
+            if name in self.histories:
+                return self.histories[name]
+        raise InputError(names[0], Missing, f"`tailslap {self.command}` leaves no such history")
+
+
+def _table_html(title: str, table: Table) -> str:
+    """A table without style of its own."""
+    heads = "".join(f"<th>{escape(column.heading)}</th>" for column in table.columns)
+    head = f"<thead><tr>{heads}</tr></thead>" if any(column.label for column in table.columns) else ""
+    rows = (_cells(column.text(row) for column in table.columns) for row in table.rows)
+    body = "".join(f"<tr>{row}</tr>" for row in rows)
+    caption = f"<caption>{escape(title)}</caption>" if title else ""
+    return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
+
+
+def run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
+    """Tables of a run from its summary: what was found, and the checks that failed."""
+    from postprocess.comparison.comparison import KEYS, comparison_rows
+    from tailslap.report.parts import CHECKS, TAIL_SLAP, strikes_table
+
+    fe, rigid = summary["fe"], summary["rigid"]
+    found = {}
+    if fe.get("strikes") is not None:
+        found["Strikes"] = strikes_table({"FE": fe["strikes"], "rigid": rigid["strikes"]})
+    elif all(fe[key] is not None for key in KEYS):
+        columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
+        found["At the tail-slap"] = Table(columns, comparison_rows(fe, rigid, None))
+    failed = [check for check in summary["checks"] if not check["passed"]]
+    return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})
+
+
+def run_headline(summary: Mapping[str, Any]) -> str:
+    """The verdict of a run from its summary; of a whole impact its forces."""
+    if "verdict" in summary:
+        return str(summary["verdict"])
+    peaks = [summary[model]["peaks"]["mean_50ms"] for model in ("fe", "rigid")]
+    fe, rigid = ("unknown" if force is None else f"{force / 1e3:.0f} kN" for force in peaks)
+    count = len(summary["fe"]["strikes"])
+    return f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."
