@@ -54,13 +54,15 @@ def draw_fields(folder: Path, count: int) -> None:
 
 def draw_contour_pictures(folder: Path, count: int) -> None:
     """Contours of three fields by a plotter, as each run draws them."""
-    from postprocess.fields.contours import ContourField, Setting, draw_contours
+    from postprocess.fields.contours import ContourField, Situation, draw_contours
 
     points, quads = plate()
     for drawn in range(0, count, OF_A_RUN):
         names = (f"v_{number}" for number in range(drawn, min(drawn + OF_A_RUN, count)))
         draw_contours(
-            Setting((points, quads)), [ContourField(name, "V", "m/s", points[:, 0]) for name in names], folder
+            Situation((points, quads)),
+            [ContourField(name, "V", "m/s", points[:, 0]) for name in names],
+            folder,
         )
 
 

@@ -14,7 +14,7 @@ from main_job import row
 
 from fem.plate.elastic import free_modes
 from fem.run.corner import Run, simulate
-from postprocess.comparison.comparison import KEYS
+from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase
 from tailslap.modal_analysis.run import MODES, ModalRun, modal_run
 from tailslap.planning.fe_plan import FePlan, make_fe_plan

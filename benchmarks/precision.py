@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.run.corner import Run, Stepper, simulate
-from postprocess.comparison.comparison import KEYS, relative_difference
+from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.scene.read import read_scene

@@ -17,7 +17,7 @@ import numpy as np
 from main_job import row
 from scipy.integrate import solve_ivp
 
-from postprocess.comparison.comparison import PAPER_TABLE_3
+from postprocess.comparison.quantities import PAPER_TABLE_3
 from solver import (
     RectangularBody,
     RigidBodyError,

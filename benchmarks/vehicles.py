@@ -79,7 +79,7 @@ def wide_changes(seed: int, number: int) -> tuple[str, ...]:
 
 def beyond(outcome: Any) -> float:
     """What the largest difference from the rigid motion has over what the plate's give explains."""
-    from postprocess.comparison.comparison import largest
+    from postprocess.comparison.quantities import largest
     from tailslap.planning.flexibility import sensitivity
 
     fe_plan = outcome.fe_plan
@@ -91,7 +91,7 @@ def beyond(outcome: Any) -> float:
 
 def judged(changes: tuple[str, ...]) -> Record:
     """The scene run as the program decides."""
-    from postprocess.comparison.comparison import largest
+    from postprocess.comparison.quantities import largest
     from tailslap.errors import InputError
     from tailslap.scene_run import run_scene
 

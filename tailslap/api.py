@@ -20,7 +20,7 @@ from fem.laws.materials import MATERIALS
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from fem.registry import Registry
 from fem.start.start_kinds import START_KINDS
-from postprocess.files.summary import plain
+from postprocess.report.files import plain
 from postprocess.report.table import Table
 from postprocess.report.terminal import labelled_text, printed
 from postprocess.report.units import SYSTEMS, US
@@ -158,8 +158,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     summary, columns = plain(case.rigid_numbers()), case.rigid_history()
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        from postprocess.files.histories import write_history
-        from postprocess.files.summary import write_summary
+        from postprocess.report.files import write_history, write_summary
 
         write_summary(folder / "summary.json", summary)
         write_history(folder / "rigid.csv", columns)

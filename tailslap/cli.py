@@ -95,7 +95,7 @@ def deliver(
 ) -> int:
     """Fill the folder `place` and say what was found, or as JSON the summary; 1 if something failed."""
     report = filled(fill, place, pictures, units)
-    from postprocess.files.summary import summary_text
+    from postprocess.report.files import summary_text
     from postprocess.report.report import report_text
 
     click.echo(summary_text(report.summary) if as_json else report_text(report, place, page))

@@ -98,7 +98,7 @@ def complete_key(context: click.Context, parameter: click.Parameter, typed: str)
 
 def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
     """Print the numbers as JSON, or the text; the exit status of success."""
-    from postprocess.files.summary import summary_text
+    from postprocess.report.files import summary_text
 
     click.echo(summary_text(numbers) if as_json else text)
     return 0

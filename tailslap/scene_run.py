@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postprocess.comparison.comparison import KEYS, relative_difference
 from postprocess.comparison.metrics import Metrics
+from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.files.checkpoints import next_checkpoint

@@ -60,7 +60,7 @@ class ContourField:
 
 
 @dataclass(frozen=True)
-class Setting:
+class Situation:
     """What all pictures of one instant share.
 
     plate: deformed nodes [m] and elements; wall: the same, the line Y = 0 without one; corner and centroid: the points
@@ -76,24 +76,24 @@ class Setting:
 
 
 def draw_contours(
-    setting: Setting, fields: Sequence[ContourField], out_dir: Path, units: Units = SI
+    situation: Situation, fields: Sequence[ContourField], out_dir: Path, units: Units = SI
 ) -> list[Path]:
     """Write `contour_NAME.png` for each field into out_dir, with what it says in these units; returns the paths."""
     length, length_unit = units.of("m")
-    (points, cells), wall = setting.plate, setting.wall
+    (points, cells), wall = situation.plate, situation.wall
     points, paths = length * points, []
-    moment = [] if setting.time is None else [f"tail-slap at t = {setting.time:.4g} s"]
+    moment = [] if situation.time is None else [f"tail-slap at t = {situation.time:.4g} s"]
     with closing(Sheet(points)) as sheet:
         sheet.draw_wall(None if wall is None else (length * wall[0], wall[1]), length_unit)
         for field in fields:
             factor, unit = units.of(field.unit)
             field = replace(field, unit=unit, values=factor * field.values)
             sheet.draw_field((points, cells), field, colour_scale(field.values))
-            sheet.write(",  ".join([setting.scene, *moment]), (-24, -44), 20)
-            if setting.corner is not None:
-                sheet.draw_mark("P", length * np.asarray(setting.corner))
-            if setting.centroid is not None:
-                place = length * np.asarray(setting.centroid)
+            sheet.write(",  ".join([situation.scene, *moment]), (-24, -44), 20)
+            if situation.corner is not None:
+                sheet.draw_mark("P", length * np.asarray(situation.corner))
+            if situation.centroid is not None:
+                place = length * np.asarray(situation.centroid)
                 value = f"{value_at(points, field.values, place):.4g}".replace("-", "−", 1)
                 sheet.draw_mark(f"G: {value} {unit}", place)
             paths.append(out_dir / f"contour_{field.name}.png")

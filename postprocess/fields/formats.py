@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.fields.series import UNITS, VTK_TYPES, FieldSeries, Table, padded
-from postprocess.files.histories import write_history
+from postprocess.report.files import write_history
 
 
 def write_vtkhdf(path: Path, series: FieldSeries) -> Path:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.comparison.comparison import TAIL_SLAP, Compared
+from postprocess.comparison.quantities import TAIL_SLAP, Compared
 from postprocess.figures.parallels import Scaled, draw_lines, scaled
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Line, Mark, Shades, Swatch, cells_about

@@ -10,8 +10,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from postprocess.files.histories import write_history
-from postprocess.files.summary import plain, write_summary
+from postprocess.report.files import plain, write_history, write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Table
 from postprocess.report.terminal import Part, place_line, printed

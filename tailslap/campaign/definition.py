@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.comparison import TAIL_SLAP, Compared
+from postprocess.comparison.quantities import TAIL_SLAP, Compared
 from tailslap.campaign import records
 from tailslap.case import kind_of
 from tailslap.errors import InputError

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.comparison import Quantity
+from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
-from postprocess.files.summary import write_summary
+from postprocess.report.files import write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.report import page_in_units
 from postprocess.report.table import Column, Table
@@ -130,7 +130,7 @@ def spreads(rows: SweepRows) -> list[dict[str, Any]]:
     return [found for quantity in rows.compared.quantities.values() if (found := _spread(rows, quantity))]
 
 
-def _spread(rows: SweepRows, quantity: Quantity) -> dict[str, Any]:
+def _spread(rows: SweepRows, quantity: ComparedQuantity) -> dict[str, Any]:
     values = rows.best[quantity.key]
     passed = np.flatnonzero((rows.status == PASSED) & np.isfinite(values))
     if not passed.size:

@@ -15,7 +15,7 @@ import numpy as np
 
 import tailslap
 from fem import lazy
-from postprocess.files import summary
+from postprocess.report import files
 from tailslap.campaign.definition import Definition, Variation, plain
 from tailslap.campaign.engine import Effort
 from tailslap.campaign.records import Records
@@ -92,7 +92,7 @@ def write_table(folder: Path, definition: Definition, rows: Records) -> Path:
     import pyarrow.parquet as pq
 
     schema = table_schema(definition, sorted(name for name in rows.columns if name.startswith("check.")))
-    path, found = folder / TABLE, map(summary.plain, rows.in_order())
+    path, found = folder / TABLE, map(files.plain, rows.in_order())
     with listed_file(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
         while chunk := list(itertools.islice(found, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))

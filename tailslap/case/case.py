@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from postprocess.comparison.comparison import Compared
+from postprocess.comparison.quantities import Compared
 from postprocess.report.units import SI, Units
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary

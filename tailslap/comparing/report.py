@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import tailslap
-from postprocess.comparison.comparison import QUANTITIES
-from postprocess.comparison.side_by_side import LIMITS, Beside, beside
+from postprocess.comparison.metrics import LIMITS, Beside, beside
+from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section

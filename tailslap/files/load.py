@@ -11,7 +11,7 @@ from typing import Any
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
 from postprocess.fields.series import FILE, read_fields
-from postprocess.files.histories import read_history
+from postprocess.report.files import read_history
 from tailslap.errors import InputError, Verbatim
 from tailslap.files.manifest import NAME, read_manifest
 from tailslap.result import FE, RIGID, Columns, Result, run_headline, run_tables

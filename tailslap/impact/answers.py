@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.signals.flail_space import VehicleMotion
-from postprocess.signals.occupant_risk import RiskMeasure, occupant_risk
-from postprocess.signals.peaks import force_curves, force_peaks, second_strike
+from postprocess.signals.filters import force_curves, force_peaks, second_strike
+from postprocess.signals.occupant_risk import RiskMeasure, VehicleMotion, occupant_risk
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")

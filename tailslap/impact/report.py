@@ -122,7 +122,7 @@ def _strikes(outcome: ImpactOutcome) -> Table:
 
 def filtered_table(outcome: ImpactOutcome) -> Table:
     """Peaks of raw and filtered forces."""
-    from postprocess.signals.peaks import force_peaks
+    from postprocess.signals.filters import force_peaks
 
     peaks = {
         "fe": outcome.fe.peaks,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from postprocess.comparison.comparison import KEYS, comparison_rows, largest_relative, relative_difference
+from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.report.report import shown_in
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from postprocess.comparison.comparison import PAPER_TABLE_3
+from postprocess.comparison.quantities import PAPER_TABLE_3
 
 PAPER = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307"
 MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6  # m/s

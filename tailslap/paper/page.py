@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.comparison import QUANTITIES, Quantity
+from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import COMPARED, TIME, History, thinned
 from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
@@ -26,7 +26,7 @@ from tailslap.paper import data, tables
 from tailslap.paper.tables import FIGURES, Numbers
 from tailslap.report.common import footer
 
-NAMES = {"theta": Quantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
+NAMES = {"theta": ComparedQuantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
 CAPTIONS = {
     "theta": "Dynamic rotation angle θ",
     "v_gy": "Linear velocity v_GY, negative towards the wall",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fem.laws.friction import FRICTION_LAWS
 from fem.plate.kinds import ELEMENT_KINDS
-from postprocess.comparison.comparison import largest, relative_difference
+from postprocess.comparison.quantities import largest, relative_difference
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate

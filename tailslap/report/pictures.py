@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from postprocess.fields.contours import ContourField, Setting, draw_contours
+from postprocess.fields.contours import ContourField, Situation, draw_contours
 from postprocess.report.units import SI, Units
 from tailslap.progress import announced
 from tailslap.scene_run import Outcome
@@ -31,7 +31,7 @@ def draw_pictures(outcome: Outcome, folder: Path, units: Units = SI) -> Outcome:
         ContourField("omega", "Angular velocity", "rad/s", spin),
     ]
     with announced("Drawing the pictures ..."):
-        setting = Setting(
+        situation = Situation(
             (strike.positions.T[:drawn], discretisation.cells),
             wall=None if wall is None else (wall.points[:, :2], wall.cells_dict["quad"]),
             corner=strike.positions[:, discretisation.corner].tolist(),
@@ -39,5 +39,5 @@ def draw_pictures(outcome: Outcome, folder: Path, units: Units = SI) -> Outcome:
             scene=fe_plan.case.scene.name,
             time=strike.values["t"],
         )
-        pictures = draw_contours(setting, fields, folder, units)
+        pictures = draw_contours(situation, fields, folder, units)
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)

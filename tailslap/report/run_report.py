@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from fem.explicit.columns import COLUMNS
-from postprocess.comparison.comparison import PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
+from postprocess.comparison.quantities import PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
 from postprocess.figures.histories import Panel, draw_histories
 from postprocess.report.page import Page, Picture, Section
 from postprocess.report.report import Report

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from postprocess.comparison.comparison import KEYS
+from postprocess.comparison.quantities import KEYS
 from tailslap.report.common import run_cost, run_summary
 from tailslap.report.omitted_parts import omitted_parts
 from tailslap.scene_run import Outcome

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from postprocess.comparison.comparison import largest_relative
+from postprocess.comparison.quantities import largest_relative
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError, Verbatim

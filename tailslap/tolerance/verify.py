@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from postprocess.comparison.comparison import largest, largest_relative
+from postprocess.comparison.quantities import largest, largest_relative
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.scene_run import Outcome, run_scene

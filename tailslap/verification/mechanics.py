@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from postprocess.comparison.comparison import largest
+from postprocess.comparison.quantities import largest
 from tailslap.planning.flexibility import sensitivity
 from tailslap.verification.check import (
     FINER,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.plate.kinds import LUMPINGS
-from postprocess.comparison.comparison import largest
+from postprocess.comparison.quantities import largest
 from tailslap.planning.flexibility import friction_lost, oscillation_lost, sensitivity
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from postprocess.comparison.comparison import largest
+from postprocess.comparison.quantities import largest
 from tailslap.planning.decide_damping import damping_is_open, suppressing_rate
 from tailslap.verification.check import failed_names
 from tailslap.verification.checks import reaction_checks

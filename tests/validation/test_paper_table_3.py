@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from postprocess.comparison.comparison import PAPER_TABLE_3
+from postprocess.comparison.quantities import PAPER_TABLE_3
 
 pytestmark = pytest.mark.validation
 

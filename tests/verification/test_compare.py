@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.comparison.side_by_side import beside
+from postprocess.comparison.metrics import beside
 from tailslap import InputError, Result
 from tailslap.cli import main
 from tailslap.comparing.source import parse_mapping, read_table

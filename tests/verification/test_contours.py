@@ -19,8 +19,8 @@ from postprocess.fields.contours import (
     WALL,
     WALL_EDGE,
     ContourField,
-    Setting,
     Sheet,
+    Situation,
     colour_scale,
     draw_contours,
     round_between,
@@ -53,7 +53,7 @@ def velocities(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.column_stack([SPEED[0] - OMEGA * arm[:, 1], SPEED[1] + OMEGA * arm[:, 0]])
 
 
-PLATE = Setting((POINTS, QUADS), corner=(SLIDE, 0.0), centroid=CENTROID)
+PLATE = Situation((POINTS, QUADS), corner=(SLIDE, 0.0), centroid=CENTROID)
 WITH_WALL = replace(PLATE, wall=(WALL_POINTS, WALL_QUADS))
 
 
@@ -135,7 +135,7 @@ def test_corner_and_centroid_are_marked(pictures: dict[str, NDArray[np.uint8]]) 
 
 
 def test_without_a_wall_mesh_there_is_a_line(tmp_path: Path) -> None:
-    (path,) = draw_contours(Setting((POINTS, QUADS)), fields()[:1], tmp_path)
+    (path,) = draw_contours(Situation((POINTS, QUADS)), fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
     below = pixels(picture, np.array([[2.3, -0.3], [9.8, -0.13]]))
     np.testing.assert_array_equal(below, np.full((2, 3), 255))

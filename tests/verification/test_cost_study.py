@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from postprocess.comparison.comparison import largest_relative
-from postprocess.comparison.grid_convergence import grid_convergence
+from postprocess.comparison.metrics import grid_convergence
+from postprocess.comparison.quantities import largest_relative
 from postprocess.report.report import write_report
 from tailslap.case import case_of
 from tailslap.cli import main

@@ -287,13 +287,13 @@ folder = Path(tempfile.mkdtemp())
 draw = lambda: draw_instants(folder, series, "velocity_y")
 """
 CONTOURS = """
-from postprocess.fields.contours import ContourField, Setting, draw_contours
+from postprocess.fields.contours import ContourField, Situation, draw_contours
 x, y = np.meshgrid(np.linspace(0, 10, 21), np.linspace(1, 3.4, 7))
 points = np.column_stack([x.ravel(), y.ravel()])
 first = (np.arange(20) + 21 * np.arange(6)[:, None]).ravel()
 quads = np.column_stack([first, first + 1, first + 22, first + 21])
 folder = Path(tempfile.mkdtemp())
-draw = lambda: draw_contours(Setting((points, quads)), [ContourField("v", "V", "m/s", points[:, 0])], folder)
+draw = lambda: draw_contours(Situation((points, quads)), [ContourField("v", "V", "m/s", points[:, 0])], folder)
 """
 SERIES = """
 import numpy as np

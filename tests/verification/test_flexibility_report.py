@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from postprocess.comparison.comparison import KEYS
+from postprocess.comparison.quantities import KEYS
 from postprocess.report.report import report_text, write_report
 from solver.impact import Strike
 from tailslap.campaign.levels import lowest_frequency

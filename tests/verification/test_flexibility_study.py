@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.comparison.comparison import largest_relative, relative_difference
+from postprocess.comparison.quantities import largest_relative, relative_difference
 from tailslap.campaign.levels import (
     ABOVE_ALL,
     CROSSED,

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from postprocess.comparison.grid_convergence import grid_convergence, observed_order
+from postprocess.comparison.metrics import grid_convergence, observed_order
 
 pytestmark = pytest.mark.verification
 

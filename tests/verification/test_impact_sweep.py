@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.comparison.comparison import STRIKES
+from postprocess.comparison.quantities import STRIKES
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from tailslap.campaign.definition import make_definition
 from tailslap.campaign.perform import perform

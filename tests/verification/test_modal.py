@@ -19,7 +19,7 @@ from fem.modal.motion import MEASURED, accelerate, measure_rows
 from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart, to_global
-from postprocess.comparison.comparison import KEYS
+from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError

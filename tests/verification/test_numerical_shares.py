@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fem.plate.elements import nodal_spin
-from postprocess.comparison.comparison import largest
+from postprocess.comparison.quantities import largest
 from tailslap.case.corner.case import CornerCase
 from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.planning.flexibility import comparable_plate

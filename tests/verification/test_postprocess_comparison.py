@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from postprocess.comparison.comparison import PAPER_TABLE_3, comparison_rows, relative_difference
+from postprocess.comparison.quantities import PAPER_TABLE_3, comparison_rows, relative_difference
 
 pytestmark = pytest.mark.verification
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.files.histories import read_history, write_history
-from postprocess.files.summary import write_summary
+from postprocess.report.files import read_history, write_history, write_summary
 
 pytestmark = pytest.mark.verification
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from postprocess.files.summary import write_summary
+from postprocess.report.files import write_summary
 from postprocess.report.numbers import duration, known
 from postprocess.report.report import write_table
 from postprocess.report.table import Column, columns, listed

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from postprocess.signals.design_forces import LEVELS, design_forces
-from postprocess.signals.flail_space import VehicleMotion, head_contact, occupant_contact
-from postprocess.signals.occupant_risk import GRAVITY, RiskMeasure, occupant_risk
+from postprocess.signals.occupant_risk import (
+    GRAVITY,
+    RiskMeasure,
+    VehicleMotion,
+    head_contact,
+    occupant_contact,
+    occupant_risk,
+)
 
 pytestmark = pytest.mark.verification
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from postprocess.signals.peaks import force_curves, force_peaks, second_strike
+from postprocess.signals.filters import force_curves, force_peaks, second_strike
 
 pytestmark = pytest.mark.verification
 

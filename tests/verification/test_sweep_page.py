@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.comparison.comparison import KEYS
+from postprocess.comparison.quantities import KEYS
 from postprocess.figures.parallels import scaled
 from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
 from postprocess.report.page import Page, write_page

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.fields.contours import ContourField, Setting, Sheet, draw_contours, draw_instants
+from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import write_animation
 from postprocess.report.units import US
 from tailslap import Result
@@ -59,9 +59,9 @@ def test_contours_have_rulers_title_and_values_in_feet(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
-    setting = Setting((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
+    situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
     metres, feet = (
-        texts_of(monkeypatch, lambda units=units: draw_contours(setting, [field], tmp_path, *units))  # type: ignore[misc]
+        texts_of(monkeypatch, lambda units=units: draw_contours(situation, [field], tmp_path, *units))  # type: ignore[misc]
         for units in ((), (US,))
     )
     for said, length, speed, middle in (
@@ -188,7 +188,7 @@ def test_a_run_draws_its_pictures_in_the_units_of_its_page(
 ) -> None:
     given: list[str] = []
 
-    def draw(setting: Setting, fields: Any, out: Path, units: Any) -> list[Path]:
+    def draw(situation: Situation, fields: Any, out: Path, units: Any) -> list[Path]:
         given.append(units.name)
         return []
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from postprocess.comparison.comparison import KEYS
+from postprocess.comparison.quantities import KEYS
 from postprocess.report.units import SI, Units
 from tailslap.case.corner.rigid import RigidStages
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 from fem.lazy import cached
-from postprocess.comparison.comparison import KEYS, TAIL_SLAP
+from postprocess.comparison.quantities import KEYS, TAIL_SLAP
 from solver import (
     CONVENTIONS,
     ImpulseResult,

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
-from postprocess.comparison.comparison import STRIKES
+from postprocess.comparison.quantities import STRIKES
 from solver import RigidBodyError
 from solver.impact import (
     CrushLaw,

@@ -24,13 +24,13 @@ from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.run.impact import compile_impact_loop
 from fem.start.rigid_state import RigidStart
-from postprocess.comparison.comparison import KEYS, largest, largest_relative, relative_difference
-from postprocess.comparison.grid_convergence import (
+from postprocess.comparison.metrics import (
     CAUTIOUS_FACTOR,
     SAFETY_FACTOR,
     GridConvergence,
     grid_convergence,
 )
+from postprocess.comparison.quantities import KEYS, largest, largest_relative, relative_difference
 from solver import integrate_odes, plane_motion
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.comparison.comparison import QUANTITIES
+from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.loglog import Series, draw_precision
 from postprocess.report.numbers import duration, known
 from postprocess.report.page import Section

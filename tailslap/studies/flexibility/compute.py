@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.start.start_kinds import START_KINDS
-from postprocess.comparison.comparison import KEYS, largest_relative, relative_difference
-from postprocess.comparison.grid_convergence import SAFETY_FACTOR, grid_convergence
+from postprocess.comparison.metrics import SAFETY_FACTOR, grid_convergence
+from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from solver.impact import CORNERS
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from postprocess.comparison.comparison import KEYS, QUANTITIES
+from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.loglog import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.report.numbers import known, percent
 from postprocess.report.page import Section

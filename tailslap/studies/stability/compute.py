@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.plate.kinds import ELEMENT_KINDS
-from postprocess.comparison.comparison import largest
+from postprocess.comparison.quantities import largest
 from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase

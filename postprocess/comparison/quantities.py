@@ -3,6 +3,8 @@
 Quantities: t [s], v_gx [m/s], v_gy [m/s], omega [rad/s], slide [m]; v_gy is negative, towards the wall.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +12,7 @@ from types import MappingProxyType
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ComparedQuantity:
     """How one compared quantity is called: mapping key, words, symbol and SI unit."""
 
     key: str
@@ -28,7 +30,7 @@ class Quantity:
 class ComparisonRow:
     """A line of the comparison: quantity, both solutions, fe/rigid - 1, and the paper's two values (SI)."""
 
-    quantity: Quantity
+    quantity: ComparedQuantity
     fe: float
     rigid: float
     difference: float
@@ -40,11 +42,11 @@ QUANTITIES = MappingProxyType(
     {
         quantity.key: quantity
         for quantity in (
-            Quantity("t", "Time to the tail-slap", "t", "s"),
-            Quantity("v_gx", "Velocity of G along the wall", "v_GX", "m/s"),
-            Quantity("v_gy", "Velocity of G across the wall", "v_GY", "m/s"),
-            Quantity("omega", "Angular velocity", "ω", "rad/s"),
-            Quantity("slide", "Slide of the corner along the wall", "s", "m"),
+            ComparedQuantity("t", "Time to the tail-slap", "t", "s"),
+            ComparedQuantity("v_gx", "Velocity of G along the wall", "v_GX", "m/s"),
+            ComparedQuantity("v_gy", "Velocity of G across the wall", "v_GY", "m/s"),
+            ComparedQuantity("omega", "Angular velocity", "ω", "rad/s"),
+            ComparedQuantity("slide", "Slide of the corner along the wall", "s", "m"),
         )
     }
 )
@@ -56,7 +58,7 @@ KEYS = tuple(QUANTITIES)
 class Compared:
     """What is compared of FE and rigid vehicle: quantities by key, the one that a map shows, where they are taken."""
 
-    quantities: Mapping[str, Quantity]
+    quantities: Mapping[str, ComparedQuantity]
     mapped: str
     where: str
 
@@ -68,11 +70,11 @@ STRIKES = Compared(
     {
         quantity.key: quantity
         for quantity in (
-            Quantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),
-            Quantity("strike_1.impulse", "First strike's impulse", "J₁", "N s"),
-            Quantity("strike_2.mean_50ms", "Second strike's peak, 50 ms mean", "F₂, 50 ms", "N"),
-            Quantity("strike_2.impulse", "Second strike's impulse", "J₂", "N s"),
-            Quantity("strike_2.duration", "Second strike's duration", "Δt₂", "s"),
+            ComparedQuantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),
+            ComparedQuantity("strike_1.impulse", "First strike's impulse", "J₁", "N s"),
+            ComparedQuantity("strike_2.mean_50ms", "Second strike's peak, 50 ms mean", "F₂, 50 ms", "N"),
+            ComparedQuantity("strike_2.impulse", "Second strike's impulse", "J₂", "N s"),
+            ComparedQuantity("strike_2.duration", "Second strike's duration", "Δt₂", "s"),
         )
     },
     "strike_2.mean_50ms",

@@ -1,15 +1,19 @@
-"""Histories on disk: `history.csv` and `rigid.csv`, a header row of names and one row a recorded instant, SI.
+"""Files of numbers: histories as CSV, summaries as JSON."""
 
-Seventeen significant digits are written, so every double comes back bit for bit. What is no finite number is an empty
-entry.
-"""
+from __future__ import annotations
 
+import json
+import math
 import re
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from postprocess.report.units import SI
 
 FORMAT = "%.17g"
 NOT_FINITE = re.compile(r"-?(nan|inf)")
@@ -44,3 +48,34 @@ def _column(name: str, values: ArrayLike) -> NDArray[np.float64]:
     if "," in name or "\n" in name or name != name.strip() or not name:
         raise ValueError(f"history column name {name!r} does not fit a CSV header")
     return column
+
+
+def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:
+    """Writes the mapping, nested as wished, with its own key order, indented by two."""
+    path.write_text(summary_text(summary) + "\n", encoding="utf-8")
+    return path
+
+
+def summary_text(summary: Mapping[str, Any]) -> str:
+    """The mapping as strict JSON."""
+    return json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def plain(value: Any) -> Any:
+    """The value in the types that JSON has: records as mappings, NumPy scalars and arrays unwrapped, non-finite numbers
+    None."""
+    if is_dataclass(value):
+        value = vars(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, str):
+        return SI.rendered(value)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

@@ -1,1 +1,0 @@
-"""Histories and summaries as CSV and JSON files."""
