@@ -50,41 +50,42 @@ from tailslap.studies.flexibility.compute import NAMES, patch_length
 from tailslap.studies.study import Call
 from tailslap.verification.check import failed_names
 
+# Kinds of method: the exact rigid solution, integrators of the rigid equations, the plate by a few modes,
+# finite elements.
 EXACT, ODE, MODAL, FE = "exact", "ode", "modal", "fe"
-"""Kinds of method: the exact rigid solution, integrators of the rigid equations, the plate by a few modes, finite
-elements."""
 
+# Groups of settings, beside those named by an integrator or an element.
 INTEGRATORS = ("RK45", "DOP853", "Radau", "LSODA")
 MESH, STEP, CONSTRAINT, ROWSUM = "mesh", "time step", "exact constraint", "row-sum masses"
 PENALTY, DAMPING, MODES, ELEMENTS = "penalty", "damping", "modal model", "other elements"
 UNSTRESSED, SINGLE, RIGID = "unstressed start", "single precision", "rigid vehicle"
-"""Groups of settings, beside those named by an integrator or an element."""
 
+# Labels and keys of the groups that vary one number.
 KEYS_OF = {
     STEP: ("safety factor", "time.safety_factor"),
     PENALTY: ("scale", "corner.penalty_scale"),
     DAMPING: ("ratio", "damping.ratio"),
 }
-"""Labels and keys of the groups that vary one number."""
 
+# How many times finer than the soft plate's coarsest mesh, by element; all with the exact constraint.
 REFINED = {"quad4": (1, 2, 4, 8), "quad9": (1, 2, 4, 8), "tri3": (1, 2, 4, 8), "tri6": (1, 2, 4)}
 REFINED["quad4-reduced"] = REFINED["quad4"]
-"""How many times finer than the soft plate's coarsest mesh, by element; all with the exact constraint."""
 
+# Group of the soft plate's meshes whose corner is held by the program's own spring.
 SPRING = "quad4, penalty"
-"""Group of the soft plate's meshes whose corner is held by the program's own spring."""
 
+# What the exact solution is held to: its distance from DOP853, at most, over 1000 inputs
+# (benchmarks/rigid.py).
 ROUNDING = 2.2e-12
-"""What the exact solution is held to: its distance from DOP853, at most, over 1000 inputs (benchmarks/rigid.py)."""
 
+# Order of linear elements, of loads that jump and of central differences; a higher observed order is luck.
 MAX_ORDER = 2.0
-"""Order of linear elements, of loads that jump and of central differences; a higher observed order is luck."""
 
+# Relative rounding of a run: no limit is known better.
 MIN_KNOWN = 1e-12
-"""Relative rounding of a run: no limit is known better."""
 
+# Expected seconds of a time loop above which a setting is left out.
 TOO_LONG = 30.0
-"""Expected seconds of a time loop above which a setting is left out."""
 
 LEVELS = tuple(10.0**-exponent for exponent in range(2, 12))
 

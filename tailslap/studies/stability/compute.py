@@ -39,6 +39,9 @@ from tailslap.verification.checks import reaction_checks
 from tailslap.verification.mechanics import OSCILLATES
 from tailslap.verification.numerical_error import FLOOR, SHARE, Histories, distance_in_motion
 
+Row = dict[str, Any]
+
+# Kinds of verdicts and what they mean, of the map and of random cells.
 RIGHT, FLEXIBLE, REFUSED, CAUGHT, WRONG = "right", "flexible", "refused", "caught", "wrong"
 REACTION_ONLY, GOOD, UNJUDGED = "reaction only", "good but failed", "unjudged"
 MAP_KINDS = {
@@ -57,63 +60,62 @@ RANDOM_KINDS = {
     UNJUDGED: "no refined model came to a result that can be trusted",
     WRONG: "every check passed, and the five quantities are off",
 }
-"""Kinds of verdicts and what they mean, of the map and of random cells."""
 
-Row = dict[str, Any]
+# A verdict. failed: names of the checks that failed; reason: otherwise why the cell is refused, wrong, or
+# flexible. difference, reference: largest difference of the five quantities from the rigid motion, of the run
+# and of the refined model; distance, allowed: between the two, and how large it may be; error: as the run
+# itself estimates it. model, reference_model: elements.
 UNKNOWN: Row = {"kind": "", "failed": "", "reason": "", "distance": math.nan, "allowed": math.nan}
 UNKNOWN |= {"difference": math.nan, "reference": math.nan, "error": math.nan, "model": ""}
 UNKNOWN |= {"reference_model": "", "steps": 0, "seconds": 0.0, "reference_seconds": 0.0}
-"""A verdict. failed: names of the checks that failed; reason: otherwise why the cell is refused, wrong, or flexible.
-difference, reference: largest difference of the five quantities from the rigid motion, of the run and of the refined
-model; distance, allowed: between the two, and how large it may be; error: as the run itself estimates it. model,
-reference_model: elements."""
 
+# Fraction of a difference that refinement may change for it to count as the plate's own.
 SURVIVES = 0.5
-"""Fraction of a difference that refinement may change for it to count as the plate's own."""
 
+# Multiples of the error that a run of a whole impact claims by which a refined model may differ from it,
+# beside the tolerance.
 CLAIMED = 3.0
-"""Multiples of the error that a run of a whole impact claims by which a refined model may differ from it, beside the
-tolerance."""
 
+# Checks that a refined model may fail and still confirm the five quantities: if it is corrupted, it
+# disagrees.
 BESIDE_THE_POINT = {"reaction against rigid", "friction by ringing"}
-"""Checks that a refined model may fail and still confirm the five quantities: if it is corrupted, it disagrees."""
 
+# Distance from the reference above which a random cell is wrong: a part of its own, and a fraction of the
+# reference's difference from the rigid motion.
 WRONG_FROM = (1e-3, 0.25)
-"""Distance from the reference above which a random cell is wrong: a part of its own, and a fraction of the reference's
-difference from the rigid motion."""
 
+# The same for a result that is good beyond doubt: with the factor of safety on an error that two meshes tell
+# (Roache 1994, ASME V&V 20) it would still be allowed.
 GOOD_TO = (FLOOR / 3.0, SHARE / 3.0)
-"""The same for a result that is good beyond doubt: with the factor of safety on an error that two meshes tell (Roache
-1994, ASME V&V 20) it would still be allowed."""
 
+# Times as fine as the cell's mesh, both ways, of the first reference and of a second one; elements, and
+# expected seconds, of which a reference has no more.
 FINER, FINEST, MAX_ELEMENTS, MAX_REFERENCE_S = 1.5, 2.0, 600, 4.0
-"""Times as fine as the cell's mesh, both ways, of the first reference and of a second one; elements, and expected
-seconds, of which a reference has no more."""
 
+# Stiffness-proportional damping against flutter, of the reference that is tried last.
 FLUTTER_DAMPING = 0.05
-"""Stiffness-proportional damping against flutter, of the reference that is tried last."""
 
+# What damping and ringing may change in a reference: a part of its own, and a fraction of its flexibility.
 SWAYED = (5e-4, 0.1)
-"""What damping and ringing may change in a reference: a part of its own, and a fraction of its flexibility."""
 
+# Checks that a reference must pass; its reaction may ring.
 DEMANDED = {
     *("tail-slap reached", "finite numbers", "time step", "energy balance", "momentum balance"),
     *("friction by ringing", "oscillation", "mesh"),
     *("contact work", "friction work", "friction takes energy"),
 }
-"""Checks that a reference must pass; its reaction may ring."""
 
+# Combinations of choices in a campaign: nearly any two choices meet in one of them. Prime, so that what goes
+# by the number of a cell, like its start, is not the same in all cells of a combination.
 COMBINATIONS = 97
-"""Combinations of choices in a campaign: nearly any two choices meet in one of them. Prime, so that what goes by the
-number of a cell, like its start, is not the same in all cells of a combination."""
 
 ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
-OPEN = 0.3
-"""Fraction of the cells that leave a choice to the program."""
+OPEN = 0.3  # fraction of the cells that leave a choice to the program
 
+# Steps, and seconds of its time loop, that a random cell may be expected to take; scenes drawn for one cell
+# until one is possible and affordable, about one in three is; and quantities drawn for a combination before
+# another is.
 MAX_STEPS, MAX_SECONDS, MAX_TRIES, TRIES = 400_000, 0.5, 1000, 50
-"""Steps, and seconds of its time loop, that a random cell may be expected to take; scenes drawn for one cell until one
-is possible and affordable, about one in three is; and quantities drawn for a combination before another is."""
 
 
 class Found(NamedTuple):
@@ -135,34 +137,23 @@ class Found(NamedTuple):
 
 
 def compute(
-    call: Call,
-    points: int | None,
-    tolerance: float | None,
-    count: int | None,
-    seed: int,
-    workers: int | None,
+    call: Call, points: int | None, tolerance: float | None, count: int | None, seed: int, workers: int | None
 ) -> Found:
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
     began, scene = time.perf_counter(), call.plan.scene
-    impact, base = scene.contact is not None, base_source(scene)
-    axes: tuple[Axis, ...] = ()
-    settings: Row = {
-        "points": points or (6 if impact else 10),
-        "tolerance": tolerance or (1e-2 if impact else 1e-3),
-    }
-    verify: Callable[[Any], Row] = partial(against_rigid, tolerance=settings["tolerance"])
-    if impact and count:
+    base, usual = base_source(scene), (6, 1e-2) if scene.contact else (10, 1e-3)
+    if scene.contact and count:
         raise InputError("--random", count, "a whole impact has the map alone; leave it out")
     if count:
-        # Their number is no setting: more cells go on from those there are.
-        settings, kinds, verify = {"seed": seed}, RANDOM_KINDS, against_reference
-        cells = {f"{number:04d}": draw(scene, base, seed, number) for number in range(count)}
-        places = {
-            key: {"number": int(key), **flat(changed_tables(base.given, changes)[0])}
-            for key, changes in cells.items()
-        }
+        axes: tuple[Axis, ...] = ()
+        settings: Row = {"seed": seed}  # their number is left out: more cells go on from those there are
+        kinds = RANDOM_KINDS
+        verify: Callable[[Any], Row] = against_reference
+        cells, places = random_cells(scene, base, seed, count)
     else:
-        axes, kinds = axes_of(scene, settings["points"]), MAP_KINDS
+        settings = {"points": points or usual[0], "tolerance": tolerance or usual[1]}
+        kinds, verify = MAP_KINDS, partial(against_rigid, tolerance=settings["tolerance"])
+        axes = axes_of(scene, settings["points"])
         cells, places = map_cells(scene, axes)
     with Journal(call.place, {"study": "stability", "scene": base.given, **settings}) as journal:
         parts = {key: (base, changes, verify) for key, changes in cells.items()}
@@ -554,6 +545,21 @@ class Dice:
         return values[int(self._random.choice(len(values), p=fractions))]
 
 
+def random_cells(
+    scene: Scene, base: Source, seed: int, count: int
+) -> tuple[dict[str, Changes], dict[str, Row]]:
+    """What the first so many draws of a seed change, and all values of their scenes."""
+    cells = {f"{number:04d}": draw(scene, base, seed, number) for number in range(count)}
+    tables = {key: changed_tables(base.given, changes)[0] for key, changes in cells.items()}
+    return cells, {key: {"number": int(key), **flat(its)} for key, its in tables.items()}
+
+
+def flat(tables: Mapping[str, Any]) -> Row:
+    """Values of a scene by the full names of their keys, sorted."""
+    inner = [(name, table) for name, table in tables.items() if isinstance(table, dict)]
+    return dict(sorted((f"{name}.{key}", value) for name, table in inner for key, value in table.items()))
+
+
 def choices_of(seed: int, combination: int, attempt: int) -> Row:
     """What the machine code of a run depends on, of a combination, "open" left to the program; attempt: counts those
     before it that were not possible."""
@@ -602,10 +608,9 @@ def _drawn(scene: Scene, choices: Row, dice: Dice, number: int) -> Changes:
     changes |= _corner(choices, dice, length, changes["plate.elements"] or (10, 1))
     if choices["damping"] == "ratio":
         changes["damping.ratio"] = dice.even(0.005, 0.3)
-    if choices["damping"] == "bulk":
-        changes["damping.bulk_viscosity"] = 0.06
-    if choices["damping"] == "none":
-        changes["damping.kind"] = "none"
+    elif choices["damping"] != "open":
+        bulk = choices["damping"] == "bulk"
+        changes |= {"damping.bulk_viscosity": 0.06} if bulk else {"damping.kind": "none"}
     if choices["neo_hookean"]:
         changes["material.law"] = "neo-hookean"
     return changes | {"name": f"cell-{number:04d}"}
@@ -615,19 +620,16 @@ def _motion(scene: Scene, choices: Row, dice: Dice) -> Changes:
     """Stage 1 where the scene has it, for Stage 2 to follow; else the start, the spin in proportion to the speed."""
     speed, angle = dice.ratio(1.0, 40.0), math.radians(dice.even(2.0, 60.0))
     restitution, friction = dice.even(0.0, 0.8), dice.even(0.0, 1.2)
-    reaction, start = choices["reaction"], scene.start
     if choices["frictionless"]:
         friction = 0.0
-    changes: Row = {"corner": None, "corner.reaction": reaction, "start": None}
+    changes: Row = {"corner": None, "corner.reaction": choices["reaction"], "start": None}
     if scene.impact:
         drawn = {"speed": speed, "angle": angle, "restitution": restitution, "friction": friction}
         return changes | {f"impact.{key}": value for key, value in drawn.items()}
-    assert start is not None
-    assert start.omega is not None
-    assert start.corner_speed is not None
+    start: Any = scene.start
     spin = start.omega / start.corner_speed
     changes |= {"start.angle": angle, "start.corner_speed": speed, "start.omega": spin * speed}
-    return changes | ({"corner.friction": friction} if reaction != "none" else {})
+    return changes | ({"corner.friction": friction} if choices["reaction"] != "none" else {})
 
 
 def _plate(scene: Scene, choices: Row, dice: Dice, number: int, length: float, width: float) -> Changes:
@@ -662,9 +664,3 @@ def _corner(choices: Row, dice: Dice, length: float, elements: tuple[int, int]) 
     if choices["patch"]:
         changes["corner.patch_length"] = max(dice.even(0.1, 0.3) * length, 1.2 * length / elements[0])
     return changes
-
-
-def flat(tables: Mapping[str, Any]) -> Row:
-    """Values of a scene by the full names of their keys, sorted."""
-    inner = [(name, table) for name, table in tables.items() if isinstance(table, dict)]
-    return dict(sorted((f"{name}.{key}", value) for name, table in inner for key, value in table.items()))

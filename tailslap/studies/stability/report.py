@@ -15,26 +15,16 @@ from postprocess.svg.chart import Chart
 from tailslap.report.common import study_page, study_summary
 from tailslap.scene.vary import changed_tables
 from tailslap.scene.write import scene_file
-from tailslap.studies.stability.compute import (
-    CAUGHT,
-    GOOD,
-    REFUSED,
-    RIGHT,
-    UNJUDGED,
-    UNKNOWN,
-    WRONG,
-    WRONG_FROM,
-    Found,
-    Row,
-    cell_key,
-)
+from tailslap.studies.stability import compute
+from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, RIGHT, UNKNOWN, WRONG, Found, Row
 from tailslap.verification.checks import advice
 
 MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
 RANDOM = "Stability on scenes drawn at random: every quantity and every choice of the scene at once"
 FILES = "cells.csv, every cell with its verdict; summary.json; cell-NUMBER.toml, cells to run again"
 ADVISED = "what could be changed"
-RANDOM_LIMIT = f"{WRONG_FROM[0]:g} and {100 * WRONG_FROM[1]:g} % of what the plate's flexibility changes"
+APART, PART = compute.WRONG_FROM
+RANDOM_LIMIT = f"{APART:g} and {100 * PART:g} % of what the plate's flexibility changes"
 AXES = (
     Column("name", "Axis"),
     Column("meaning", "What it is"),
@@ -107,7 +97,7 @@ def refused_by(found: Found) -> dict[str, int]:
 
 def listed_kinds(found: Found) -> tuple[str, ...]:
     """Kinds whose cells are listed; what is drawn is valid by itself, so that a refusal needs its reason."""
-    return (WRONG, GOOD, UNJUDGED) if found.axes else (WRONG, GOOD, UNJUDGED, REFUSED)
+    return (WRONG, GOOD, compute.UNJUDGED) if found.axes else (WRONG, GOOD, compute.UNJUDGED, REFUSED)
 
 
 def headline(found: Found) -> str:
@@ -173,7 +163,7 @@ def maps(found: Found) -> tuple[Chart, ...]:
     charts = [draw_meanings(found.kinds, "What the colours mean, in every picture")] if found.axes else []
     for across, up in combinations(found.axes, 2):
         points = [[{across.name: x, up.name: y} for x in across.values] for y in up.values]
-        kinds = [[found.rows[cell_key(point)]["kind"] for point in row] for row in points]
+        kinds = [[found.rows[compute.cell_key(point)]["kind"] for point in row] for row in points]
         axes = MapAxis(across.meaning, across.values), MapAxis(up.meaning, up.values)
         name = f"map-{across.name}-{up.name}".replace(" ", "-")
         charts.append(draw_map(name, *axes, kinds, f"{up.name} over {across.name}".capitalize()))
