@@ -32,12 +32,12 @@ from postprocess.comparison.metrics import (
 )
 from postprocess.comparison.quantities import KEYS, largest, largest_relative, relative_difference
 from solver import integrate_odes, plane_motion
+from tailslap.campaign.engine import run_parts
+from tailslap.campaign.records import Journal
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
-from tailslap.execution.journal import Journal
-from tailslap.execution.run_parts import run_parts
 from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.run import compared, simulated
 from tailslap.modal_analysis.run import modal_run

@@ -20,13 +20,13 @@ import numpy as np
 
 from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.quantities import largest
+from tailslap.campaign.engine import run_parts
+from tailslap.campaign.records import Journal
 from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.cost import beam_frequency, expected_effort
 from tailslap.errors import InputError
-from tailslap.execution.journal import Journal
-from tailslap.execution.run_parts import run_parts
 from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.outcome import differences
 from tailslap.impact.run import make_fe_plan_timed, plain_run

@@ -1,5 +1,0 @@
-"""Forwards to `tailslap.campaign.records`."""
-
-from tailslap.campaign.records import Journal
-
-__all__ = ["Journal"]
