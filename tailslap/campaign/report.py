@@ -11,7 +11,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
-from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
+from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from postprocess.report.files import write_summary
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.report import page_in_units

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.quantities import STRIKES
-from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
+from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from tailslap.campaign.definition import make_definition
 from tailslap.campaign.perform import perform
 from tailslap.campaign.report import spreads

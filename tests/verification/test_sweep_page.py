@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.quantities import KEYS
-from postprocess.figures.parallels import scaled
-from postprocess.figures.sweep_plots import SweepRows, Varied, draw_sweep
+from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
 from postprocess.report.page import Page, write_page
 from postprocess.svg.chart import Chart
 from tailslap.campaign.definition import Definition, Variation

@@ -1,0 +1,283 @@
+"""Charts of a sweep: results against a key, maps over two keys, and all keys side by side.
+
+The rigid solution of each row stands beside its FE result. A row without a result is left out of the curves.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from postprocess.comparison.quantities import TAIL_SLAP, Compared
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.marks import Boxes, Line, Mark, Shades, Swatch, Words, cells_about
+from postprocess.svg.scale import Scale, power_text
+
+Values = NDArray[Any]
+
+STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grey", "error": "ink"}
+MAX_DRAWN = 1500
+"""Rows above which not all are drawn, or shown on pages: both would be too large."""
+WIDTH, TICKS = 940.0, 4
+"""Of the chart of all keys side by side."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A key that varies: its values by row, numbers [unit] or words, and whether they are in equal ratios."""
+
+    key: str
+    unit: str
+    values: Values
+    logarithmic: bool
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the values are numbers."""
+        return bool(np.issubdtype(self.values.dtype, np.number))
+
+    @property
+    def label(self) -> str:
+        """The key with its unit."""
+        return f"{self.key} [{self.unit}]" if self.unit else self.key
+
+
+@dataclass(frozen=True)
+class SweepRows:
+    """All rows: keys, statuses and, by the names of what is compared, both solutions and their differences; those of
+    the rigid vehicle alone have neither FE values nor differences."""
+
+    varied: tuple[Varied, ...]
+    status: Values
+    fe: Mapping[str, Values]
+    rigid: Mapping[str, Values]
+    difference: Mapping[str, Values]
+    compared: Compared = TAIL_SLAP
+
+    @property
+    def worst(self) -> Values:
+        """Largest of the differences, shape (rows,); NaN where there are none."""
+        if not self.difference:
+            return np.full(self.status.shape, np.nan)
+        return np.asarray(np.max(np.abs([self.difference[key] for key in self.compared.quantities]), axis=0))
+
+    @property
+    def best(self) -> Mapping[str, Values]:
+        """Values of the best of the models: FE, or the rigid vehicle where it is alone."""
+        return self.fe or self.rigid
+
+
+def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
+    """All plots that these rows allow: of keys that are numbers, those against each; two make maps, three parallels."""
+    known = rows.worst if rows.fe else rows.rigid[rows.compared.mapped]
+    if not np.isfinite(known).any():
+        return ()
+    numbers = [item for item in rows.varied if item.numeric]
+    charts = [chart for item in numbers for chart in draw_against(rows, item)]
+    if len(numbers) == len(rows.varied) == 2:
+        charts += draw_maps(rows, numbers[0], numbers[1])
+    if len(rows.varied) > 2:
+        charts.append(draw_parallels(rows))
+    return tuple(charts)
+
+
+def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
+    """Each result, and the largest difference, against one key; lines where it is the only one."""
+    order = _drawn_rows(rows, item)
+    x, group = item.values[order], f"Against {item.key}"
+    lowest, room = float(x.min()), 0.03 * float(np.ptp(x))
+    low = 0.0 if 0.0 <= lowest < room and not item.logarithmic else None  # a friction is never negative
+    axis = Axis(item.label, low=low, is_log=item.logarithmic, margin=0.03)
+    plots = {
+        key: (Axis(quantity.label), quantity.title, _marks_against(rows, key, order, x))
+        for key, quantity in rows.compared.quantities.items()
+    }
+    worst, status = rows.worst[order], rows.status[order]
+    apart = [
+        Line(label, x[chosen], worst[chosen], colour, 0.0, dots=1.8)
+        for label, colour in (("passed", "fe"), ("failed", "red"))
+        if (chosen := (worst > 0.0) & (status == label)).any()
+    ]
+    if apart:
+        plots["difference"] = (Axis("largest difference", is_log=True), "Largest difference", apart)
+    return [
+        draw_chart(
+            "-".join(("against", *re.split(r"[._]", item.key), key.replace(".", "-"))),
+            f"{title} against {item.key}",
+            (Plot(tuple(marks), up, 170.0, nearest="xy" if len(rows.varied) > 1 else "x"),),
+            axis,
+            group,
+            360.0,
+        )
+        for key, (up, title, marks) in plots.items()
+    ]
+
+
+def _drawn_rows(rows: SweepRows, item: Varied) -> Values:
+    """Numbers of the rows in order of the key; of very many those that failed a check, and others at even steps."""
+    order = np.argsort(item.values, kind="stable")
+    every = -(-len(order) // MAX_DRAWN)
+    failed = np.flatnonzero(rows.status[order] == "failed")[:MAX_DRAWN]
+    return order[np.union1d(np.arange(0, len(order), every), failed)]
+
+
+def _marks_against(rows: SweepRows, key: str, order: Values, x: Values) -> list[Line]:
+    """The rigid vehicle, FE over it, and what failed over both."""
+    alone = len(rows.varied) == 1
+    marks = [Line("rigid, exact", x, rows.rigid[key][order], "rigid", 3.0 * alone, dots=3.2)]
+    if rows.fe:
+        fe, failed = rows.fe[key][order], rows.status[order] == "failed"
+        marks.append(Line("FE", x, fe, "fe", 1.0 * alone, dots=1.6))
+        if failed.any():
+            marks.append(Line("FE, a check failed", x[failed], fe[failed], "red", 0.0, dots=1.6))
+    return marks
+
+
+def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> list[Chart]:
+    """One of the results, the largest difference and the status over two keys; without the second, of one model."""
+    shown, model = rows.compared.quantities[rows.compared.mapped], "FE" if rows.fe else "the rigid vehicle"
+    title = f"{shown.title} by {model}"
+    maps = [_draw_map("result", title, *_shaded(rows.best[shown.key], shown.unit), across, up)]
+    if rows.fe:
+        worst = np.where(rows.worst > 0.0, rows.worst, np.nan)
+        title = "Largest difference FE/rigid - 1"
+        maps.append(_draw_map("worst", title, *_shaded(worst, "", is_log=True), across, up))
+    keys = [Swatch(status, STATUS_COLOURS[status]) for status in dict.fromkeys(rows.status)]
+    colours = np.array([STATUS_COLOURS[status] for status in rows.status])
+    title = "What became of each run"
+    return [*maps, _draw_map("status", title, colours, rows.status, keys, across, up)]
+
+
+def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Values, Sequence[Swatch]]:
+    """Colours of the values, "" where there is none, words, and keys."""
+    known, colours = np.isfinite(values), np.full(values.shape, "", dtype=object)
+    if not known.any():
+        return colours, colours, []
+    shades = Shades.of(values, is_log)
+    colours[known] = shades.colours(values[known])
+    said = np.array([f"{value:.5g} {unit}".rstrip() for value in values], dtype=object)
+    return colours, said, shades.keys(unit)
+
+
+def _draw_map(
+    name: str,
+    title: str,
+    colours: Values,
+    said: Values,
+    keys: Sequence[Swatch],
+    across: Varied,
+    up: Varied,
+) -> Chart:
+    """Cells of a complete grid in these colours, or small boxes; the keys stand above."""
+    x, y, shown = across.values, up.values, colours != ""
+    counts = np.unique(x).size, np.unique(y).size
+    is_grid = counts[0] * counts[1] == x.size and min(counts) > 1
+    places = [f"{a:.4g}; {b:.4g}" for a, b in zip(x[shown], y[shown], strict=True)]
+    texts, at = (said[shown].tolist(), places) if shown.sum() <= MAX_DRAWN else ((), ())
+    left, low = (_ends(item, is_grid)[shown] for item in (across, up))
+    cells = Boxes(title, left, low, colours[shown].tolist(), texts, at)
+    along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=0.0) for item in (across, up))
+    plot = Plot((*keys, cells), upwards, 230.0, nearest="xy", has_grid=False)
+    return draw_chart(f"map-{name}", title, (plot,), along, "Maps", 360.0)
+
+
+def _ends(item: Varied, is_grid: bool) -> Values:
+    """Ends of the cell about each value, or where runs make no grid, of a box of a fortieth of the range."""
+    if is_grid:
+        return cells_about(item.values, item.logarithmic)
+    values = np.log(item.values) if item.logarithmic else item.values
+    ends = values[:, None] + np.ptp(values) / 80.0 * np.array([-1.0, 1.0])
+    return np.exp(ends) if item.logarithmic else ends
+
+
+class Scaled(NamedTuple):
+    """One of several scales side by side: label, the rows' values and heights from 0 to 1, ticks with their heights."""
+
+    label: str
+    values: Values
+    heights: Values
+    ticks: Sequence[tuple[float, str]]
+
+
+def scaled(label: str, values: Values, is_log: bool) -> Scaled:
+    """A scale from the smallest to the largest of numbers, or with a place for each word."""
+    if not np.issubdtype(values.dtype, np.number):
+        names = list(dict.fromkeys(values.tolist()))
+        places = {word: (i + 0.5) / len(names) for i, word in enumerate(names)}
+        heights = np.array([places[word] for word in values])
+        return Scaled(label, values, heights, [(place, word) for word, place in places.items()])
+    known = np.unique(values[np.isfinite(values)]).astype(float)
+    if known.size < 2:
+        return Scaled(label, values, 0.5 + 0.0 * values, [(0.5, power_text(value)) for value in known])
+    scale = Scale(float(known[0]), float(known[-1]), is_log=is_log)
+    ticks = [(float(scale.at(tick)), power_text(tick)) for tick in scale.ticks(TICKS)]
+    return Scaled(label, values, np.asarray(scale.at(values)), ticks)
+
+
+def draw_parallels(rows: SweepRows) -> Chart:
+    """Each row a line across its inputs, its FE results and its largest difference, which colours it; red where it
+    failed. Just before the last scale stands, below the lines, the rigid solution."""
+    caption = (
+        "Each line is a row: its inputs, what FE gives, and the largest difference from the rigid solution of the same "
+        "row, which colours the line (dark: small); red: a check failed. Behind it, in orange, that rigid solution"
+    )
+    if not rows.fe:
+        caption = "Each line is a row: its inputs, and what the rigid vehicle gives; the last scale colours the line"
+    inputs = [scaled(item.label, item.values, item.logarithmic) for item in rows.varied]
+    count, results, rigid = len(rows.status), [], []
+    for key, quantity in rows.compared.quantities.items():
+        both = scaled(quantity.label, np.concatenate((rows.best[key], rows.rigid[key])), False)
+        results.append(both._replace(values=both.values[:count], heights=both.heights[:count]))
+        rigid.append(both.heights[count:])
+    worst = scaled("difference", np.where(rows.worst > 0.0, rows.worst, np.nan), True)
+    last = worst if rows.fe else results[list(rows.compared.quantities).index(rows.compared.mapped)]
+    scales = [*inputs, *results, last]
+    heights = np.array([scale.heights for scale in scales])
+    chosen = _drawn_rows(rows, rows.varied[0])
+    shown = chosen[np.isfinite(heights[:, chosen]).all(axis=0)]
+    lines = _lines(heights[:, shown], rows.status[shown] == "failed")
+    if rows.fe:
+        places = np.arange(len(inputs), len(scales) - 1)
+        lines.insert(0, _across(places, np.array(rigid)[:, shown], "rigid", 2.2))
+    axes = [mark for place, scale in enumerate(scales) for mark in _scale_marks(place, scale)]
+    labels = [scale.label.replace(".", ".\n").replace(" [", "\n[") for scale in scales]
+    x = Axis(low=-0.15, high=len(scales) - 0.4, named=tuple(enumerate(labels)))
+    y = Axis(low=-0.04, high=1.04, named=())
+    marks = (*lines, *axes, _points(scales, shown))
+    plot = Plot(marks, y, 330.0, nearest="xy", has_grid=False, has_legend=False)
+    return draw_chart("parallels", caption, (plot,), x, "All keys side by side", WIDTH)
+
+
+def _lines(heights: Values, failed: Values) -> list[Mark]:
+    """The rows' lines, shape of heights (scales, rows), in the colour of their place on the last scale."""
+    colours = np.where(failed, "red", Shades(0.0, 1.0).colours(heights[-1]))
+    places = np.arange(len(heights))
+    return [_across(places, heights[:, colours == one], one, 0.9) for one in dict.fromkeys(colours.tolist())]
+
+
+def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
+    """Lines through heights, shape (places, rows), one after the other."""
+    gap = np.full((1, heights.shape[1]), np.nan)
+    x = np.tile(np.append(places, np.nan), heights.shape[1])
+    return Line("", x, np.concatenate([heights, gap]).T.ravel(), colour, width)
+
+
+def _scale_marks(place: int, scale: Scaled) -> list[Mark]:
+    line = Line("", np.full(2, float(place)), np.array([0.0, 1.0]), "grey", 0.8)
+    return [line, *(Words(text, place, height, (4.0, 3.5)) for height, text in scale.ticks)]
+
+
+def _points(scales: Sequence[Scaled], shown: Values) -> Line:
+    """What pages show of each row where it meets a scale."""
+    places, heights, said, at = [], [], [], []
+    for place, scale in enumerate(scales):
+        places += [float(place)] * len(shown)
+        heights += scale.heights[shown].tolist()
+        said += [value if isinstance(value, str) else f"{value:.5g}" for value in scale.values[shown]]
+        at += [f"run {row}, {scale.label}" for row in shown]
+    return Line("value", np.array(places), np.array(heights), width=0.0, values=said, at=at)
