@@ -19,7 +19,7 @@ import json
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from tailslap import progress
 from tailslap.campaign import engine, pools, records, report, table
@@ -31,7 +31,7 @@ from tailslap.files import manifest
 
 LOST, INTERRUPTED = 3, 130
 
-DEFINITION, RECORDS, LOCK = "sweep.json", "records.sqlite", ".lock"
+DEFINITION, RECORDS = "sweep.json", "records.sqlite"
 RESULTS = (table.TABLE, report.REPORT, report.SUMMARY)
 """Files that are written anew each time the sweep is resumed, and refused if the user has added or changed them."""
 
@@ -131,66 +131,60 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
     made = result_folder.make_folders(place, place)
     try:
         with _locked(place):
-            new = not os.path.lexists(place / DEFINITION)
-            if new:
-                with manifest.whole_file(place / DEFINITION) as partial:
-                    text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
-                    partial.write_text(text + "\n", encoding="utf-8")
-            else:
-                _demand_same(place, definition)
+            new = _claim(place, definition)
             try:
                 yield place
             finally:
                 if new and not records.count(place / RECORDS):
-                    _forget(place)
+                    records.remove(place / RECORDS)
+                    (place / DEFINITION).unlink(missing_ok=True)
     finally:
         result_folder.remove_folders(made)
-
-
-def _forget(place: Path) -> None:
-    """Remove what makes the folder a sweep's; a lock that has content is the user's."""
-    with contextlib.suppress(OSError):
-        records.remove(place / RECORDS)
-        (place / DEFINITION).unlink()
-        if _is_lock(place / LOCK):
-            (place / LOCK).unlink()
 
 
 def _refuse_foreign(place: Path, definition: Definition) -> None:
     """Before anything is written; what is there must be this sweep's, and its results as they were written."""
     if place.exists() and not place.is_dir():
         raise InputError("--out", str(place), "this is a file; allowed is a folder")
+    manifest.clear_leftovers(place / DEFINITION)
     names = sorted(os.listdir(place)) if place.is_dir() else []
     if DEFINITION in names:
         _demand_same(place, definition)
         for name in RESULTS:
             manifest.demand_ours(place / name)
         return
-    foreign = [name for name in names if not (name == LOCK and _is_lock(place / name))]
-    if foreign:
-        shown = ", ".join(foreign[:2]) + (", ..." if foreign[2:] else "")
+    if names:
+        shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
         allowed = f"it holds other files ({shown}); allowed is a new folder or a sweep's"
         raise InputError("--out", str(place), allowed)
 
 
-def _is_lock(path: Path) -> bool:
-    """A lock has no content: one that has is the user's."""
-    return path.is_file() and not path.is_symlink() and path.stat().st_size == 0
-
-
 @contextlib.contextmanager
-def _locked(place: Path) -> Iterator[BinaryIO]:
+def _locked(place: Path) -> Iterator[None]:
+    number = os.open(place, os.O_RDONLY)
     try:
-        file = open(place / LOCK, "ab")  # noqa: SIM115
-    except OSError as error:
-        raise place_error(place, "the folder cannot be written", error) from None
-    with file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
             allowed = "another sweep is at work in it; wait for its end, or give another folder"
             raise InputError("--out", str(place), allowed) from None
-        yield file
+        yield
+    finally:
+        os.close(number)
+
+
+def _claim(place: Path, definition: Definition) -> bool:
+    """Write the definition, or compare it with the one that is there; whether it was written."""
+    if os.path.lexists(place / DEFINITION):
+        _demand_same(place, definition)
+        return False
+    try:
+        with manifest.whole_file(place / DEFINITION) as partial:
+            text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
+            partial.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise place_error(place, "the folder cannot be written", error) from None
+    return True
 
 
 def _demand_same(place: Path, definition: Definition) -> None:

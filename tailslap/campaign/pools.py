@@ -15,12 +15,13 @@ import signal
 import sys
 import time
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from tailslap import progress
 from tailslap.campaign.records import Key, program
@@ -50,24 +51,31 @@ class OtherProgramError(Exception):
     """The worker has another version of this program than the one that sent the batch."""
 
 
-class Pool(Protocol):
-    """Workers of one thread each; `died`: errors of a call under which its worker died, `again`: of one that was lost
-    on its way and can be made again."""
+class Pool(ABC):
+    """Workers of one thread each.
+
+    Attributes
+    ----------
+    died : tuple of exception classes
+        Of a call under which its worker died.
+    again : tuple of exception classes
+        Of a call that was lost on its way and can be made again.
+    """
 
     died: Errors
-    again: Errors
+    again: Errors = ()
 
+    @abstractmethod
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Have a worker make the call."""
-        ...
 
+    @abstractmethod
     def threads(self) -> int:
         """How many workers there are. Raises LostError."""
-        ...
 
     def fault(self, error: Exception) -> Exception:
         """What to raise for another error of a call."""
-        ...
+        return error
 
 
 class Batch(NamedTuple):
@@ -103,11 +111,10 @@ def make_ready() -> str:
     return program()
 
 
-class _Processes:
+class _Processes(Pool):
     """Processes of this machine, forked from one that has imported what they need, and started anew if one dies."""
 
-    died: Errors = (BrokenProcessPool,)
-    again: Errors = ()
+    died = (BrokenProcessPool,)
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
@@ -137,10 +144,6 @@ class _Processes:
     def threads(self) -> int:
         """How many processes there are."""
         return self._workers
-
-    def fault(self, error: Exception) -> Exception:
-        """The error itself."""
-        return error
 
     def close(self) -> None:
         """End all processes, whatever they do."""
@@ -186,15 +189,15 @@ def local(workers: int) -> Iterator[Pool]:
         yield pool
 
 
-class _Cluster:
+class _Cluster(Pool):
     """The workers of a scheduler, which may come and go."""
 
     def __init__(self, client: Any, address: str) -> None:
         from distributed import KilledWorker
         from distributed.comm import CommClosedError
 
-        self.died: Errors = (KilledWorker,)
-        self.again: Errors = (TimeoutError, CancelledError, asyncio.CancelledError, CommClosedError)
+        self.died = (KilledWorker,)
+        self.again = (TimeoutError, CancelledError, asyncio.CancelledError, CommClosedError)
         self._client, self._address = client, address
         self._executor = client.get_executor(pure=False)
         self._threads, self._looked = 0, -LOOK_S
@@ -230,7 +233,12 @@ def cluster(address: str) -> Iterator[Pool]:
         with progress.announced("Connecting to the scheduler ..."):
             from distributed import Client
 
-            stack.enter_context(_quiet())
+            stack.enter_context(warnings.catch_warnings())
+            warnings.filterwarnings("ignore", module="distributed")
+            for name in ("distributed", "asyncio", "tornado"):  # what matters of connections we say ourselves
+                logger = logging.getLogger(name)
+                stack.callback(logger.setLevel, logger.level)
+                logger.setLevel(logging.CRITICAL + 1)
             try:  # not by making a client: one that cannot connect leaves threads behind
                 kind = asyncio.run(asyncio.wait_for(_kind(address), ANSWER_S))
             except Exception as error:  # Dask raises half a dozen kinds for addresses that are none
@@ -259,19 +267,3 @@ def _other_program(address: str, who: str, reply: Any) -> InputError:
     has = f"tailslap {reply}" if isinstance(reply, str) else f"no tailslap that loads ({reply})"
     allowed = f"{who} {has}; allowed is {program()}, as here, on all workers"
     return InputError("--cluster", Verbatim(address), allowed)
-
-
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep what Dask says about connections and workers off the terminal: what matters we say ourselves."""
-    loggers = [logging.getLogger(name) for name in ("distributed", "asyncio", "tornado")]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", module="distributed")
-            yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)

@@ -143,7 +143,7 @@ def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFacto
     done = perform(definition_of(scene), place, cluster)
     assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
     assert {path.name for path in place.iterdir() if path.suffix != ".svg"} == {
-        *("sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", ".lock", MANIFEST)
+        *("sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", MANIFEST)
     }
     assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
     return table(place)
