@@ -15,9 +15,9 @@ from main_job import outcome, row, timed, worst
 
 from fem.run.corner import Stepper, simulate
 from tailslap.case.corner.case import CornerCase
-from tailslap.planning.fe_plan import FePlan
+from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.run import CornerOutcome
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import Outcome
 
 ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
 MODULI = np.geomspace(20e9, 20e12, 7)
@@ -84,7 +84,7 @@ def conservation() -> None:
         row(f"energy balance, {what}", asked, f"{checks['energy balance']:.1e}")
 
 
-def runaway(fe_plan: FePlan, factor: float) -> bool:
+def runaway(fe_plan: CornerPlan, factor: float) -> bool:
     """Whether a disturbed plate runs away at this multiple of the stable step within 20 000 steps."""
     loop = fe_plan.model.loop._replace(time_step=factor * fe_plan.model.stable_time_step)
     stepper = Stepper(type(fe_plan.model)(**{**fe_plan.model.__dict__, "loop": loop}))
@@ -143,7 +143,7 @@ def elements() -> None:
         )
 
 
-def best_loop(result: Outcome) -> float:
+def best_loop(result: CornerOutcome) -> float:
     """Best of five time loops [s]."""
     fe_plan, best = result.fe_plan, math.inf
     for _ in range(5):
@@ -169,9 +169,8 @@ def point_and_patch() -> None:
 
 def run_scene_give(*changes: str) -> float:
     """Give of the plate without a run."""
-    from tailslap.planning.fe_plan import make_fe_plan
 
-    return make_fe_plan(CornerCase(*read_scene("paper-abaqus", changes))).deflection_ratio
+    return CornerCase(*read_scene("paper-abaqus", changes)).plan().deflection_ratio
 
 
 if __name__ == "__main__":

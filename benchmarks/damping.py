@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/damping.py
 
-The first table holds `LAG_EFFECT` of tailslap/verification/numerical_error.py: stated over measured should be above
+The first table holds `LAG_EFFECT` of tailslap/case/corner/error.py: stated over measured should be above
 one. The second times set-up and loop of the paper's plate, with the damping and without, in turns: median of the
 ratios, least and largest.
 """
@@ -16,9 +16,9 @@ from typing import Any
 from vehicles import plan_of
 
 from fem.run.corner import Stepper, compile_loop
-from tailslap.planning.decide_damping import predict_growth
-from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.scene_run import attempt
+from tailslap.case.corner.decisions import predict_growth
+from tailslap.case.corner.plan import make_corner_plan
+from tailslap.case.corner.run import attempt
 
 PATCH = ("plate.youngs_modulus=", "corner.patch_length=1 m")
 CASES = (
@@ -61,7 +61,7 @@ def timed(function: Any, *arguments: Any) -> float:
 def cost() -> None:
     """Loop with it over loop without; milliseconds that foreseeing takes in set-up."""
     plain, damped = (
-        make_fe_plan(plan_of(c)) for c in ((), ("damping.kind=elastic-velocity", "damping.rate=100"))
+        make_corner_plan(plan_of(c)) for c in ((), ("damping.kind=elastic-velocity", "damping.rate=100"))
     )
     for fe_plan in (plain, damped):
         compile_loop(fe_plan.model, fe_plan.start)

@@ -11,7 +11,6 @@ from typing import Any
 
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
-from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene.read import read_scene
 
 ROUNDS, STEPS = 21, 200
@@ -20,7 +19,7 @@ ROUNDS, STEPS = 21, 200
 def prepared(element: str) -> tuple[Stepper, Any]:
     """The compiled loop of the plate, and its state after a few steps."""
     changes = (f"plate.element={element}", "plate.elements=[160, 48]", "corner.constraint=penalty")
-    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", changes)))
+    fe_plan = CornerCase(*read_scene("paper-table-3", changes)).plan()
     stepper = Stepper(fe_plan.model)
     return stepper, stepper.advance(stepper.start(fe_plan.start, fe_plan.plate.start), 10)
 

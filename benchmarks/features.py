@@ -44,8 +44,8 @@ from fem.machine_code.numba_code import compile_for, make_dispatcher
 from fem.plate.elements import ElementTable
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.errors import InputError
-from tailslap.planning.fe_plan import FePlan
 from tailslap.scene.read import read_scene
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source, varied
@@ -96,7 +96,7 @@ def plain_scene(scene: Scene) -> Scene:
     return varied(scene, changes)
 
 
-def models_of(scene: Scene) -> dict[str, FePlan]:
+def models_of(scene: Scene) -> dict[str, CornerPlan]:
     """By name the model of the plain scene, and of the plain scene with each part that it can have."""
     plain = plain_scene(scene)
     changes: dict[str, dict[str, Any]] = {
@@ -217,21 +217,21 @@ def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
     return f_11, f_12, f_21, f_22
 
 
-def workspace(fe_plan: FePlan) -> tuple[State, Floats, Any]:
+def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
     """State at t = 0, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
     state = copy_state(Stepper(fe_plan.model).start(fe_plan.start, fe_plan.plate.start))
     loop = fe_plan.model.loop
     return state, np.zeros_like(state.positions), scratch_for(loop.table, loop.hourglass)
 
 
-def run_program(fe_plan: FePlan, steps: int) -> tuple[float, Floats]:
+def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """Seconds of so many steps of the program's loop, and the positions after them."""
     (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
     arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
     return seconds(lambda: advance(*arguments)), state.positions_on_wall
 
 
-def run_bare(fe_plan: FePlan, steps: int) -> tuple[float, Floats]:
+def run_bare(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """The bare loop on the same model."""
     (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
     arguments = (steps, bare_parameters(loop), force, bare_scratch(loop))
@@ -273,7 +273,7 @@ def verdict(plain: Floats, again: Floats, bare: Floats) -> str:
     return FREE if high <= MEASURABLE else UNSETTLED
 
 
-def time_loops(models: dict[str, FePlan], turns: int) -> dict[str, Floats]:
+def time_loops(models: dict[str, CornerPlan], turns: int) -> dict[str, Floats]:
     """Nanoseconds an element update of each loop in each turn, shape (turns,); plain loops and bare one first."""
     plain = models[PLAIN]
     loops = {PLAIN: (run_program, plain), BARE: (run_bare, plain), AGAIN: (run_program, plain)}
@@ -311,13 +311,13 @@ def count(assembly: str) -> MachineCode:
     return MachineCode(instructions, vector)
 
 
-def program_code(fe_plan: FePlan) -> MachineCode:
+def program_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the program's loop for this model."""
     (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
     return count(_assembly(advance, state, 0, loop, loop.viscosity, loop.hourglass, force, scratch))
 
 
-def bare_code(fe_plan: FePlan) -> MachineCode:
+def bare_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the bare loop for this model."""
     (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
     arguments = (0, bare_parameters(loop), force, bare_scratch(loop))
@@ -420,7 +420,7 @@ def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
     return found != COSTS and apart <= SAME
 
 
-def difference(fe_plan: FePlan, steps: int) -> float:
+def difference(fe_plan: CornerPlan, steps: int) -> float:
     """Largest distance between the positions of the two loops after so many steps, over the plate's length."""
     ours, bare = (run(fe_plan, steps)[1] for run in (run_program, run_bare))
     return float(np.abs(ours - bare).max() / fe_plan.case.body.length)

@@ -23,8 +23,8 @@ from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart, to_global
 from fem.start.start_kinds import start_fields
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.run import CornerOutcome
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import Outcome, run_scene
 
 SIZES = ((4.0, 1.5), (10.0, 2.438), (19.0, 2.7))
 FRICTIONS = (0.05, 0.2, 0.47, 0.8)
@@ -32,12 +32,12 @@ MODULI = (20e9, 200e9, 2e12)
 COMMAND = [sys.executable, "-m", "tailslap.cli"]
 
 
-def outcome(name: str, *changes: str) -> Outcome:
+def outcome(name: str, *changes: str) -> CornerOutcome:
     """Run a scene with changes."""
-    return run_scene(CornerCase(*read_scene(name, changes)))
+    return CornerCase(*read_scene(name, changes)).run()
 
 
-def worst(result: Outcome) -> float:
+def worst(result: CornerOutcome) -> float:
     """Largest of the five differences, infinite where there was no tail-slap."""
     return max(map(abs, result.difference.values()), default=math.inf)
 
@@ -91,7 +91,7 @@ def robustness() -> None:
 def exactness() -> None:
     """Rigid motions of the plate: forces against E t L, kinetic energy against the closed form."""
     plan = CornerCase(*read_scene("paper-abaqus"))
-    model = run_scene(plan).fe_plan.model
+    model = plan.run().fe_plan.model
     body = model.discretisation.positions
     stepper = Stepper(model)
     zero = np.zeros(4)

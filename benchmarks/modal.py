@@ -16,8 +16,8 @@ from fem.plate.elastic import free_modes
 from fem.run.corner import Run, simulate
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.modal_analysis.run import MODES, ModalRun, modal_run
-from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.scene.read import read_scene
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}
@@ -25,19 +25,19 @@ SOFT = ("plate.youngs_modulus=", "plate.first_frequency=20 Hz")
 REPEATS = 15
 
 
-def fe_plan_of(name: str, *changes: str) -> FePlan:
+def fe_plan_of(name: str, *changes: str) -> CornerPlan:
     """Plan of a shipped scene with changes."""
-    return make_fe_plan(CornerCase(*read_scene(name, changes)))
+    return CornerCase(*read_scene(name, changes)).plan()
 
 
-def whole(fe_plan: FePlan) -> Run:
+def whole(fe_plan: CornerPlan) -> Run:
     """The finite-element run."""
     return simulate(
         fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t, rows=fe_plan.case.scene.time.rows
     )
 
 
-def differences(fe_plan: FePlan, found: ModalRun) -> dict[str, float]:
+def differences(fe_plan: CornerPlan, found: ModalRun) -> dict[str, float]:
     """Modal over finite-element result - 1, for the five quantities."""
     strike = whole(fe_plan).strike
     assert strike

@@ -14,7 +14,7 @@ import numpy as np
 from fem.run.corner import Run, Stepper, simulate
 from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.case.corner.case import CornerCase
-from tailslap.planning.fe_plan import FePlan, make_fe_plan
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.compute import SingleStepper
 
@@ -23,12 +23,12 @@ ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")
 """Their sum stays as it is: the scene has neither friction nor damping."""
 
 
-def run(fe_plan: FePlan, stepper: Any) -> Run:
+def run(fe_plan: CornerPlan, stepper: Any) -> Run:
     """The scene's run by this kind of stepper."""
     return simulate(fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t, make_stepper=stepper)
 
 
-def row(what: str, fe_plan: FePlan, result: Run) -> str:
+def row(what: str, fe_plan: CornerPlan, result: Run) -> str:
     """One line of the table."""
     if result.strike is None:
         return f"{what:<8} no tail-slap: the run left the finite or its time"
@@ -44,7 +44,7 @@ def row(what: str, fe_plan: FePlan, result: Run) -> str:
 
 def main() -> None:
     """Run both and print."""
-    fe_plan = make_fe_plan(CornerCase(*read_scene(SCENE)))
+    fe_plan = CornerCase(*read_scene(SCENE)).plan()
     names = "".join(f"{name:>12}" for name in KEYS)
     print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}{'updates/s':>12}")
     for what, stepper in (("double", Stepper), ("single", SingleStepper)):

@@ -52,11 +52,11 @@ for _ in range(int(sys.argv[4]) + 1):
 READY = """
 import resource, time
 began = time.perf_counter()
-from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.case.corner.plan import make_corner_plan
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
 from fem.run.corner import Stepper
-plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))))
+plan = CornerCase(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))).plan()
 Stepper(plan.model).start(plan.start, plan.plate.start)
 print(time.perf_counter() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
 """

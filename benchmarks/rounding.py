@@ -9,7 +9,7 @@ import numpy as np
 from vehicles import plan_of
 
 from fem.stability.flutter import rounding_noise
-from tailslap.scene_run import attempt
+from tailslap.case.corner.run import attempt
 
 CASES = (
     ("impact.speed=2.5", "plate.youngs_modulus=2e13"),

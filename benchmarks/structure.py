@@ -120,7 +120,6 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     from fem.lazy import forget
     from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
-    from tailslap.scene_run import run_scene
 
     plan, calls = CornerCase(*read_scene(scene)), []
 
@@ -131,11 +130,11 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
             if frame.f_code.co_name == "simulate":
                 sys.setprofile(None)
 
-    run_scene(plan)  # what is imported or compiled once is no part of it
+    plan.run()  # what is imported or compiled once is no part of it
     forget()
     sys.setprofile(note)
     try:
-        run_scene(plan)
+        plan.run()
     finally:
         sys.setprofile(None)
     climbs = sum(

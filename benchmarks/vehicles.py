@@ -80,7 +80,7 @@ def wide_changes(seed: int, number: int) -> tuple[str, ...]:
 def beyond(outcome: Any) -> float:
     """What the largest difference from the rigid motion has over what the plate's give explains."""
     from postprocess.comparison.quantities import largest
-    from tailslap.planning.flexibility import sensitivity
+    from tailslap.case.corner.model import sensitivity
 
     fe_plan = outcome.fe_plan
     explained = sensitivity(fe_plan.case.start.angle) * max(
@@ -92,11 +92,11 @@ def beyond(outcome: Any) -> float:
 def judged(changes: tuple[str, ...]) -> Record:
     """The scene run as the program decides."""
     from postprocess.comparison.quantities import largest
+    from tailslap.case.corner.run import run_corner
     from tailslap.errors import InputError
-    from tailslap.scene_run import run_scene
 
     try:
-        outcome = run_scene(plan_of(changes))
+        outcome = run_corner(plan_of(changes))
     except InputError as error:
         return {"end": "refused", "why": str(error), "changes": changes}
     normal, rigid = (h["reaction_normal"] for h in (outcome.fe_history, outcome.rigid_history))
@@ -121,9 +121,9 @@ def judged(changes: tuple[str, ...]) -> Record:
 
 def predicted(changes: tuple[str, ...]) -> Record:
     """What is foreseen, and whether the first run rings."""
+    from tailslap.case.corner.run import attempt, rings
+    from tailslap.case.corner.text import flutter_sentence
     from tailslap.errors import InputError
-    from tailslap.scene_run import attempt, rings
-    from tailslap.verification.verdict import flutter_sentence
 
     try:
         outcome = attempt(plan_of(changes))

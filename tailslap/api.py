@@ -103,12 +103,12 @@ def run(
     histories = case.histories(outcome)
 
     def fields() -> Any:
-        from tailslap.report.fields import field_series
+        from tailslap.case.report import field_series
 
         return field_series(outcome.fe_plan.model, outcome.run.snapshots)
 
     def ends() -> Any:
-        from tailslap.report.fields import series_of_ends
+        from tailslap.case.report import series_of_ends
 
         return series_of_ends(outcome)
 
@@ -205,7 +205,7 @@ def check(
     >>> tailslap.check("paper-table-3").summary["plate"][0][:23]
     '120 elements, 147 nodes'
     """
-    from tailslap.report.check_text import LABEL, as_numbers
+    from tailslap.case.report import LABEL, as_numbers
 
     case = _case(scene, changes)
     lines = case.check_text(allow_large)

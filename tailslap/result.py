@@ -363,7 +363,7 @@ def _table_html(title: str, table: Table) -> str:
 def run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Tables of a run from its summary: what was found, and the checks that failed."""
     from postprocess.comparison.quantities import KEYS, comparison_rows
-    from tailslap.report.parts import CHECKS, TAIL_SLAP, strikes_table
+    from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]
     found = {}

@@ -19,8 +19,8 @@ from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS, CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.run import CornerOutcome
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import Outcome, run_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
@@ -33,12 +33,12 @@ def pytest_configure() -> None:
 
 
 @functools.cache
-def _outcome(name: str, changes: tuple[str, ...]) -> Outcome:
-    return run_scene(CornerCase(*read_scene(name, changes)))
+def _outcome(name: str, changes: tuple[str, ...]) -> CornerOutcome:
+    return CornerCase(*read_scene(name, changes)).run()
 
 
 @pytest.fixture(scope="session")
-def outcome() -> Callable[..., Outcome]:
+def outcome() -> Callable[..., CornerOutcome]:
     """Run a scene with changes; each combination runs once a session."""
     return lambda name, *changes: _outcome(name, changes)
 

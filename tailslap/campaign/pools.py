@@ -27,7 +27,7 @@ from tailslap import progress
 from tailslap.campaign.records import Key, program
 from tailslap.errors import InputError, Verbatim
 
-NEEDED = ("fem.run.corner", "tailslap.planning.fe_plan", "tailslap.scene_run")
+NEEDED = ("fem.run.corner", "tailslap.case.corner.plan", "tailslap.case.corner.run")
 """Modules that runs need, imported before a worker has its first part."""
 LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 """What those import when they are called."""

@@ -1,14 +1,17 @@
-"""Case: a scene, and all that the program does with it, whichever of its two kinds it is."""
+"""Case: a scene, and all that the program does with it, whichever of its two kinds it is; its plan and outcome."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from postprocess.comparison.quantities import Compared
 from postprocess.report.units import SI, Units
-from tailslap.scene.schema import Scene
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
@@ -16,11 +19,91 @@ if TYPE_CHECKING:
 
     import numpy as np
 
+    from fem.model.plate_model import PlateModel
     from postprocess.report.report import Report
+    from tailslap.case.checks import Check
+    from tailslap.case.model import Decision
 
+
+MOST_ELEMENTS = 20_000
+"""Of the finest mesh that a tolerance is sought with."""
 
 CORNER, WHOLE_IMPACT = "a constrained corner", "a whole impact"
 """Names of the two kinds, for messages."""
+
+
+@dataclass(frozen=True)
+class FePlan:
+    """What a run integrates.
+
+    Attributes
+    ----------
+    case : Case
+        Of the scene that is run.
+    plate : Plate
+        The scene's, with elements, and with the modulus that its first frequency asks for where it gives that.
+    decisions : tuple of Decision
+        What the program filled in, and why.
+    model : PlateModel
+        Mesh, masses, stiffness, parameters of the time loop.
+    """
+
+    case: Any
+    plate: Plate
+    decisions: tuple[Decision, ...]
+    model: PlateModel
+
+    @property
+    def expected_steps(self) -> int:
+        """Steps to the end of the rigid motion."""
+        return math.ceil(self.case.duration / self.model.loop.time_step)
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""
+        from fem.plate.elastic import lowest_frequency
+
+        return lowest_frequency(self.model.elastic)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A finished run: what was computed, compared and checked.
+
+    Attributes
+    ----------
+    fe_plan : FePlan
+        What was integrated.
+    run : Run or ImpactRun
+        Its histories, steps and times.
+    difference : dict of str to float
+        FE/rigid - 1 of the quantities that are compared; empty where there is nothing to compare.
+    checks : tuple of Check
+        In the order of the report.
+    setup_s : float
+        Time that model and compilation took [s].
+    """
+
+    fe_plan: Any
+    run: Any
+    difference: dict[str, float]
+    checks: tuple[Check, ...]
+    setup_s: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def with_tolerance(self, error: float, tolerance: float) -> Self:
+        """The outcome with a check of its error against the tolerance that was asked for."""
+        from tailslap.case.checks import Check
+
+        along, across = self.fe_plan.plate.counts
+        meaning = (
+            f"error that the run on {along} x {across} elements states; the tolerance that was asked for"
+        )
+        return replace(self, checks=(*self.checks, Check.at_most("tolerance", error, tolerance, meaning)))
 
 
 @dataclass(frozen=True)
@@ -81,12 +164,42 @@ class Case(ABC):
     def _check_text(self) -> list[str]:
         """The same, with the model made."""
 
-    @abstractmethod
     def run(self, tolerance: float | None = None) -> Any:
-        """Run the plate and check it; with a tolerance, on ever finer meshes until the error meets it. Writes nothing.
+        """Run the plate and check it. Writes nothing.
 
-        Raises InputError for keys that make no model.
+        With a tolerance, on meshes twice as fine each time until the error that the run states meets it, or the next
+        mesh would be too large; a check says whether it does. Raises InputError for keys that make no model.
         """
+        from tailslap.case.cost import affordable
+        from tailslap.case.refine import refined
+
+        if tolerance is None:
+            return self._run()
+        if not self.least_tolerance <= tolerance < 1.0:
+            allowed = f"allowed is from {self.least_tolerance:g} to below 1"
+            raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
+        case = self
+        while True:
+            outcome = case._run()
+            error, finer = case.stated_error(outcome), refined(outcome.fe_plan.plate).counts
+            if not error > tolerance or math.prod(finer) > MOST_ELEMENTS:
+                break
+            case = case.varied({"plate.elements": finer})
+            if not affordable(case.scene, case.duration):
+                break
+        return outcome.with_tolerance(error, tolerance)
+
+    least_tolerance: ClassVar[float]
+    """Tolerances below this are beyond what a run can state of itself."""
+
+    @abstractmethod
+    def _run(self) -> Any:
+        """Run the plate on the scene's own mesh."""
+
+    @staticmethod
+    @abstractmethod
+    def stated_error(outcome: Any) -> float:
+        """The relative error that a run states of itself; NaN where it states none."""
 
     @abstractmethod
     def summary(self, outcome: Any, pictures: bool) -> dict[str, Any]:

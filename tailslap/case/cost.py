@@ -152,6 +152,15 @@ def demand_run(scene: Scene, duration: float, allow_large: bool) -> None:
         demand_affordable(scene, duration)
 
 
+def affordable(scene: Scene, duration: float) -> bool:
+    """Whether this machine can carry a run over this time [s]."""
+    try:
+        demand_affordable(scene, duration)
+    except InputError:
+        return False
+    return True
+
+
 def demand_affordable(scene: Scene, duration: float) -> None:
     """Raise InputError, with the estimate, where a run over this time [s] would take more than there is."""
     plate, threads = scene.plate, scene.time.threads

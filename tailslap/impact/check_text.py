@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from tailslap.case.cost import loop_seconds
 from tailslap.case.impact.rigid import RigidImpact
+from tailslap.case.report import fe_text, left_out_text
 from tailslap.impact.fe_plan import ImpactFePlan, make_impact_fe_plan
-from tailslap.report.check_text import chosen_lines
 from tailslap.scene.schema import Contact, Scene
 
 
@@ -65,23 +64,15 @@ def rigid_part(plan: RigidImpact) -> list[str]:
         f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
         f"end          {motion.t_end:.4g} s",
     ]
-    return lines + [f"left out     {part}: {why}" for part, why in omitted_parts(plan.scene)]
+    return lines + left_out_text(omitted_parts(plan.scene))
 
 
 def fe_part(fe_plan: ImpactFePlan) -> list[str]:
     """Lines on the finite-element run."""
-    model, plate, steps = fe_plan.model, fe_plan.plate, fe_plan.expected_steps
-    elements, rows = model.loop.table.connectivity.shape[1], round(fe_plan.case.motion.t_end / fe_plan.sample)
-    seconds = loop_seconds(fe_plan.case.scene, plate.element, plate.counts, steps, rows)
-    return [
-        f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
-        f"{plate.lumping} masses",
-        f"stiffness    Young's modulus {plate.youngs_modulus:.6g} Pa, first frequency of the free plate in its plane "
-        f"{fe_plan.first_frequency:.4g} Hz",
-        f"points       {model.loop.contact.mobility.size} may touch the wall; their force does not bound the time step",
-        f"time step    {model.loop.time_step:.4g} s, {model.loop.time_step / model.stable_time_step:.2f} of the stable "
-        f"{model.stable_time_step:.4g} s",
-        f"steps        {steps}, about {seconds:.2g} s in the time loop, {rows} rows; as many again on richer elements, "
-        "to tell the mesh's error",
-        *chosen_lines(fe_plan.decisions),
+    rows = round(fe_plan.case.duration / fe_plan.sample)
+    contact = [
+        f"points       {fe_plan.model.loop.contact.mobility.size} may touch the wall; their force does not bound the "
+        "time step"
     ]
+    steps = f", {rows} rows; as many again on richer elements, to tell the mesh's error"
+    return fe_text(fe_plan, rows, "", contact, steps)

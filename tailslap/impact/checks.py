@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
+from tailslap.case.checks import FINER, STEP, Check, CheckKind, Evaluation, evaluated, failed_names
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.vibration import unknown_by_vibration
-from tailslap.verification.check import FINER, STEP, Check, CheckKind, Evaluation, evaluated, failed_names
 
 STORED = (
     "kinetic_energy",
@@ -175,7 +175,6 @@ MESH_CHECKS = ("mesh", "mesh for durations", "vibration")
 """Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 
-@np.errstate(all="ignore")  # a run that diverged is judged, not warned about
 def impact_checks(outcome: ImpactOutcome) -> tuple[Check, ...]:
     """All checks of a run."""
     return evaluated(CHECKS, outcome)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from solver.impact import Strike
+from tailslap.case.checks import check_columns
 from tailslap.case.impact.rigid import RigidImpact
+from tailslap.case.report import run_cost
 from tailslap.impact.answers import END, ImpactAnswer, strike_numbers
 from tailslap.impact.outcome import COMPARED, ImpactOutcome
 from tailslap.impact.rigid_text import CURVES, rigid_impact
-from tailslap.report.common import run_cost
 from tailslap.scene.schema import Scene
-from tailslap.verification.check import check_columns
 
 STRIKES = (1, 2)
 VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
+from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.errors import InputError
-from tailslap.impact.rigid_text import sample_interval
-from tailslap.planning.decide_threads import one_thread
-from tailslap.planning.decisions import Decision
-from tailslap.planning.fe_model import (
-    MAX_STEPS,
+from tailslap.case.model import (
+    Decision,
+    demand_steps,
     fe_mesh,
     plate_properties,
     refusal,
     resolved_plate,
     step_properties,
+    threads_decision,
 )
+from tailslap.impact.rigid_text import sample_interval
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
@@ -32,19 +30,11 @@ ACROSS = 6
 
 
 @dataclass(frozen=True)
-class ImpactFePlan:
-    """What a run integrates.
+class ImpactFePlan(FePlan):
+    """What a run of a whole impact integrates.
 
     Attributes
     ----------
-    case : RigidImpact
-        As given.
-    plate : Plate
-        The scene's, without open ends.
-    decisions : tuple of Decision
-        What the program filled in, and why.
-    model : PlateModel
-        Mesh, masses, stiffness, parameters of the time loop.
     touch : FirstTouch
         Motion at t = 0.
     sample : float
@@ -52,23 +42,8 @@ class ImpactFePlan:
     """
 
     case: RigidImpact
-    plate: Plate
-    decisions: tuple[Decision, ...]
-    model: PlateModel
     touch: FirstTouch
     sample: float
-
-    @property
-    def expected_steps(self) -> int:
-        """Steps to the rigid vehicle's end."""
-        return math.ceil(self.case.motion.t_end / self.model.loop.time_step)
-
-    @cached_property
-    def first_frequency(self) -> float:
-        """First elastic frequency of the free plate in its plane [Hz]."""
-        from fem.plate.elastic import lowest_frequency
-
-        return lowest_frequency(self.model.elastic)
 
 
 def make_impact_fe_plan(plan: RigidImpact) -> ImpactFePlan:
@@ -95,13 +70,12 @@ def make_impact_fe_plan(plan: RigidImpact) -> ImpactFePlan:
     motion, touch = plan.motion, plan.touch
     sample = sample_interval(motion)
     model, plate = impact_model(plan, plate, sample)
-    if model.loop.time_step * MAX_STEPS < motion.t_end:
-        allowed = (
-            f"the stable time step would be {model.stable_time_step:.1e} s; allowed are {MAX_STEPS:g} steps"
-        )
-        raise InputError("plate.youngs_modulus", plate.youngs_modulus, allowed)
+    demand_steps(plan.scene, plan.duration, model)
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
-    decisions = (*decisions, *one_thread(plan.scene.time.threads))
+    decisions = (
+        *decisions,
+        *threads_decision(plan.scene.time.threads, 1, "the time loop of a whole impact has one"),
+    )
     return ImpactFePlan(plan, plate, decisions, model, first, sample)
 
 

@@ -4,10 +4,24 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from postprocess.report.page import Page, Picture, Section
+from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.report.units import SI, Units
+from tailslap.case.checks import failed_names
+from tailslap.case.report import (
+    PEAKS,
+    checks_section,
+    chosen_sentences,
+    design_table,
+    failed_section,
+    keep_fields,
+    milliseconds,
+    run_page,
+    short,
+    strikes_table,
+    terminal_text,
+)
 from tailslap.impact.answers import ImpactAnswer
 from tailslap.impact.check_text import contact_words, omitted_parts
 from tailslap.impact.checks import advice
@@ -15,22 +29,6 @@ from tailslap.impact.figures import animation, contact_figures, energy_figure, f
 from tailslap.impact.outcome import ImpactOutcome
 from tailslap.impact.rigid_text import CURVES
 from tailslap.impact.summary import impact_histories, impact_summary, wall_numbers
-from tailslap.report.common import footer, run_cost
-from tailslap.report.fields import keep_fields
-from tailslap.report.parts import (
-    PEAKS,
-    checks_section,
-    design_table,
-    failed_lines,
-    failed_section,
-    milliseconds,
-    passed_text,
-    record_sections,
-    short,
-    strikes_table,
-)
-from tailslap.scene.write import resolved_inputs, scene_text
-from tailslap.verification.check import failed_names
 
 KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
@@ -64,18 +62,11 @@ DURATIONS_NOTE = (
 def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units: of it."""
     keep_fields(outcome, folder)
-    plan = outcome.fe_plan.case
-    page = Page(
-        kicker=KICKER,
-        title=plan.scene.name,
-        headline=headline(outcome),
-        sections=_sections(outcome, [animation(outcome, folder, units)] if pictures else []),
-        footer=f"{footer()} {FOOTER}",
-        scene_text=scene_text(plan.source),
-        passed=outcome.passed,
-        contents=True,
-    )
-    said = tuple(_terminal(outcome))
+    moving, verdict = [animation(outcome, folder, units)] if pictures else [], headline(outcome)
+    omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
+    page = run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
+    tables = (peak_table(outcome), short(_design(outcome)), _strikes(outcome))
+    said = terminal_text(outcome, verdict, tables, advice)
     return Report(page, impact_summary(outcome, pictures), said, histories=impact_histories(outcome))
 
 
@@ -142,16 +133,13 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
-    fe_plan, plan = outcome.fe_plan, outcome.fe_plan.case
     design = _design(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
-    chosen = frozenset(decision.key for decision in fe_plan.decisions)
-    inputs = resolved_inputs(plan.scene, plan.source, fe_plan.plate, chosen)
     forces, (loops, along) = force_figures(outcome, levels), contact_figures(outcome)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome)]),
-        failed_section(outcome.checks, advice, diagnosis(outcome)),
+        failed_section(outcome.checks, advice, chosen_sentences(outcome.fe_plan)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
@@ -164,18 +152,12 @@ def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
         Section("The paper's method beside it", tables=_paper(outcome), is_folded=True),
         Section(
             "Occupant risk, planar",
-            tables=[Table(RISK, outcome.fe.occupant_risk(fe_plan.model.mass))],
+            tables=[Table(RISK, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))],
             is_folded=True,
         ),
         Section("What was run", sentences=_statements(outcome), is_folded=True),
         checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
-        *record_sections(run_cost(outcome), omitted_parts(plan.scene, bool(moving)), inputs),
     ]
-
-
-def diagnosis(outcome: ImpactOutcome) -> list[str]:
-    """What the program chose."""
-    return [f"Chosen by the program: {decision.shown}." for decision in outcome.fe_plan.decisions]
 
 
 def _wall(outcome: ImpactOutcome) -> list[Table]:
@@ -223,20 +205,5 @@ def _statements(outcome: ImpactOutcome) -> list[str]:
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
         "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
         f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
-        *diagnosis(outcome),
-    ]
-
-
-def _terminal(outcome: ImpactOutcome) -> list[Table | str]:
-    run, design = outcome.run, _design(outcome)
-    return [
-        f"{outcome.fe_plan.case.scene.name}: {headline(outcome)}",
-        "",
-        peak_table(outcome),
-        short(design),
-        _strikes(outcome),
-        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        *failed_lines(outcome.checks, advice, ()),
-        passed_text(outcome.checks),
-        f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s",
+        *chosen_sentences(outcome.fe_plan),
     ]

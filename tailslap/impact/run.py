@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
+from tailslap.case.model import refusal
+from tailslap.case.refine import refined
 from tailslap.errors import InputError
 from tailslap.files.checkpoints import next_checkpoint
 from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
 from tailslap.impact.checks import impact_checks
 from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan
 from tailslap.impact.outcome import ImpactOutcome, differences
-from tailslap.planning.fe_model import refusal
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
@@ -72,7 +73,7 @@ def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
     if last > motion.t_end:
         motion = fe_plan.case.motion_until(last)
     rigid = rigid_answer(motion, run.history["t"])
-    return ImpactOutcome(fe_plan, run, rigid, fe, differences(fe, rigid), {}, 0.0)
+    return ImpactOutcome(fe_plan, run, differences(fe, rigid), (), 0.0, rigid, fe)
 
 
 def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
@@ -118,7 +119,7 @@ def _answer(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactAnswer:
 def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     """With what richer or finer elements change; without, where they make no model."""
     fe_plan = outcome.fe_plan
-    for plate in _richer(fe_plan.plate):
+    for plate in _higher_order(fe_plan.plate):
         try:
             model, _ = impact_model(fe_plan.case, plate, fe_plan.sample)
         except InputError:
@@ -133,15 +134,11 @@ def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     return outcome
 
 
-def _richer(plate: Plate) -> list[Plate]:
+def _higher_order(plate: Plate) -> list[Plate]:
     """The plate with elements of twice the order, half as many each way where that can be; else twice as many."""
     from fem.plate.kinds import ELEMENT_KINDS
 
-    along, across = plate.counts
-    richer = ELEMENT_KINDS[plate.element].richer
-    if not richer:
-        return [plate.model_copy(update={"elements": (2 * along, 2 * across)})]
-    half = (along // 2, across // 2) if along > 3 and across > 3 else (along, across)
-    kept = {name: getattr(plate, name) for name in plate.model_fields_set}
-    made = plate.model_construct(**{**plate.model_dump(), **kept, "element": richer, "elements": half})
-    return [made, plate.model_copy(update={"elements": (2 * along, 2 * across)})]
+    higher = ELEMENT_KINDS[plate.element].richer
+    if not higher:
+        return [refined(plate)]
+    return [refined(plate, 0.5 if min(plate.counts) > 3 else 1.0, higher), refined(plate)]

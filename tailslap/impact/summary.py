@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from tailslap.case.report import run_summary
 from tailslap.impact.check_text import omitted_parts
 from tailslap.impact.checks import energy_error
 from tailslap.impact.outcome import ImpactOutcome
-from tailslap.report.common import run_summary
 
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
 """Columns in front of all others."""

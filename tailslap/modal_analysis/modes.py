@@ -24,9 +24,9 @@ from postprocess.report.numbers import percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
+from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.model import plate_density
 from tailslap.errors import InputError
-from tailslap.planning.fe_model import plate_density
-from tailslap.planning.fe_plan import FePlan
 from tailslap.report.common import study_page
 
 BENDING = ("bending", "shear")
@@ -54,13 +54,13 @@ class PlateModes:
     without, for longitudinal modes `theory` is n c / (2 L); None: no beam does that; difference: frequency/theory - 1.
     """
 
-    fe_plan: FePlan
+    fe_plan: CornerPlan
     found: FreeModes
     modes: tuple[dict[str, Any], ...]
     beam: Beam
 
 
-def find_modes(fe_plan: FePlan, count: int) -> PlateModes:
+def find_modes(fe_plan: CornerPlan, count: int) -> PlateModes:
     """The lowest `count` elastic modes. Raises InputError for a number that the mesh does not have."""
     model, plate, vehicle = fe_plan.model, fe_plan.plate, fe_plan.case.scene.vehicle
     most = most_modes(model.loop.mass.size)
@@ -72,7 +72,7 @@ def find_modes(fe_plan: FePlan, count: int) -> PlateModes:
     return PlateModes(fe_plan, found, tuple(_modes(fe_plan, found, beam)), beam)
 
 
-def _modes(fe_plan: FePlan, found: FreeModes, beam: Beam) -> Iterator[dict[str, Any]]:
+def _modes(fe_plan: CornerPlan, found: FreeModes, beam: Beam) -> Iterator[dict[str, Any]]:
     count = found.frequencies.size
     kinds = mode_kinds(fe_plan.model, found, fe_plan.plate.thickness)
     bent = zip(timoshenko_frequencies(beam, count), euler_bernoulli_frequencies(beam, count), strict=True)

@@ -14,9 +14,9 @@ from postprocess.report.report import shown_in
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
 from postprocess.report.units import SYSTEMS
+from tailslap.case.checks import Check
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.errors import InputError
-from tailslap.planning.fe_plan import FePlan
-from tailslap.verification.check import Check
 
 if TYPE_CHECKING:
     from fem.modal.model import ModalMotion
@@ -81,7 +81,7 @@ class ModalRun:
 
 
 def modal_run(
-    fe_plan: FePlan, modes: int = MODES, tolerance: float = TOLERANCE, steps: int = STEPS
+    fe_plan: CornerPlan, modes: int = MODES, tolerance: float = TOLERANCE, steps: int = STEPS
 ) -> ModalRun:
     """Run the plan's plate with its lowest elastic modes; `fem.run.corner` runs all of it.
 
@@ -121,7 +121,7 @@ def modal_run(
     )
 
 
-def _admit(fe_plan: FePlan, modes: int) -> None:
+def _admit(fe_plan: CornerPlan, modes: int) -> None:
     """InputError for what the modal model does not have."""
     from fem.plate.elastic import most_modes
 
@@ -140,7 +140,7 @@ def _admit(fe_plan: FePlan, modes: int) -> None:
 
 
 def _estimate(
-    fe_plan: FePlan, lowest: float, motion: ModalMotion, finer: ModalMotion, coarser: ModalMotion
+    fe_plan: CornerPlan, lowest: float, motion: ModalMotion, finer: ModalMotion, coarser: ModalMotion
 ) -> ModalEstimate:
     """The estimate; lowest: frequency of the first mode [rad/s].
 
@@ -173,7 +173,7 @@ def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> t
     )
 
 
-def modal_text(fe_plan: FePlan, run: ModalRun, units: str = "si") -> str:
+def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
     """The results as a person reads them, in units "si" or "us"."""
     scene, estimate = fe_plan.case.scene, run.estimate
     kept = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies) or "none"
@@ -197,7 +197,7 @@ def modal_text(fe_plan: FePlan, run: ModalRun, units: str = "si") -> str:
     return printed(parts if units == "si" else [shown_in(part, SYSTEMS[units]) for part in parts])
 
 
-def modal_numbers(fe_plan: FePlan, run: ModalRun) -> dict[str, Any]:
+def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, Any]:
     """The numbers for other programs, SI; what was not reached is None."""
     unknown = dict.fromkeys(run.rigid)
     cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")

@@ -40,7 +40,7 @@ def study_names() -> list[str]:
 
 def with_elements(plan: CornerCase) -> CornerCase:
     """The plan with the elements that the program chooses where the scene leaves them out."""
-    from tailslap.planning.decide_mesh import decide_mesh
+    from tailslap.case.corner.decisions import decide_mesh
 
     plate = plan.scene.needed_plate
     if plate.elements is not None:

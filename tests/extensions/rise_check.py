@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tailslap.verification.check import CheckKind, Evaluation, Evidence
-from tailslap.verification.checks import CHECKS
+from tailslap.case.checks import CheckKind, Evaluation
+from tailslap.case.corner.checks import CHECKS, Evidence
 
 
 def rise(given: Evidence) -> Evaluation | None:

@@ -25,7 +25,6 @@ from tailslap.errors import Interrupted
 from tailslap.files import checkpoints
 from tailslap.files.checkpoints import checkpointed, next_checkpoint
 from tailslap.impact.fe_plan import make_impact_fe_plan
-from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -59,7 +58,7 @@ def same(a: Any, b: Any) -> None:
 
 @pytest.mark.parametrize("at", [1, 20, 45])
 def test_the_loop_goes_on_with_the_same_bits(at: int) -> None:
-    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3")))
+    fe_plan = CornerCase(*read_scene("paper-table-3")).plan()
 
     def run(keeper: Any) -> Any:
         duration = fe_plan.case.motion.strike.t

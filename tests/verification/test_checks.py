@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tailslap.planning.flexibility import sensitivity
-from tailslap.verification.checks import run_checks
-from tailslap.verification.numerical_error import LATE, SecondRun, distance_in_motion
+from tailslap.case.corner.checks import run_checks
+from tailslap.case.corner.error import LATE, SecondRun, distance_in_motion
+from tailslap.case.corner.model import sensitivity
 
 pytestmark = pytest.mark.verification
 

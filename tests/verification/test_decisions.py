@@ -11,15 +11,14 @@ from typing import Any
 import pytest
 
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.decisions import decide_damping, harms, suppressing_rate
+from tailslap.case.corner.error import numerical_error
+from tailslap.case.corner.model import RECTIFIED, friction_lost
+from tailslap.case.corner.plan import CornerPlan, make_corner_plan
+from tailslap.case.corner.text import flutter_sentence, verdict_sentence
 from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
-from tailslap.planning.decide_damping import decide_damping, harms, suppressing_rate
-from tailslap.planning.fe_plan import FePlan, make_fe_plan
-from tailslap.planning.flexibility import RECTIFIED, friction_lost
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import run_scene
-from tailslap.verification.numerical_error import numerical_error
-from tailslap.verification.verdict import flutter_sentence, verdict_sentence
 
 pytestmark = pytest.mark.verification
 
@@ -28,8 +27,8 @@ DAMPED = ("damping.kind=elastic-velocity", "damping.rate=200")
 FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")
 
 
-def fe_plan(*changes: str) -> FePlan:
-    return make_fe_plan(CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))))
+def fe_plan(*changes: str) -> CornerPlan:
+    return CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))).plan()
 
 
 def decided(*changes: str) -> dict[str, Any]:
@@ -94,7 +93,7 @@ SLENDER = ("vehicle.width=0.6", "plate.youngs_modulus=1e10", "plate.elements=[20
 
 def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without() -> None:
     plan = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
-    first, again = make_fe_plan(plan), make_fe_plan(plan, more_damping=4.0)
+    first, again = plan.plan(), make_corner_plan(plan, more_damping=4.0)
     assert first.growth.overdamps
     assert first.model.loop.elastic_damping is None
     assert "seen in the result" in first.decisions[-1].shown
@@ -254,7 +253,7 @@ def test_spring_that_rings_with_the_plate_does_not_pass(scene: tuple[str, ...], 
     """Unstressed plates whose penalty spring moved omega by 1e-2, and which once passed every check."""
     plan = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
     exact = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
-    ringing, right = run_scene(plan), run_scene(exact)
+    ringing, right = plan.run(), exact.run()
     off = max(abs(value / right.fe[name] - 1.0) for name, value in ringing.fe.items())
     stated = ringing.error.total
     assert right.fe_plan.case.scene.corner.constraint == "exact"

@@ -21,12 +21,13 @@ from fem.registry import Registry
 from fem.start.inertia_relief import statics
 from postprocess.report.report import write_report
 from solver import REACTIONS
+from tailslap.case.checks import advice
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.checks import CHECKS
+from tailslap.case.corner.report import corner_report
+from tailslap.case.corner.run import CornerOutcome
 from tailslap.errors import InputError
-from tailslap.report.run_report import run_report
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import Outcome, run_scene
-from tailslap.verification.checks import CHECKS, advice
 
 pytestmark = pytest.mark.verification
 
@@ -67,30 +68,30 @@ def registered() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def result(registered: None) -> Outcome:
-    return run_scene(CornerCase(*read_scene("paper-table-3", SCENE)))
+def result(registered: None) -> CornerOutcome:
+    return CornerCase(*read_scene("paper-table-3", SCENE)).run()
 
 
 @pytest.fixture(scope="module")
-def plate_result(registered: None) -> Outcome:
+def plate_result(registered: None) -> CornerOutcome:
     """Of what may be added to the plate alone."""
-    return run_scene(CornerCase(*read_scene("paper-table-3", PLATE)))
+    return CornerCase(*read_scene("paper-table-3", PLATE)).run()
 
 
 @pytest.fixture(scope="module")
-def folder(result: Outcome, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(result: CornerOutcome, tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("results")
-    write_report(run_report(result, pictures=False), place)
+    write_report(corner_report(result, pictures=False), place)
     return place
 
 
-def test_a_run_with_all_of_them_is_right(result: Outcome) -> None:
+def test_a_run_with_all_of_them_is_right(result: CornerOutcome) -> None:
     """Each is built to change next to nothing: the motion is the rigid one, and every check passes."""
     assert [check.name for check in result.checks if not check.passed] == []
     assert max(map(abs, result.difference.values())) < 1e-3
 
 
-def test_the_loop_is_made_of_them(result: Outcome) -> None:
+def test_the_loop_is_made_of_them(result: CornerOutcome) -> None:
     loop = result.fe_plan.model.loop
     kinds = [type(part).__name__ for part in (loop.friction, loop.corner.constraint, loop.material)]
     assert kinds == ["Smoothed", "Cubic", "Hardening"]
@@ -99,14 +100,14 @@ def test_the_loop_is_made_of_them(result: Outcome) -> None:
     np.testing.assert_allclose(np.abs(history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
 
 
-def test_its_energies_are_in_the_ledger(result: Outcome) -> None:
+def test_its_energies_are_in_the_ledger(result: CornerOutcome) -> None:
     history, constraint = result.run.history, result.fe_plan.model.loop.corner.constraint
     gap = history["gap"][:-1]
     energy = 0.5 * constraint.stiffness * gap**2 * (1.0 + 0.5 * gap**2)
     np.testing.assert_allclose(history["contact_energy"][:-1], energy, rtol=1e-12)
 
 
-def test_the_files_and_the_page_show_them(result: Outcome, folder: Path) -> None:
+def test_the_files_and_the_page_show_them(result: CornerOutcome, folder: Path) -> None:
     with (folder / "history.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     recorded = [float(row["height"]) for row in rows]
@@ -127,14 +128,14 @@ def test_the_files_and_the_page_show_them(result: Outcome, folder: Path) -> None
     assert [text for text in (*texts, "Mean height of the nodes above the wall") if text not in page] == []
 
 
-def test_an_element_a_lumping_and_a_start_make_a_run(plate_result: Outcome, tmp_path: Path) -> None:
+def test_an_element_a_lumping_and_a_start_make_a_run(plate_result: CornerOutcome, tmp_path: Path) -> None:
     """The plate's motion is nearly rigid, for the rotary inertia of this lumping is not quite that of the plate."""
     model, fe_plan = plate_result.fe_plan.model, plate_result.fe_plan
     assert len(model.loop.table.per_element) == 8
     assert model.mass == pytest.approx(53.0 * 7.8 * 24.38, rel=1e-12)
     assert max(map(abs, plate_result.difference.values())) < 0.02
     assert plate_result.run.history["gap"][0] == pytest.approx(statics(model, fe_plan.start).gap, rel=1e-6)
-    write_report(run_report(plate_result, pictures=False), tmp_path)
+    write_report(corner_report(plate_result, pictures=False), tmp_path)
     page = (tmp_path / "report.html").read_text()
     texts = (
         "quad8",
@@ -144,14 +145,14 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result: Outcome, tmp_
     assert [text for text in texts if text not in page] == []
 
 
-def test_a_check_from_outside_can_fail(result: Outcome) -> None:
-    from tailslap.verification.checks import run_checks
+def test_a_check_from_outside_can_fail(result: CornerOutcome) -> None:
+    from tailslap.case.corner.checks import run_checks
 
     history = result.run.history | {"height": -result.run.history["height"]}
     run = replace(result.run, history=history)
     checks = run_checks(result.fe_plan, run, result.rigid_history, result.difference)
     assert [check.name for check in checks if not check.passed] == ["rise"]
-    assert advice(["rise"]) == "less of everything"
+    assert advice(CHECKS, ["rise"]) == "less of everything"
 
 
 def test_a_law_that_is_taken_out_is_unknown(registered: None) -> None:

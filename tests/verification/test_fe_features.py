@@ -198,10 +198,9 @@ def test_a_point_deflects_without_bound_and_a_patch_converges(outcome: Callable[
 def ratio_of(*changes: str) -> float:
     """Give of a model that is only built."""
     from tailslap.case.corner.case import CornerCase
-    from tailslap.planning.fe_plan import make_fe_plan
     from tailslap.scene.read import read_scene
 
-    return make_fe_plan(CornerCase(*read_scene("paper-table-3", changes))).deflection_ratio
+    return CornerCase(*read_scene("paper-table-3", changes)).plan().deflection_ratio
 
 
 @pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.long)])

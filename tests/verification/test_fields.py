@@ -15,13 +15,12 @@ from fem.run.observers import Arrays, SnapshotKeeper
 from fem.stability.deformed import element_stress
 from postprocess.fields.series import FieldSeries, read_fields, write_fields
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.run import attempt
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.report import field_series
 from tailslap.errors import InputError
 from tailslap.impact.run import make_fe_plan_timed, plain_run
-from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.report.fields import field_series
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import attempt
 
 pytestmark = pytest.mark.verification
 
@@ -145,7 +144,7 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(
         elements=(6, 2), mesh=plate_mesh(10.0, 2.438, (6, 2), cells), plate={"element": element}
     )
     positions = model.discretisation.positions
-    from tailslap.report.fields import _cells
+    from tailslap.case.report import _cells
 
     kind, connectivity = _cells(model)
     assert (kind, connectivity.shape[1]) == (cell_type, nodes)
@@ -156,7 +155,7 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(
 
 
 def test_snapshots_survive_a_stop() -> None:
-    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", (KEPT,))))
+    fe_plan = CornerCase(*read_scene("paper-table-3", (KEPT,))).plan()
     duration = fe_plan.case.motion.strike.t
     whole = simulate(fe_plan.model, fe_plan.start, duration, snapshots=6)
     stopping = Stopping(30)

@@ -16,7 +16,6 @@ import scipy.linalg
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import DONE, _status
 from tailslap.errors import InputError
-from tailslap.planning.fe_plan import make_fe_plan
 from tailslap.scene.read import read_scene
 from tailslap.scene.validate import validate
 from tailslap.scene.write import resolved_inputs
@@ -44,7 +43,7 @@ def dense_frequencies(model: Any) -> np.ndarray:
     ],
 )
 def test_the_model_has_it(change: tuple[str, ...]) -> None:
-    fe_plan = make_fe_plan(CornerCase(*read_scene("paper-table-3", (*EIGHT, *change))))
+    fe_plan = CornerCase(*read_scene("paper-table-3", (*EIGHT, *change))).plan()
     frequencies = dense_frequencies(fe_plan.model)
     assert frequencies[:3].max() < 1e-4
     assert frequencies[3] == pytest.approx(8.0, rel=1e-10)
@@ -125,7 +124,7 @@ def test_inputs_of_a_scene_with_its_modulus_are_as_before() -> None:
 def test_too_stiff_names_the_key() -> None:
     plan = CornerCase(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e9")))
     with pytest.raises(InputError) as caught:
-        make_fe_plan(plan)
+        plan.plan()
     assert caught.value.key == "plate.first_frequency"
 
 

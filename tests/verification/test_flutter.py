@@ -22,10 +22,9 @@ from fem.stability.flutter import (
     predict_flutter,
 )
 from fem.start.rigid_state import RigidStart, to_global
+from tailslap.case.corner import decisions
 from tailslap.case.corner.case import CornerCase
-from tailslap.planning import decide_damping
-from tailslap.planning.decide_damping import REQUIRED_DAMPING
-from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.case.corner.decisions import REQUIRED_DAMPING
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -157,15 +156,15 @@ def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None
 
 def test_only_meshes_that_can_be_analysed_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the coarser meshes of a large one."""
-    made, plain = [], decide_damping.make_static_model
+    made, plain = [], decisions.make_static_model
 
     def counted(plan: Any, plate: Any) -> Any:
         made.append(plate.elements)
         return plain(plan, plate)
 
-    monkeypatch.setattr(decide_damping, "make_static_model", counted)
+    monkeypatch.setattr(decisions, "make_static_model", counted)
     plan = CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
-    models = list(decide_damping._coarser_models(plan, plan.scene.needed_plate, MAX_UNKNOWNS))
+    models = list(decisions._coarser_models(plan, plan.scene.needed_plate, MAX_UNKNOWNS))
     assert [2 * model.loop.mass.size <= MAX_UNKNOWNS for model in models] == [True, True]
     assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
 
@@ -175,7 +174,7 @@ def test_coarser_meshes_stand_in_for_a_large_one() -> None:
     """Their rates, with the margin, are above those of the mesh itself."""
     stiff = ("corner.constraint=exact", "impact.friction=0.8")
     changes = (*stiff, "plate.element=quad4", "plate.elements=[40, 14]")
-    plan = make_fe_plan(CornerCase(*read_scene("mash-tl4-sut", changes)))
+    plan = CornerCase(*read_scene("mash-tl4-sut", changes)).plan()
     assert plan.growth.stand_in
     angles = np.linspace(plan.start.angle, 0.0, 3)
     assert plan.growth.rate > max(growth_rates(plan.model, angle).max() for angle in angles)

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from tailslap.case.checks import Check, evaluated
 from tailslap.impact.checks import CHECKS, FLOOR, SHARE, WEDGE
-from tailslap.verification.check import Check, evaluated
 
 pytestmark = pytest.mark.verification
 

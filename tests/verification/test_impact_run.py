@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tailslap.case.checks import evaluated
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import main
@@ -23,7 +24,6 @@ from tailslap.impact.paper_method import paper_method
 from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
 from tailslap.impact.summary import wall_numbers
 from tailslap.scene.read import read_scene
-from tailslap.verification.check import evaluated
 
 pytestmark = pytest.mark.verification
 

@@ -21,10 +21,10 @@ from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart, to_global
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.cli import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.modal_analysis.run import ModalRun, modal_run
-from tailslap.planning.fe_plan import FePlan, make_fe_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -38,8 +38,8 @@ TWENTY_HERTZ = "plate.youngs_modulus=6865876000"
 
 
 @functools.cache
-def plan(name: str, *changes: str) -> FePlan:
-    return make_fe_plan(CornerCase(*read_scene(name, changes)))
+def plan(name: str, *changes: str) -> CornerPlan:
+    return CornerCase(*read_scene(name, changes)).plan()
 
 
 @functools.cache

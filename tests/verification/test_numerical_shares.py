@@ -11,18 +11,16 @@ import pytest
 from fem.plate.elements import nodal_spin
 from postprocess.comparison.quantities import largest
 from tailslap.case.corner.case import CornerCase
-from tailslap.planning.fe_plan import make_fe_plan
-from tailslap.planning.flexibility import comparable_plate
+from tailslap.case.corner.error import CORRUPTED
+from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate, rings
+from tailslap.case.refine import comparable_plate, second_plates
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import attempt, rings
-from tailslap.verification.ringing import CORRUPTED
-from tailslap.verification.second_mesh import damped_alike, damped_freely, on_mesh, second_meshes
 
 pytestmark = pytest.mark.verification
 
 
 def fe_plan(*changes: str) -> Any:
-    return make_fe_plan(CornerCase(*read_scene("paper-abaqus", changes)))
+    return CornerCase(*read_scene("paper-abaqus", changes)).plan()
 
 
 def failed(result: Any) -> set[str]:
@@ -113,7 +111,7 @@ def test_a_second_run_is_damped_where_the_scene_forbids_it(outcome: Callable[...
     rest = ("corner.patch_length=3.6", "impact.restitution=0.19", "damping.kind=none")
     result = outcome("mash-tl4-sut", *vehicle, *plate, *soft, *rest)
     alike = attempt(
-        damped_alike(on_mesh(result.fe_plan, next(second_meshes(result.fe_plan))), result.fe_plan)
+        damped_alike(on_plate(result.fe_plan, next(second_plates(result.fe_plan))), result.fe_plan)
     )
     assert result.fe_plan.model.loop.elastic_damping is None
     assert rings(alike)

@@ -17,9 +17,9 @@ from postprocess.report.table import Table, text_table
 from postprocess.svg.chart import Axis, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import PALETTE
 from postprocess.svg.marks import Line, Swatch
+from tailslap.case.corner.report import corner_report
+from tailslap.case.report import DESIGN
 from tailslap.cli import _status
-from tailslap.report.parts import DESIGN
-from tailslap.report.run_report import run_report
 
 pytestmark = pytest.mark.verification
 
@@ -70,7 +70,7 @@ def page(
         flutter = ("impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none")
         made = outcome("mash-tl4-sut", *(flutter if request.param == "failed" else ()))
         place.mkdir()
-        write_page(place / "report.html", run_report(made, pictures=False).page)
+        write_page(place / "report.html", corner_report(made, pictures=False).page)
         return Tree((place / "report.html").read_text(encoding="utf-8"))
     commands = {
         "impact": ("run", "impact-mash-tl4-sut", "--no-pictures"),

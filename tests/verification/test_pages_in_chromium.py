@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from postprocess.report.page import write_page
+from tailslap.case.corner.report import corner_report
 from tailslap.cli import _status
-from tailslap.report.run_report import run_report
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
 sys.path.insert(0, BENCHMARKS)
@@ -73,7 +73,7 @@ def test_nothing_is_wrong_with_a_small_page(browser: Any, page: Path) -> None:
 def test_nothing_is_wrong_with_the_page_of_a_run(
     browser: Any, tmp_path: Path, outcome: Callable[..., Any]
 ) -> None:
-    path = write_page(tmp_path / "report.html", run_report(outcome("mash-tl4-sut"), pictures=False).page)
+    path = write_page(tmp_path / "report.html", corner_report(outcome("mash-tl4-sut"), pictures=False).page)
     assert wrong(look(browser, "run", path)) == {}
 
 

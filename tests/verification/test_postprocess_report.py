@@ -29,9 +29,10 @@ from postprocess.report.page import (
 from postprocess.report.report import Report, report_text, write_report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.svg.chart import Chart
-from tailslap.report.run_report import run_report
-from tailslap.report.run_text import diagnosis, prediction
-from tailslap.verification.checks import advice
+from tailslap.case.checks import advice
+from tailslap.case.corner.checks import CHECKS
+from tailslap.case.corner.report import corner_report
+from tailslap.case.corner.text import diagnosis, prediction
 
 pytestmark = pytest.mark.verification
 
@@ -199,7 +200,7 @@ def test_a_record_without_the_entry_is_an_error() -> None:
 
 
 def run_page(made: Any, folder: Path) -> Parsed:
-    report = run_report(made, pictures=False)
+    report = corner_report(made, pictures=False)
     write_report(report, folder)
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
 
@@ -237,7 +238,7 @@ def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> No
     assert page.pieces.count("passed") == len(others)
     assert f"Failed: {first.name}." in page.text
     assert "Failed checks, and what to do" in page.text
-    for said in (*advice([first.name]).split("; "), *diagnosis(made)):
+    for said in (*advice(CHECKS, [first.name]).split("; "), *diagnosis(made)):
         assert re.sub("<[^>]+>", "", html.unescape(str(prose(said)))).replace(NO_BREAK, " ") in page.text
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
@@ -247,7 +248,7 @@ def test_the_terminal_tells_once_what_was_chosen(outcome: Callable[..., Any]) ->
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s", "plate.start=unstressed")
     shown_ones = [decision.shown for decision in made.fe_plan.decisions]
     failed = replace(made.checks[0], passed=False)
-    said = run_report(replace(made, checks=(failed, *made.checks[1:])), pictures=False).terminal
+    said = corner_report(replace(made, checks=(failed, *made.checks[1:])), pictures=False).terminal
     text = "\n".join(line for line in said if isinstance(line, str))
     assert [text.count(each) for each in shown_ones] == [1] * len(shown_ones) != []
     assert prediction(made) in text
@@ -289,7 +290,7 @@ def test_numbers_are_set_as_in_print(text: str, expected: str) -> None:
 def test_the_answer_comes_first_and_detail_is_folded(outcome: Callable[..., Any], tmp_path: Path) -> None:
     """Forces, design forces and the five quantities before all else; no more than 60 numbers are in the open."""
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
-    report = run_report(made, pictures=False)
+    report = corner_report(made, pictures=False)
     titles = [section.title for section in report.page.sections if not section.is_empty]
     assert titles[:2] == ["Peak lateral force", "At the tail-slap"]
     force = made.fe_plan.case.force.peak_force
@@ -304,7 +305,7 @@ def test_the_answer_comes_first_and_detail_is_folded(outcome: Callable[..., Any]
 
 
 def test_the_page_shows_the_scene_as_it_was_run(outcome: Callable[..., Any]) -> None:
-    text = run_report(outcome("mash-tl4-sut", "impact.speed=20 m/s"), pictures=False).page.scene_text
+    text = corner_report(outcome("mash-tl4-sut", "impact.speed=20 m/s"), pictures=False).page.scene_text
     given = tomllib.loads(text)
     assert given["impact"]["speed"] == "20 m/s"
     assert "56 mph" not in text

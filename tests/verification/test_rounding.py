@@ -12,8 +12,8 @@ from fem.run.corner import Stepper, simulate
 from fem.stability.flutter import rounding_noise
 from fem.start.rigid_state import RigidStart
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.run import attempt
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import attempt
 
 pytestmark = pytest.mark.verification
 

@@ -13,7 +13,9 @@ from typing import Any
 import pytest
 
 from postprocess.report.report import report_text, write_report
+from tailslap.case.checks import Check, advice
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.checks import CHECKS
 from tailslap.case.cost import expected_effort
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted
@@ -43,8 +45,6 @@ from tailslap.studies.stability.compute import (
 )
 from tailslap.studies.stability.report import report
 from tailslap.studies.study import Call
-from tailslap.verification.check import Check
-from tailslap.verification.checks import CHECKS, advice
 
 pytestmark = pytest.mark.verification
 
@@ -254,7 +254,7 @@ def test_a_right_cell_and_a_spring_too_soft() -> None:
 
 
 def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tailslap.scene_run.run_checks", lambda *arguments: ())
+    monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
     assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "wrong"
 
 
@@ -269,7 +269,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(study, "references", breaks)
     assert verdict_of({})["reason"] == "reference broke: ZeroDivisionError: boom"
-    monkeypatch.setattr("tailslap.scene_run.run_checks", breaks)
+    monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
     broken = verdict_of({})
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
@@ -390,5 +390,5 @@ def test_every_check_has_advice(start: str) -> None:
 
 
 def test_advice_says_each_thing_once() -> None:
-    assert advice(["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
-    assert advice(["penetration", "time step"]).endswith("; a smaller time.safety_factor")
+    assert advice(CHECKS, ["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
+    assert advice(CHECKS, ["penetration", "time step"]).endswith("; a smaller time.safety_factor")

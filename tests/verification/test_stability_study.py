@@ -23,6 +23,7 @@ from postprocess.report.report import write_report
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.error import NumericalError
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.scene.read import read_scene
 from tailslap.scene.schema import Scene
@@ -31,7 +32,6 @@ from tailslap.studies.stability import compute as study
 from tailslap.studies.stability.compute import MAP_KINDS, Found, axes_of, base_source, map_cells
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report
 from tailslap.studies.study import Call
-from tailslap.verification.numerical_error import NumericalError
 
 pytestmark = pytest.mark.verification
 
@@ -94,11 +94,11 @@ def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed() -> None:
 
 @pytest.mark.long
 def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tailslap.scene_run.run_checks", lambda *arguments: ())
+    monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
     soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
     assert "its own numerical error" in soft_spring["reason"]
-    monkeypatch.setattr("tailslap.scene_run.error_of", lambda *arguments: NumericalError(*7 * [0.0]))
+    monkeypatch.setattr("tailslap.case.corner.checks.Evidence.error", NumericalError(*7 * [0.0]))
     unaware = verdict("stiffness", 1e-4, "penalty", 0.01)
     assert unaware["kind"] == "wrong"
     assert "changes it by" in unaware["reason"]
@@ -117,7 +117,7 @@ def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) 
     def breaks(*arguments: Any) -> None:
         raise ZeroDivisionError("boom")
 
-    monkeypatch.setattr("tailslap.scene_run.run_checks", breaks)
+    monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
     broken = verdict("stiffness", 1.0, "friction", 0.2)
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 

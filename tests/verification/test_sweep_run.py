@@ -33,7 +33,6 @@ from tailslap.errors import InputError
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
-from tailslap.scene_run import run_scene
 
 pytestmark = pytest.mark.verification
 
@@ -155,7 +154,7 @@ def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
     assert _status(arguments) == 0
     rows, definition = table(place), definition_of(scene, varied)
-    runs = [run_scene(CornerCase(*vary(definition.source, definition.changes_of(n)))) for n in range(2)]
+    runs = [CornerCase(*vary(definition.source, definition.changes_of(n))).run() for n in range(2)]
     for row, outcome in zip(rows, runs, strict=True):
         found = {name: row[f"fe.{name}"] for name in outcome.fe}
         assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
@@ -174,7 +173,7 @@ def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str
     for number in (0, 1, 157):
         row, outcome = (
             undisturbed[number],
-            run_scene(CornerCase(*vary(definition.source, definition.changes_of(number)))),
+            CornerCase(*vary(definition.source, definition.changes_of(number))).run(),
         )
         assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
         assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
@@ -350,7 +349,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> Non
     def broken(*arguments: object) -> None:
         raise ZeroDivisionError("by nought")
 
-    monkeypatch.setattr("tailslap.scene_run.run_scene", broken)
+    monkeypatch.setattr("tailslap.case.corner.run.run_corner", broken)
     source = source_of_text(SCENE)
     parts: Any = [(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
     rows = pools.run_batch(program(), compute_row, parts).records.values()

@@ -9,8 +9,7 @@ import pytest
 
 from fem.explicit.parallel import Meeting, _meet, new_meeting
 from tailslap.case.corner.case import CornerCase
-from tailslap.planning.decide_threads import ELEMENTS_A_THREAD, decide_threads
-from tailslap.planning.fe_plan import make_fe_plan
+from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -61,7 +60,7 @@ def test_threads_meet_again_and_again() -> None:
 def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int], used: int) -> None:
     plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
     assert plan.scene.plate
-    decided, decisions = decide_threads(plan, plan.scene.plate)
+    decided, decisions = open_threads(plan, plan.scene.plate)
     assert decided.scene.time.threads == used
     assert [decision.value for decision in decisions] == ([] if used == 3 else [used])
     for decision in decisions:
@@ -71,7 +70,7 @@ def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int],
 
 def test_run_and_check_say_that_one_thread_is_used() -> None:
     plan = CornerCase(*read_scene("paper-table-3", ("time.threads=2",)))
-    fe_plan = make_fe_plan(plan)
+    fe_plan = plan.plan()
     assert fe_plan.case.scene.time.threads == 1
     assert [decision.key for decision in fe_plan.decisions] == ["time.threads"]
     assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were asked for; ")

@@ -1,38 +1,28 @@
-"""Verification: `--tolerance` picks a setting that meets it, checks that it did, and refuses what has no answer."""
+"""Verification: `--tolerance` refines the mesh until the run's stated error meets it, within bounds, and says so."""
 
 from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.model import sensitivity
+from tailslap.cli import _status
 from tailslap.errors import InputError
-from tailslap.planning.flexibility import sensitivity
 from tailslap.scene.read import read_scene
-from tailslap.scene_run import run_scene
-from tailslap.tolerance import run_to_tolerance
-from tailslap.tolerance.choose import LIMIT, RIGID, Choice, choose
-from tailslap.tolerance.refinement_levels import RefinementLevel, refinement_levels
-from tailslap.tolerance.verify import verified
 
 pytestmark = pytest.mark.verification
 
 SOFT = ("plate.youngs_modulus=20 MPa", "corner.patch_length=1")
+COARSE = ("plate.element=quad4", "plate.elements=[10, 3]")
 
 
-def plan_of(name: str, *changes: str) -> CornerCase:
+def case_of(name: str, *changes: str) -> CornerCase:
     return CornerCase(*read_scene(name, changes))
-
-
-def choice_of(name: str, tolerance: float, *changes: str) -> Choice:
-    return choose(plan_of(name, *changes), tolerance)
 
 
 def check_of(result: Any) -> Any:
@@ -40,84 +30,74 @@ def check_of(result: Any) -> Any:
     return check
 
 
-def test_ladder_has_square_elements_and_grows() -> None:
-    levels = list(refinement_levels(read_scene("paper-abaqus")[0], "penalty"))
-    shapes = [(10.0 / r.elements[0]) / (2.438 / r.elements[1]) for r in levels]
-    assert all(0.9 < shape < 1.5 for shape in shapes)
-    counts = [r.elements[0] * r.elements[1] for r in levels]
-    assert counts == sorted(counts)
-    assert {r.element for r in levels} == {"quad4", "quad9"}
-
-
-def test_half_a_mesh_of_two_is_none() -> None:
-    assert RefinementLevel("quad4", (7, 2), "exact").scaled(0.5) is None
-    assert RefinementLevel("quad4", (7, 4), "exact").scaled(0.5) == RefinementLevel("quad4", (3, 2), "exact")
-
-
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-5])
-def test_stiff_plate_is_held_against_the_rigid_motion(tolerance: float) -> None:
-    result = run_to_tolerance(plan_of("paper-table-3"), tolerance)
-    assert result.choice is not None
-    assert result.choice.against == RIGID
+def test_a_run_whose_error_meets_it_stays_as_it_is(tolerance: float) -> None:
+    case = case_of("paper-table-3")
+    result = case.run(tolerance)
     assert result.passed
-    assert check_of(result).value == max(map(abs, result.difference.values())) <= tolerance
-    assert result.choice.expected_error <= tolerance
-    assert result.fe_plan.model.loop.mass.size < 50  # 147 nodes as the scene has it
+    assert check_of(result).value == result.error.total <= tolerance
+    assert result.fe == case.run().fe
+
+
+def test_meshes_are_doubled_until_the_error_meets_it() -> None:
+    """Not further: the mesh before states an error above the tolerance."""
+    case = case_of("paper-table-3", *COARSE)
+    errors = [case.varied({"plate.elements": (10 * n, 3 * n)}).run().error.total for n in (1, 2)]
+    result = case.run(math.sqrt(errors[0] * errors[1]))
+    assert errors[1] < errors[0]
+    assert result.fe_plan.plate.counts == (20, 6)
+    assert check_of(result).value == errors[1]
+    assert check_of(result).passed
+
+
+@pytest.mark.parametrize(("bound", "value"), [("case.MOST_ELEMENTS", 400), ("cost.MAX_SECONDS", 1e-2)])
+def test_a_tolerance_out_of_reach_ends_with_a_check_that_fails(
+    monkeypatch: pytest.MonkeyPatch, bound: str, value: float
+) -> None:
+    monkeypatch.setattr(f"tailslap.case.{bound}", value)
+    result = case_of("paper-table-3", *COARSE).run(1e-7)
+    assert math.prod(result.fe_plan.plate.counts) <= 400
+    assert check_of(result).value == result.error.total > 1e-7
+    assert not check_of(result).passed
+    assert not result.passed
 
 
 @pytest.mark.long
 def test_soft_plate_is_held_against_its_own_limit() -> None:
-    """The error estimated from a second mesh is right to a factor of three, and the tolerance is met."""
-    result = run_to_tolerance(plan_of("paper-table-3", *SOFT), 2e-3)
-    assert result.choice is not None
-    assert result.choice.against == LIMIT
+    """The tolerance is met, and the stated error holds."""
+    result = case_of("paper-table-3", *SOFT).run(2e-3)
     fine = ("plate.element=quad9", "plate.elements=[40, 12]", "corner.constraint=exact")
-    truth = run_scene(CornerCase(*read_scene("paper-table-3", (*SOFT, *fine)))).fe
+    truth = case_of("paper-table-3", *SOFT, *fine).run().fe
     error = max(abs(value / truth[name] - 1.0) for name, value in result.fe.items())
-    assert error <= 2e-3
-    assert error / 3.0 < check_of(result).value < 3.0 * error
+    assert error <= check_of(result).value <= 2e-3
     assert result.passed
-
-
-def test_point_on_a_soft_plate_has_no_limit() -> None:
-    with pytest.raises(InputError, match=r"no limit of fine meshes.*corner\.patch_length"):
-        choice_of("paper-table-3", 1e-3, "plate.youngs_modulus=20 MPa")
-    with pytest.raises(InputError, match=r"moves the result by up to 4\.\de-06"):
-        choice_of("paper-table-3", 1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, 1e-9, 1.0, math.nan, math.inf])
 def test_tolerances_that_make_no_sense(tolerance: float) -> None:
     with pytest.raises(InputError, match="--tolerance"):
-        choice_of("paper-table-3", tolerance)
+        case_of("paper-table-3").run(tolerance)
 
 
-def test_setting_that_would_flutter_is_damped_by_the_run() -> None:
+def test_setting_that_would_flutter_is_damped_by_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     changes = ("plate.youngs_modulus=100 TPa", "impact.friction=0.8", "corner.penalty_scale=1")
-    result = run_to_tolerance(plan_of("paper-table-3", *changes), 1e-4)
+    result = case_of("paper-table-3", *changes).run(1e-4)
     assert result.passed
     assert result.fe_plan.model.loop.elastic_damping is not None
-    forbidden = run_to_tolerance(plan_of("paper-table-3", *changes, "damping.kind=none"), 1e-4)
-    assert not forbidden.passed
+    monkeypatch.setattr("tailslap.case.case.MOST_ELEMENTS", 200)
+    assert not case_of("paper-table-3", *changes, "damping.kind=none").run(1e-4).passed
 
 
 def test_scene_that_says_how_its_corner_is_held_keeps_it() -> None:
-    choice = choice_of("paper-table-3", 0.1, *SOFT, "corner.penalty_scale=2")
-    assert choice.level.constraint == "penalty"
-    assert choice_of("paper-table-3", 0.1, "corner.constraint=exact").level.constraint == "exact"
+    for constraint in ("penalty", "exact"):
+        result = case_of("paper-table-3", f"corner.constraint={constraint}").run(0.1)
+        assert result.fe_plan.case.scene.corner.constraint == constraint
 
 
-def test_expectation_that_fails_is_reported() -> None:
-    """The check after the run does not trust the expectation: an answer worse than the tolerance fails."""
-    plan = CornerCase(*read_scene("paper-table-3"))
-    choice = choose(plan, 1e-4)
-    result = run_scene(CornerCase(*read_scene("paper-table-3", choice.changes)))
-    late = verified(result, replace(choice, tolerance=1e-6), plan)
-    assert not late.passed
-    assert not check_of(late).passed
-    gone = verified(replace(result, difference={}, fe={}), choice, plan)
-    assert math.isnan(check_of(gone).value)
-    assert not check_of(gone).passed
+def test_a_run_without_a_result_does_not_meet_it() -> None:
+    result = case_of("paper-table-3").run().with_tolerance(math.nan, 1e-4)
+    assert not result.passed
+    assert not check_of(result).passed
 
 
 def test_sensitivity_bounds_what_was_seen() -> None:
@@ -126,19 +106,12 @@ def test_sensitivity_bounds_what_was_seen() -> None:
         assert 1.3 * seen < sensitivity(math.radians(degrees)) < 3.0 * seen
 
 
-def test_command_writes_what_was_picked(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tailslap.cli", "run", "paper-abaqus", "--no-pictures"]
-    done = subprocess.run(
-        [*command, "--tolerance", "1e-4", "--out", str(tmp_path / "out")], capture_output=True, text=True
-    )
-    assert done.returncode == 0
-    assert "Picked: plate.element=quad4" in done.stdout
+def test_command_says_whether_it_was_met(tmp_path: Path) -> None:
+    command = ["run", "paper-abaqus", "--no-pictures", "--tolerance"]
+    assert _status([*command, "1e-4", "--out", str(tmp_path / "out")]) == 0
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["tolerance"]["tolerance"] == 1e-4
-    assert summary["tolerance"]["against"] == "rigid"
-    assert "Picked for a tolerance of 0.0001" in (tmp_path / "out" / "report.html").read_text()
-    refused = subprocess.run(
-        [*command, "--tolerance", "1e-7", "--out", str(tmp_path / "no")], capture_output=True, text=True
-    )
-    assert refused.returncode == 2
+    assert summary["tolerance"] == 1e-4
+    assert summary["checks"][-1]["name"] == "tolerance"
+    assert "the tolerance that was asked for" in (tmp_path / "out" / "report.html").read_text()
+    assert _status([*command, "1e-9", "--out", str(tmp_path / "no")]) == 2
     assert not (tmp_path / "no").exists()

@@ -192,7 +192,7 @@ def test_a_run_draws_its_pictures_in_the_units_of_its_page(
         given.append(units.name)
         return []
 
-    monkeypatch.setattr("tailslap.report.pictures.draw_contours", draw)
+    monkeypatch.setattr("tailslap.case.corner.report.draw_contours", draw)
     for units in ("us", "si"):
         assert (
             _status(["run", "paper-table-3", "--units", units, "--quiet", "--out", str(tmp_path / units)])

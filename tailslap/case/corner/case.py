@@ -15,51 +15,56 @@ if TYPE_CHECKING:
     import numpy as np
 
     from postprocess.report.report import Report
-    from tailslap.planning.fe_plan import FePlan
+    from tailslap.case.corner.plan import CornerPlan
+    from tailslap.case.corner.run import CornerOutcome
     from tailslap.scene.schema import Scene
-    from tailslap.scene_run import Outcome
 
 
 @dataclass(frozen=True)
 class CornerCase(RigidStages):
     """A scene with a constrained corner, see `Case`."""
 
-    def plan(self, more_damping: float = 1.0) -> FePlan:
-        """Decide what the scene leaves open, mesh and assemble; more_damping: factor on the damping chosen [-]."""
-        from tailslap.planning.fe_plan import make_fe_plan
+    least_tolerance = 1e-8
 
-        return make_fe_plan(self, more_damping)
+    def plan(self, more_damping: float = 1.0) -> CornerPlan:
+        """Decide what the scene leaves open, mesh and assemble; more_damping: factor on the damping chosen [-]."""
+        from tailslap.case.corner.plan import make_corner_plan
+
+        return make_corner_plan(self, more_damping)
 
     def _check_text(self) -> list[str]:
-        from tailslap.report.check_text import check_lines
+        from tailslap.case.corner import text
 
-        return check_lines(self)
+        return text.check_text(self.plan()) if self.scene.plate else text.rigid_text(self)
 
-    def run(self, tolerance: float | None = None) -> Outcome:
-        """Run the plate and compare it with the rigid motion; with a tolerance, on the cheapest mesh for it."""
-        if tolerance is None:
-            from tailslap.scene_run import run_scene
+    def _run(self) -> CornerOutcome:
+        from tailslap.case.corner.run import run_corner
 
-            return run_scene(self)
-        from tailslap.tolerance import run_to_tolerance
+        return run_corner(self)
 
-        return run_to_tolerance(self, tolerance)
+    @staticmethod
+    def stated_error(outcome: CornerOutcome) -> float:
+        """Largest relative error of the five quantities that the run states; NaN without a tail-slap."""
+        return outcome.error.total if outcome.fe else float("nan")
 
-    def summary(self, outcome: Outcome, pictures: bool) -> dict[str, Any]:
+    def summary(self, outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
         """The numbers of a run, SI; what was not reached is NaN, which is written as null."""
-        from tailslap.report.summary import summary
+        from tailslap.case.corner.report import corner_summary
 
-        return summary(outcome, pictures)
+        return corner_summary(outcome, pictures)
 
-    def histories(self, outcome: Outcome) -> dict[str, dict[str, np.ndarray]]:
+    def histories(self, outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
         """The histories of FE plate and rigid body by the names of their files."""
-        return outcome.histories
+        return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
 
-    def report(self, outcome: Outcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+    def report(self, outcome: CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
         """The report of a run; its fields and pictures, in these units, go into the folder."""
-        from tailslap.report.run_report import report_in_folder
+        from tailslap.case.corner import report
+        from tailslap.case.report import keep_fields
 
-        return report_in_folder(outcome, folder, pictures, units)
+        keep_fields(outcome, folder)
+        drawn = report.draw_pictures(outcome, folder, units) if pictures else outcome
+        return report.corner_report(drawn, pictures)
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
@@ -70,10 +75,10 @@ class CornerCase(RigidStages):
         spent = {"cost.elements": int, "cost.nodes": int, "cost.steps": int, "cost.time_step": float}
         return {**real, **spent}
 
-    def row(self, outcome: Outcome | None) -> dict[str, Any]:
+    def row(self, outcome: CornerOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; those of the tail-slap are missing where it was not reached."""
-        from tailslap.report.common import run_cost
-        from tailslap.verification.check import check_columns
+        from tailslap.case.checks import check_columns
+        from tailslap.case.report import run_cost
 
         if outcome is None:
             _ = self.scene.needed_plate

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -31,6 +31,8 @@ from tailslap.scene.vary import Changes, varied
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from tailslap.case.model import Decision
 
 ROWS = 401
 """Instants of a history of the rigid motion."""
@@ -150,6 +152,11 @@ class RigidStages(Case):
     def with_changes(self, changes: Changes) -> Self:
         """The case with keys changed on which the rigid motion does not depend; its source stays as given."""
         return replace(self, scene=varied(self.scene, changes))
+
+    def decided(self, decisions: Iterable[Decision]) -> Self:
+        """The case with what the program chose."""
+        changes = {decision.key: decision.value for decision in decisions}
+        return self.with_changes(changes) if changes else self
 
     def other_convention(self) -> tuple[str, Self] | None:
         """The other convention of restitution and its case; None where Stage 1 does not set the start."""

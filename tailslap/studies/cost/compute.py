@@ -35,20 +35,20 @@ from solver import integrate_odes, plane_motion
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal
 from tailslap.case import case_of
+from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.run import compare
 from tailslap.case.cost import loop_seconds
+from tailslap.case.model import resolved_plate
 from tailslap.errors import InputError
 from tailslap.impact.checks import failed_but_mesh
 from tailslap.impact.run import compared, simulated
 from tailslap.modal_analysis.run import modal_run
-from tailslap.planning.fe_model import resolved_plate
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, shown, vary
-from tailslap.scene_run import compare
 from tailslap.studies import with_elements
 from tailslap.studies.flexibility.compute import NAMES, patch_length
 from tailslap.studies.study import Call
-from tailslap.verification.check import failed_names
 
 # Kinds of method: the exact rigid solution, integrators of the rigid equations, the plate by a few modes,
 # finite elements.

@@ -26,24 +26,25 @@ from tailslap.campaign.engine import run_parts
 from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law
 from tailslap.campaign.records import Journal
 from tailslap.case.case import Case
+from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.model import MIN_STEPS
 from tailslap.case.cost import loop_seconds
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.model import plate_density
 from tailslap.errors import InputError
 from tailslap.impact.answers import COLUMNS, both_strikes, nearest_corner
 from tailslap.impact.outcome import COMPARED
 from tailslap.impact.rigid_text import rigid_impact
-from tailslap.planning.fe_model import MIN_STEPS, plate_density
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.study import Call
-from tailslap.verification.check import failed_names
 
 if TYPE_CHECKING:
+    from tailslap.case.corner.plan import CornerPlan
+    from tailslap.case.corner.run import CornerOutcome
     from tailslap.impact.outcome import ImpactOutcome
-    from tailslap.planning.fe_plan import FePlan
-    from tailslap.scene_run import Outcome
 
 Record = dict[str, Any]
 
@@ -167,7 +168,7 @@ class Sweep:
     thickness [m], density [kg/m^3] and modulus [Pa] of the scene's own plate."""
 
     case: CornerCase
-    fe_plan: FePlan
+    fe_plan: CornerPlan
     meshes: tuple[tuple[int, int], ...]
     support: Record
     own: tuple[float, float, float]
@@ -343,7 +344,7 @@ def one_run(base: Source, changes: Changes | None) -> Record:
     return _record(outcome) | {"seconds": time.perf_counter() - began}
 
 
-def _record(outcome: Outcome) -> Record:
+def _record(outcome: CornerOutcome) -> Record:
     """What the study takes from a run. Its numerical error is kept and no failure: each level is held to it."""
     fe_plan, error = outcome.fe_plan, outcome.error
     fe, rigid = outcome.fe_history, outcome.rigid_history
@@ -369,7 +370,7 @@ def _record(outcome: Outcome) -> Record:
     }
 
 
-def largest_difference(outcome: Outcome) -> float:
+def largest_difference(outcome: CornerOutcome) -> float:
     """Largest difference of v_GY from the rigid body, at the strike and at any instant before it, over v_GY at the
     strike: an oscillating plate may strike in any phase. NaN without a strike."""
     if not outcome.fe:

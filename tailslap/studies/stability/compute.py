@@ -24,7 +24,11 @@ from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal
 from tailslap.case import case_of
 from tailslap.case.case import Case
+from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.checks import OSCILLATES, reaction_checks
+from tailslap.case.corner.error import FLOOR, SHARE, Histories, distance_in_motion
+from tailslap.case.corner.run import CornerOutcome, settled
 from tailslap.case.cost import beam_frequency, expected_effort
 from tailslap.errors import InputError
 from tailslap.impact.checks import failed_but_mesh
@@ -32,12 +36,7 @@ from tailslap.impact.outcome import differences
 from tailslap.impact.run import make_fe_plan_timed, plain_run
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
-from tailslap.scene_run import Outcome, settled
 from tailslap.studies.study import Call
-from tailslap.verification.check import failed_names
-from tailslap.verification.checks import reaction_checks
-from tailslap.verification.mechanics import OSCILLATES
-from tailslap.verification.numerical_error import FLOOR, SHARE, Histories, distance_in_motion
 
 Row = dict[str, Any]
 
@@ -428,7 +427,7 @@ class Reference(NamedTuple):
     histories: Histories
 
 
-def against_reference(outcome: Outcome) -> Row:
+def against_reference(outcome: CornerOutcome) -> Row:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     cell, plate = outcome.fe_plan.asked.source, outcome.fe_plan.plate
     first = next(references(cell, plate, FINER), None) if outcome.fe else None
@@ -516,7 +515,7 @@ def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes
     }
 
 
-def trustworthy(outcome: Outcome) -> bool:
+def trustworthy(outcome: CornerOutcome) -> bool:
     """Whether the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
     friction has fed, a reference may not."""
     found, error = largest(outcome.difference), outcome.error

@@ -12,12 +12,13 @@ from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, text_table
 from postprocess.svg.chart import Chart
+from tailslap.case.checks import advice
+from tailslap.case.corner.checks import CHECKS
 from tailslap.report.common import study_page, study_summary
 from tailslap.scene.vary import changed_tables
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute
 from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, RIGHT, UNKNOWN, WRONG, Found, Row
-from tailslap.verification.checks import advice
 
 MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
 RANDOM = "Stability on scenes drawn at random: every quantity and every choice of the scene at once"
@@ -49,7 +50,9 @@ def report(found: Found) -> Report:
     verdicts = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in counted.items()]
     title = f"{name}: {len(found.rows)} cells in {found.seconds:.0f} s"
     checks = Counter(row["failed"] for row in found.of_kind(CAUGHT).values())
-    caught = [(check, advice([check]), str(n), str(checks[check])) for check, n in caught_by(found).items()]
+    caught = [
+        (check, advice(CHECKS, [check]), str(n), str(checks[check])) for check, n in caught_by(found).items()
+    ]
     refused = [(key, str(n)) for key, n in refused_by(found).items()]
     why = (
         text_table("Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Caught by"),
@@ -129,7 +132,7 @@ def cells_table(found: Found) -> Table:
     places = dict.fromkeys((name for row in found.rows.values() for name in row if name not in UNKNOWN), "")
     rows = []
     for row in found.rows.values():
-        told = advice(row["failed"].split(", ")) if row["kind"] == CAUGHT else ""
+        told = advice(CHECKS, row["failed"].split(", ")) if row["kind"] == CAUGHT else ""
         rows.append({**places, **UNKNOWN, **row, ADVISED: told})
     return Table(tuple(Column(key, key) for key in rows[0]), rows)
 

@@ -12,16 +12,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.plate.kinds import LUMPINGS
 from postprocess.comparison.quantities import largest
-from tailslap.planning.flexibility import friction_lost, oscillation_lost, sensitivity
+from tailslap.case.corner.model import friction_lost, oscillation_lost, sensitivity
+from tailslap.case.corner.plan import CornerPlan
 
-if TYPE_CHECKING:
-    from tailslap.planning.fe_plan import FePlan
+RINGING, CORRUPTED = 2e-3, 0.1
+"""Friction by ringing that is allowed, and at which a run is given up."""
 
 FLOOR, SHARE = 5e-4, 0.25
 """Numerical error that is allowed whatever the plate, and as a share of what its flexibility changes."""
@@ -92,7 +92,7 @@ class NumericalError:
         return FLOOR + SHARE * self.flexibility
 
 
-def needs_second_run(fe_plan: FePlan, differences: Mapping[str, float], error: NumericalError) -> bool:
+def needs_second_run(fe_plan: CornerPlan, differences: Mapping[str, float], error: NumericalError) -> bool:
     """Whether statics does not tell, or not sharply, how far the run may be off."""
     explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.deflection_ratio
     sharp = error.total <= max(FLOOR, SHARP * largest(differences))
@@ -101,7 +101,7 @@ def needs_second_run(fe_plan: FePlan, differences: Mapping[str, float], error: N
 
 
 def numerical_error(
-    fe_plan: FePlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
+    fe_plan: CornerPlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
 ) -> NumericalError:
     """The estimate; differences: from the rigid motion, empty if there is no result; ringing: friction by ringing."""
     factor, relieved = sensitivity(fe_plan.case.start.angle), fe_plan.plate.relieved
@@ -119,13 +119,13 @@ def numerical_error(
     )
 
 
-def _lag_error(fe_plan: FePlan) -> float:
+def _lag_error(fe_plan: CornerPlan) -> float:
     """The error by the lag of damping, over the way: no more than the whole deflection."""
     lag = fe_plan.damping_lag
     return LAG_EFFECT * lag / (1.0 + 2.0 * lag / fe_plan.deflection_ratio) if lag else 0.0
 
 
-def _oscillation_lost(fe_plan: FePlan) -> float:
+def _oscillation_lost(fe_plan: CornerPlan) -> float:
     """What the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the friction
     that goes with an oscillation that does not grow is not known."""
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
@@ -178,3 +178,14 @@ def _deviation(histories: Histories, name: str, t: np.ndarray) -> np.ndarray:
 def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
     """Whether the rigid motion has not ended yet."""
     return np.isfinite(rigid["v_gx"])
+
+
+def friction_by_ringing(fe_plan: CornerPlan, row: Mapping[str, float]) -> float:
+    """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would.
+
+    row: of the history. The share of v_GX or omega, whichever is more, that this has taken off by then.
+    """
+    rectified = row["normal_impulse_magnitude"] - abs(row["normal_impulse"])
+    speed = fe_plan.case.scene.corner_friction * rectified / fe_plan.model.mass
+    radius, strike = fe_plan.case.body.corner_radius, fe_plan.case.motion.strike
+    return max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / (radius * strike.omega))

@@ -1,4 +1,4 @@
-"""The finite-element model of a scene: mesh, plate, corner and time step from its tables."""
+"""The plate's model by a scene's tables: what the program chose, mesh, modulus, properties for `fem`."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fem.laws.friction import FRICTION_LAWS
 from fem.lazy import cached
 from fem.plate.kinds import ELEMENT_KINDS
-from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.cost import costly_key
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
@@ -18,20 +16,10 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.plate.kinds import (
-        CornerProperties,
-        Inertia,
-        ModelError,
-        PlateProperties,
-        StepProperties,
-    )
-
-MIN_STEPS = 1000
-"""Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
+    from fem.plate.kinds import Inertia, ModelError, PlateProperties, StepProperties
 
 MAX_STEPS = 2_000_000_000
 """A run above this is refused: it would take days, and its instants could not be told apart."""
-
 
 LARGE = 10_000
 """Elements from which on a mesh is not kept."""
@@ -41,46 +29,29 @@ REFERENCE_MODULUS = 1e9
 
 
 @dataclass(frozen=True)
-class FeInput:
-    """What a model is made from, in the terms of `fem`."""
+class Decision:
+    """A key of the scene, the value that the program gave it, and why. value None: it stays out."""
 
-    plate: PlateProperties
-    corner: CornerProperties
-    step: StepProperties
+    key: str
+    value: Any
+    why: str
 
-
-def fe_input(plan: RigidStages, plate: Plate) -> FeInput:
-    """Properties of the plate, its corner and the time step; the plate has a modulus."""
-    return FeInput(
-        plate_properties(plan.scene, plate),
-        _corner(plan),
-        step_properties(plan.scene, plan.motion.strike.t / MIN_STEPS),
-    )
+    @property
+    def shown(self) -> str:
+        """The decision as a line."""
+        value = "none" if self.value is None else _shown(self.value)
+        return f"{self.key} = {value}: {self.why}"
 
 
-def make_model(plan: RigidStages, plate: Plate) -> PlateModel:
-    """Mesh and assemble. Raises InputError for keys that make no model."""
-    from fem.model.plate_model import finished_model
-
-    mesh = fe_mesh(plan.scene, plate)
-    plate = resolved_plate(plan.scene, plate, mesh)
-    given = fe_input(plan, plate)
-    model = finished_model(make_static_model(plan, plate, mesh), given.plate, given.corner, given.step)
-    demand_steps(plan, plate, model)
-    return model
+def _shown(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    return f"[{', '.join(map(str, value))}]" if isinstance(value, tuple) else str(value)
 
 
-def make_static_model(plan: RigidStages, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
-    """The model without what needs its frequencies, on this mesh or its own. Raises as `make_model`."""
-    from fem.model.plate_model import static_model
-    from fem.plate.kinds import ModelError
-
-    mesh = mesh or fe_mesh(plan.scene, plate)
-    given = fe_input(plan, resolved_plate(plan.scene, plate, mesh))
-    try:
-        return static_model(mesh, given.plate, given.corner)
-    except ModelError as error:
-        raise refusal(plan.scene, plate, error) from None
+def threads_decision(asked: int, most: int, why: str) -> tuple[Decision, ...]:
+    """The threads of a time loop that has use for fewer than were asked for."""
+    return (Decision("time.threads", most, f"{asked} were asked for; {why}"),) if asked > most else ()
 
 
 def resolved_plate(
@@ -138,16 +109,13 @@ def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
     return InputError(*given[error.wrong], str(error))
 
 
-def demand_steps(plan: RigidStages, plate: Plate, model: PlateModel) -> None:
-    """Raise InputError where a run of the model would never end."""
-    if model.loop.time_step * MAX_STEPS > plan.motion.strike.t:
+def demand_steps(scene: Scene, duration: float, model: PlateModel) -> None:
+    """Raise InputError where a run of the model over this time [s] would never end."""
+    if model.loop.time_step * MAX_STEPS > duration:
         return
-    key, given = costly_key(plan.scene, plan.motion.strike.t)
-    raise InputError(
-        key,
-        given,
-        f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps",
-    )
+    key, given = costly_key(scene, duration)
+    allowed = f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps"
+    raise InputError(key, given, allowed)
 
 
 def plate_density(scene: Scene, plate: Plate) -> float:
@@ -170,26 +138,6 @@ def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None)
         material=scene.material.law if scene.material else "st-venant-kirchhoff",
         inertia=inertia,
     )
-
-
-def _corner(plan: RigidStages) -> CornerProperties:
-    from fem.plate.kinds import CornerProperties
-
-    corner, angle = plan.scene.corner, plan.start.angle
-    return CornerProperties(
-        _friction(plan.scene),
-        corner.constraint,
-        corner.penalty_scale,
-        patch_length=corner.patch_length or 0.0,
-        damping_ratio=corner.damping_ratio or 0.0,
-        angles=(angle, 0.5 * angle, 0.0),
-    )
-
-
-def _friction(scene: Scene) -> Any:
-    """Constants of the scene's friction law, or None: then there is no friction code."""
-    law, friction = FRICTION_LAWS[scene.corner.reaction], scene.corner_friction
-    return law.constants(friction) if friction > 0.0 else None
 
 
 def step_properties(scene: Scene, longest: float) -> StepProperties:

@@ -1,0 +1,460 @@
+"""The checks that a run of a constrained corner must pass before its numbers are believed. What is not finite fails.
+
+Adding one is adding it to MECHANICS, CONTACT or PRACTICE, or registering it in CHECKS. The limits of the first two are
+this program's own. The history records force, place and energy of the contact separately, so that each can be compared
+with the others:
+
+    spring      integral of N dy must be what the spring's energy lost; N is linear in y, and the trapezoidal rule
+                exact whatever the spacing of the rows
+    friction    where R is in proportion to |N| or N along the slide, W = -mu integral of v_P dJ, with J the impulse of
+                |N| or N, which the time loop sums at every step; what rings between two rows is in it
+
+PRACTICE has checks that crash analysts are used to, with the limits that are customary there. They are looser: a run
+that keeps the others keeps these. Where the limits are from, and what was found stated in print:
+
+    energy ratio     LS-DYNA's name for total energy over initial energy plus external work; 1 is perfect (LS-DYNA
+                     support, "Total energy"). Radioss calls a surplus of up to 2 % acceptable (user's guide, "Results
+                     checking")
+    contact energy   Radioss: hourglass and contact energy at most 15 % of the total ("Computation checks")
+    hourglass, added mass, Sprague-Geers, residuals
+                     NCHRP Web-Only Document 179 and its program RSVVP: 10 % of the internal energy and 5 % of the
+                     energy at the start, 5 % of the mass, 40 % for M and P, 5 % and 35 %. Customary: cited so in
+                     validation reports, not read in the document itself
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.registry import Registry
+from postprocess.comparison.metrics import Metrics, compare_histories
+from postprocess.comparison.quantities import largest
+from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation
+from tailslap.case.corner.error import (
+    EXPLAINED,
+    FLOOR,
+    RINGING,
+    SHARE,
+    NumericalError,
+    SecondRun,
+    friction_by_ringing,
+    numerical_error,
+)
+from tailslap.case.corner.model import sensitivity
+from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.model import plate_density
+
+if TYPE_CHECKING:
+    from fem.laws.friction import FrictionLaw
+    from fem.run.corner import Run
+
+Columns = Mapping[str, np.ndarray]
+
+STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
+MORE_DAMPING = "leave damping.kind out, or give damping.rate"
+SOFT = "a stiffer plate: it is softer than the theory of this start allows"
+ROUGH = f"{MORE_DAMPING}; leave the corner's spring out"
+"""Advice that several checks share."""
+
+COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
+"""Histories that are compared with the rigid motion's."""
+
+STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
+"""Columns of the energy that the model stores."""
+
+OSCILLATES = 1.25
+"""Kinetic energy of the oscillation of an unstressed start, over the elastic energy that it begins without: at most 1
+in a linear model without friction."""
+
+LEAST = 1e-12
+"""Fraction of the energy at the start below which a contact holds none: the exact one has only rounding."""
+
+NCHRP = "customary limit, NCHRP W179"
+
+ELEMENTS = 'plate.element = "quad4", or more elements'
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a run is judged by: plan and run, the rigid histories at the run's instants, differences of the five
+    quantities, empty where it came to no result, and a second run on another mesh, if there was one."""
+
+    fe_plan: CornerPlan
+    run: Run
+    rigid: Columns
+    differences: dict[str, float]
+    second: SecondRun | None = None
+
+    @property
+    def history(self) -> Columns:
+        """The run's history."""
+        return self.run.history
+
+    @property
+    def relieved(self) -> bool:
+        """Whether the plate starts by inertia relief."""
+        return self.fe_plan.plate.relieved
+
+    @property
+    def friction(self) -> FrictionLaw:
+        """The friction law of the scene."""
+        from fem.laws.friction import FRICTION_LAWS
+
+        return FRICTION_LAWS[self.fe_plan.case.scene.corner.reaction]
+
+    @cached_property
+    def ringing(self) -> float:
+        """Friction by ringing at the end of the run."""
+        return friction_by_ringing(self.fe_plan, {name: float(c[-1]) for name, c in self.history.items()})
+
+    @cached_property
+    def error(self) -> NumericalError:
+        """The run's numerical error."""
+        return numerical_error(self.fe_plan, self.differences, self.ringing, self.second)
+
+    @cached_property
+    def metrics(self) -> dict[str, Metrics]:
+        """Metrics of each compared history while the rigid solution is known."""
+        return history_metrics(self.history, self.rigid)
+
+
+def history_metrics(history: Columns, rigid: Columns) -> dict[str, Metrics]:
+    """Metrics of each compared history while the rigid solution is known."""
+    known = np.isfinite(rigid["v_gx"])
+    instants = history["t"][known]
+    return {
+        name: compare_histories(instants, history[name][known], rigid[name][known])
+        for name in COMPARED_HISTORIES
+    }
+
+
+def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
+    stored = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
+    balance = stored - history["friction_work"] - history["damping_work"]
+    return np.asarray(balance - balance[0])
+
+
+def _reached(given: Evidence) -> Evaluation:
+    meaning = "angle [rad] between side and wall where the run ended; a run that flutters or diverges never gets there"
+    angle = 0.0 if given.run.strike else abs(given.history["theta"][-1]) or math.inf
+    return Evaluation(angle, 0.0, meaning)
+
+
+def _finite(given: Evidence) -> Evaluation:
+    force = given.fe_plan.case.force
+    theory = (*given.fe_plan.case.tail_slap.values(), force.impulse, force.peak_force)
+    results = [*given.history.values(), np.array([*theory, *given.differences.values()], dtype=float)]
+    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
+    return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
+
+
+def _time_step(given: Evidence) -> Evaluation:
+    model = given.fe_plan.model
+    share = (
+        model.loop.time_step / model.stable_time_step * given.run.highest_frequency / model.highest_frequency
+    )
+    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
+    return Evaluation(share, 1.0, meaning)
+
+
+def _energy(given: Evidence) -> Evaluation:
+    worst = np.abs(energy_error(given.history)).max() / given.history["kinetic_energy"][0]
+    return Evaluation(worst, 1e-6, "largest gap in the energy ledger over the energy at the start")
+
+
+def _momentum(given: Evidence) -> Evaluation:
+    mass, speed = given.fe_plan.model.mass, given.history["v_gy"]
+    gained, scale = mass * (speed - speed[0]), mass * np.abs(speed).max()
+    worst = np.abs(gained - given.history["normal_impulse"]).max() / scale
+    return Evaluation(worst, 1e-9, "lateral momentum against the impulse of the reaction")
+
+
+def _penetration(given: Evidence) -> Evaluation:
+    gap = np.abs(given.history["gap"]).max() / given.fe_plan.case.body.width
+    return Evaluation(gap, 0.01, "largest distance of the corner from the wall's line over the plate's width")
+
+
+def _ringing(given: Evidence) -> Evaluation | None:
+    if not given.relieved:
+        return None
+    limit = max(RINGING, SHARE * sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio)
+    return Evaluation(
+        given.ringing, limit, "friction added by a ringing reaction, as its share of v_GX or omega"
+    )
+
+
+def _reaction(given: Evidence) -> Evaluation | None:
+    if not given.relieved:
+        return None
+    expected = given.rigid["reaction_normal"]
+    known = np.isfinite(expected)
+    ripple = given.history["reaction_normal"][known] - expected[known]
+    value = np.sqrt(np.mean(ripple**2) / np.mean(expected[known] ** 2))
+    meaning = "root mean square of the difference over the rigid reaction; the five quantities are judged by themselves"
+    return Evaluation(value, 0.1 + EXPLAINED * given.fe_plan.deflection_ratio, meaning)
+
+
+def _mesh(given: Evidence) -> Evaluation | None:
+    """What richer elements would change: a mesh that is too coarse is too stiff, and looks rigid without being so."""
+    if given.second or not given.relieved:
+        return None
+    ratio, other = given.fe_plan.deflection_ratio, given.fe_plan.other_deflection_ratio
+    meaning = (
+        "change of the plate's deflection ratio with richer elements (or, on large meshes, half as many): "
+        f"{FLOOR:g} and {100 * SHARE:g} % of it are allowed; refine plate.elements, or leave them out"
+    )
+    return Evaluation(abs(ratio - other), FLOOR + SHARE * max(ratio, other), meaning)
+
+
+def _contact_spring(given: Evidence) -> Evaluation | None:
+    share = given.fe_plan.spring_share
+    if given.second or not given.relieved or not share:
+        return None
+    meaning = (
+        f"deflection of the corner's spring over the way of the centre: {FLOOR:g} and {100 * SHARE:g} % of the "
+        'deflection ratio are allowed; corner.constraint = "exact" has none'
+    )
+    return Evaluation(share, FLOOR + SHARE * given.fe_plan.deflection_ratio, meaning)
+
+
+def _oscillation(given: Evidence) -> Evaluation | None:
+    """An unstressed plate swings about its elastic state with the energy of that state, which goes with N squared."""
+    if given.relieved:
+        return None
+    fe_plan, reaction = given.fe_plan, given.rigid["reaction_normal"]
+    reaction = reaction[np.isfinite(reaction)]
+    scale = float((reaction**2).max() / reaction[0] ** 2) * fe_plan.elastic_energy
+    undamped = fe_plan.model.loop.elastic_damping is None
+    limit = OSCILLATES * math.exp(fe_plan.growth.harmless if undamped else 0.0)
+    meaning = (
+        "largest kinetic energy of the oscillation over the elastic energy of the plate under its reaction, which an "
+        "unstressed start begins without: theory allows 1, and growth by friction too slow to be damped"
+    )
+    return Evaluation(float(given.history["vibration_energy"].max()) / scale, limit, meaning)
+
+
+def _numerical_error(given: Evidence) -> Evaluation:
+    meaning = (
+        f"what mesh, time step, constraint, damping and ringing may change in the five quantities; {FLOOR:g} and "
+        f"{100 * SHARE:g} % of what the plate's flexibility changes are allowed"
+    )
+    return Evaluation(given.error.total, given.error.allowed, meaning)
+
+
+def _agreement(given: Evidence) -> Evaluation | None:
+    """Only where the scene demands it: a flexible plate that is right need not agree."""
+    verify = given.fe_plan.case.scene.verify
+    if verify is None:
+        return None
+    meaning = "largest difference from the rigid motion; the scene demands it by verify.tolerance"
+    return Evaluation(largest(given.differences), verify.tolerance, meaning)
+
+
+MECHANICS = (
+    CheckKind("tail-slap reached", _reached, f"{MORE_DAMPING}; {SOFT}", shows_ringing=True),
+    CheckKind("finite numbers", _finite, f"{STEP}; {MORE_DAMPING}", shows_ringing=True),
+    CheckKind("time step", _time_step, STEP),
+    CheckKind("energy balance", _energy, STEP),
+    CheckKind("momentum balance", _momentum, STEP),
+    CheckKind("penetration", _penetration, STIFFER),
+    CheckKind("friction by ringing", _ringing, ROUGH, shows_ringing=True),
+    CheckKind("reaction against rigid", _reaction, ROUGH, shows_ringing=True, of_reaction=True),
+    CheckKind("mesh", _mesh, FINER),
+    CheckKind("contact spring", _contact_spring, STIFFER),
+    CheckKind("oscillation", _oscillation, ROUGH, shows_ringing=True),
+    CheckKind("numerical error", _numerical_error, f"leave plate.start out if it is unstressed; {FINER}"),
+    CheckKind("agreement with rigid", _agreement, "a stiffer plate, or a larger verify.tolerance"),
+)
+"""In the order in which they are told."""
+
+
+def _contact_work(given: Evidence) -> Evaluation:
+    """What the spring lost, against the work of its force; an exact constraint stores nothing."""
+    history, corner = given.history, given.fe_plan.model.loop.corner
+    if corner.is_exact:
+        share = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]
+        meaning = "energy in the constraint over the energy at the start: the exact constraint stores none"
+        return Evaluation(share, LEAST, meaning)
+    stepped = slice(-1 if history["t"].size > 2 else None)  # the last row is interpolated, not linear in y
+    energy, gap = history["contact_energy"][stepped], history["gap"][stepped]
+    # With a dashpot N is not the spring's force alone.
+    force = -corner.stiffness * gap if corner.dashpot else history["reaction_normal"][stepped]
+    surplus = _work(force, gap) + energy - energy[0]
+    scale = np.maximum(np.abs(energy).max(), LEAST * history["kinetic_energy"][0])
+    meaning = (
+        "work of the normal force less what the energy in the corner's spring lost, over its largest energy"
+    )
+    return Evaluation(_over(np.abs(surplus).max(), scale), 1e-6, meaning)
+
+
+def _stored(given: Evidence) -> Evaluation:
+    stored = given.history["contact_energy"] + given.history["hourglass_energy"]
+    meaning = "largest energy in contact and hourglass control over the energy at the start; customary limit, Radioss"
+    return Evaluation(stored.max() / given.history["kinetic_energy"][0], 0.15, meaning)
+
+
+def _friction(given: Evidence) -> Evaluation | None:
+    if not given.friction.impulse:
+        return None
+    history = given.history
+    work = -given.fe_plan.case.scene.corner_friction * _work(history["v_p"], history[given.friction.impulse])
+    off = np.abs(history["friction_work"] - history["friction_work"][0] - work).max()
+    meaning = (
+        "work of friction in the ledger less coefficient x impulse x speed of the corner, over its largest"
+    )
+    return Evaluation(_over(off, np.abs(work).max()), 0.01, meaning)
+
+
+def _dissipation(given: Evidence) -> Evaluation | None:
+    if given.friction.frictionless or not given.friction.dissipative:
+        return None
+    work = given.history["friction_work"]
+    value = _over(np.diff(work).max(initial=0.0), np.abs(work).max())
+    meaning = "largest work that friction gave back between two rows, over all that it took: it may only take"
+    return Evaluation(value, 1e-9, meaning)
+
+
+def _against_rigid(given: Evidence) -> Evaluation | None:
+    """Without what friction does to a reaction that rings: that has a check of its own. An unstressed plate's reaction
+    swings too far to be compared."""
+    if not given.relieved:
+        return None
+    history, expected = given.history, given.rigid["friction_work"]
+    ringing = 0.0 * history["v_p"]
+    if given.friction.impulse == "normal_impulse_magnitude":
+        rectified = history["normal_impulse_magnitude"] - np.abs(history["normal_impulse"])
+        ringing = -given.fe_plan.case.scene.corner_friction * _work(history["v_p"], rectified)
+    known = np.isfinite(expected)
+    off = np.abs(history["friction_work"] - ringing - expected)[known].max()
+    meaning = (
+        "work of friction, but for what a ringing reaction adds, less the rigid solution's, over its largest"
+    )
+    value = _over(off, np.abs(expected[known]).max())
+    flexible = sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio
+    return Evaluation(value, 0.05 + 2.0 * flexible, meaning)
+
+
+def _work(force: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Integral of force over `along` up to each row, by the trapezoidal rule."""
+    return np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(along)))
+
+
+def _over(part: float, whole: float) -> float:
+    """Part over whole; 0 where there is neither."""
+    return 0.0 if part == 0.0 else float(part / whole)
+
+
+CONTACT = (
+    CheckKind("contact work", _contact_work, STEP),
+    CheckKind("contact energy", _stored, STIFFER),
+    CheckKind("friction work", _friction, "more time.rows"),
+    CheckKind("friction takes energy", _dissipation, MORE_DAMPING),
+    CheckKind("friction work against rigid", _against_rigid, ROUGH, of_reaction=True),
+)
+"""In the order in which they are told."""
+
+
+def _energy_ratio(given: Evidence) -> Evaluation:
+    """Work of the dampers counts as energy still there, that of the wall's friction as external."""
+    history = given.history
+    total = np.sum([history[name] for name in STORED_ENERGIES], axis=0) - history["damping_work"]
+    ratio = total / (total[0] + history["friction_work"])
+    meaning = (
+        f"largest distance from 1 of total energy over (initial energy + external work), from {ratio.min():.7f} "
+        f"to {ratio.max():.7f}; LS-DYNA's energy ratio, 2 % is customary (Radioss)"
+    )
+    return Evaluation(np.abs(ratio - 1.0).max(), 0.02, meaning)
+
+
+def _hourglass_share(given: Evidence) -> Evaluation:
+    """Shown for every element: who knows the practice looks for these lines, and they cost nothing. Held to where the
+    numerical error is not small enough: an assumed strain stabilises, and with few elements across its energy is that
+    of bending, all of it with one."""
+    energy, strain = given.history["hourglass_energy"], given.history["strain_energy"]
+    meaning = f"largest hourglass energy over the largest strain energy; {NCHRP}"
+    if given.fe_plan.model.loop.hourglass is None:
+        return Evaluation(energy.max(), 0.0, f"{meaning}; the elements are fully integrated and have none")
+    small = given.error.total <= given.error.allowed
+    why = "; not required here: it is energy of bending, and the numerical error tells what the mesh changes"
+    return Evaluation(
+        energy.max() / (strain + energy).max(), 1.0 if small else 0.1, meaning + (why if small else "")
+    )
+
+
+def _hourglass_of_total(given: Evidence) -> Evaluation:
+    share = given.history["hourglass_energy"].max() / given.history["kinetic_energy"][0]
+    return Evaluation(share, 0.05, f"largest hourglass energy over the energy at the start; {NCHRP}")
+
+
+def _added_mass(given: Evidence) -> Evaluation:
+    vehicle, plate = given.fe_plan.case.scene.vehicle, given.fe_plan.plate
+    body = plate_density(given.fe_plan.case.scene, plate) * plate.thickness * vehicle.length * vehicle.width
+    meaning = (
+        "mass of the model over density x volume, less 1; no mass is scaled here, and the exact inertia moves mass "
+        f"between nodes but adds none, so the limit is rounding; {NCHRP}, would be 0.05"
+    )
+    return Evaluation(abs(given.fe_plan.model.mass / body - 1.0), 1e-9, meaning)
+
+
+def _metric(metric: str, customary: float, what: str, given: Evidence) -> Evaluation:
+    """The worst of the histories; the reaction of an unstressed start rings, and is only shown."""
+    names = [name for name in given.metrics if name != "reaction_normal" or given.relieved]
+    sizes = np.abs([getattr(given.metrics[name], metric) for name in names])
+    worst = int(np.argmax(sizes))  # the first NaN, where there is one
+    meaning = f"{what}, largest for {names[worst]}; {NCHRP}"
+    limit = max(customary, 2.0 * sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio)
+    if limit > customary:
+        meaning += f" {customary:g}, here twice what the flexibility of this soft plate changes"
+    return Evaluation(sizes[worst], limit, meaning)
+
+
+METRICS = {
+    "Sprague-Geers magnitude": ("magnitude", 0.4, "difference in size between FE and rigid history"),
+    "Sprague-Geers phase": (
+        "phase",
+        0.4,
+        "difference in phase between FE and rigid history, 1 for opposite signs",
+    ),
+    "Sprague-Geers combined": ("combined", 0.4, "magnitude and phase together"),
+    "mean residual": ("mean_residual", 0.05, "mean of FE - rigid over the rigid history's peak"),
+    "deviation of residuals": (
+        "deviation",
+        0.35,
+        "standard deviation of FE - rigid over the rigid history's peak",
+    ),
+}
+"""By the name of the check: metric, its customary limit, and what it is."""
+
+ENERGY_RATIO = CheckKind("energy ratio", _energy_ratio, STEP)
+"""It is told before the checks of the contact, the others after them."""
+
+PRACTICE = (
+    CheckKind("hourglass share", _hourglass_share, ELEMENTS),
+    CheckKind("hourglass over total energy", _hourglass_of_total, ELEMENTS),
+    CheckKind("added mass", _added_mass, 'plate.lumping = "exact"'),
+    *(CheckKind(name, partial(_metric, *how), ROUGH, of_reaction=True) for name, how in METRICS.items()),
+)
+"""In the order in which they are told."""
+
+CHECKS: Registry[CheckKind] = Registry("check")
+"""Checks by name, in the order in which they are told."""
+
+for _kind in (*MECHANICS, ENERGY_RATIO, *CONTACT, *PRACTICE):
+    CHECKS.register(_kind)
+
+
+def ringing_checks() -> set[str]:
+    """Names of the checks that a run which rings fails."""
+    return {name for name, kind in CHECKS.items() if kind.shows_ringing}
+
+
+def reaction_checks() -> set[str]:
+    """Names of the checks that a reaction which rings can fail while the five quantities are right."""
+    return {name for name, kind in CHECKS.items() if kind.of_reaction}

@@ -1,0 +1,129 @@
+"""Models of the plate with a constrained corner, and what statics tells of its flexibility, mesh and damping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.laws.friction import FRICTION_LAWS
+from postprocess.comparison.quantities import largest, relative_difference
+from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.model import fe_mesh, plate_properties, refusal, resolved_plate, step_properties
+from tailslap.errors import InputError
+from tailslap.scene.schema import Plate
+
+if TYPE_CHECKING:
+    import meshio
+
+    from fem.model.plate_model import PlateModel
+    from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
+    from fem.start.rigid_state import RigidStart
+
+MIN_STEPS = 1000
+"""Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
+
+FLAT, STEEP = 0.8, 2.6
+"""Change of the result over the deflection ratio: so much at small angles, and so much more per radian of start angle.
+Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
+
+
+SWINGS = 0.5
+"""Change of the result over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
+
+RECTIFIED = 0.1
+"""Friction that an unstressed plate's oscillation adds, as a share: the reaction swings through zero, and friction goes
+with its magnitude. 0.08 to 0.10 where nothing grows, from a tenth to ten times the stiffness of steel."""
+
+
+@dataclass(frozen=True)
+class FeInput:
+    """What a model is made from, in the terms of `fem`."""
+
+    plate: PlateProperties
+    corner: CornerProperties
+    step: StepProperties
+
+
+def fe_input(case: RigidStages, plate: Plate) -> FeInput:
+    """Properties of the plate, which has a modulus, its corner and the time step."""
+    from fem.plate.kinds import CornerProperties
+
+    scene, corner, angle = case.scene, case.scene.corner, case.start.angle
+    friction = scene.corner_friction
+    return FeInput(
+        plate_properties(scene, plate),
+        CornerProperties(
+            FRICTION_LAWS[corner.reaction].constants(friction)
+            if friction > 0.0
+            else None,  # None: no friction code
+            corner.constraint,
+            corner.penalty_scale,
+            patch_length=corner.patch_length or 0.0,
+            damping_ratio=corner.damping_ratio or 0.0,
+            angles=(angle, 0.5 * angle, 0.0),
+        ),
+        step_properties(scene, case.duration / MIN_STEPS),
+    )
+
+
+def make_static_model(case: RigidStages, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
+    """The model without what needs its frequencies, on this mesh or its own. Raises InputError."""
+    from fem.model.plate_model import static_model
+    from fem.plate.kinds import ModelError
+
+    mesh = mesh or fe_mesh(case.scene, plate)
+    given = fe_input(case, resolved_plate(case.scene, plate, mesh))
+    try:
+        return static_model(mesh, given.plate, given.corner)
+    except ModelError as error:
+        raise refusal(case.scene, plate, error) from None
+
+
+def sensitivity(angle: float) -> float:
+    """Change of the answer over the deflection ratio, at most, for a start at this angle [rad] by inertia relief."""
+    return FLAT + STEEP * angle
+
+
+def oscillation_lost(case: RigidStages, energy: float, mass: float, rate: float) -> float:
+    """What damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share of the
+    speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts without."""
+    swing = math.sqrt(2.0 * energy / mass) / abs(case.motion.strike.v_gy)
+    return SWINGS * swing * _decayed(case, rate)
+
+
+def friction_lost(case: RigidStages, rate: float) -> float:
+    """Largest relative change of the five quantities by the friction that goes with that oscillation."""
+    scene = case.scene
+    if FRICTION_LAWS[scene.corner.reaction].impulse != "normal_impulse_magnitude":
+        return 0.0
+    try:
+        more = case.varied({"corner.friction": (1.0 + RECTIFIED) * scene.corner_friction})
+    except InputError:  # so much friction the theory has no solution for
+        return math.inf
+    return largest(relative_difference(more.tail_slap, case.tail_slap)) * _decayed(case, rate)
+
+
+def _decayed(case: RigidStages, rate: float) -> float:
+    """Share of an oscillation's amplitude that damping at this rate [1/s] takes off until the strike."""
+    return -math.expm1(-0.5 * rate * case.motion.strike.t)
+
+
+def rigid_start(case: RigidStages) -> RigidStart:
+    """What the plate starts from."""
+    from fem.start.rigid_state import RigidStart
+
+    return RigidStart(case.start.angle, float(case.start.omega), float(case.start.corner_speed))
+
+
+def deflection_ratio(case: RigidStages, model: PlateModel) -> float:
+    """Static deflection of the plate's centre at the start, over its travel to the wall."""
+    from fem.start.inertia_relief import static_deflection
+
+    return abs(static_deflection(model, rigid_start(case))) / centre_travel(case)
+
+
+def centre_travel(case: RigidStages) -> float:
+    """Way [m] of the centre of mass towards the wall until the tail-slap."""
+    corner_angle = case.body.corner_angle
+    return case.body.corner_radius * (math.sin(case.start.angle + corner_angle) - math.sin(corner_angle))

@@ -1,0 +1,173 @@
+"""CornerPlan: what a run of a constrained corner integrates, its open ends decided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from tailslap.case.case import FePlan
+from tailslap.case.corner.decisions import (
+    Growth,
+    Mesh,
+    decide_mesh,
+    harms,
+    open_constraint,
+    open_damping,
+    open_threads,
+    predict_growth,
+    softer_constraint,
+)
+from tailslap.case.corner.model import centre_travel, deflection_ratio, fe_input, rigid_start
+from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.model import demand_steps
+from tailslap.errors import InputError
+
+if TYPE_CHECKING:
+    import meshio
+
+    from fem.model.plate_model import PlateModel
+    from fem.start.rigid_state import RigidStart
+
+
+@dataclass(frozen=True)
+class CornerPlan(FePlan):
+    """What the run integrates, and how far it may be from a rigid plate; the scene of its case has no open ends.
+
+    Attributes
+    ----------
+    asked : RigidStages
+        The case as given.
+    growth : Growth
+        Of the fastest mode by friction.
+    start : RigidStart
+        Rigid state at the start of Stage 2.
+    travel : float
+        Of the centre of mass towards the wall [m].
+    deflection_ratio : float
+        Static deflection under the reaction at the start over `travel` [-].
+    other_deflection_ratio : float
+        The same of the comparable plate [-]; what it differs by is the discretisation error.
+    rang : bool
+        Whether a run with less damping rang.
+    """
+
+    case: RigidStages
+    asked: RigidStages
+    growth: Growth
+    start: RigidStart
+    travel: float
+    deflection_ratio: float
+    other_deflection_ratio: float
+    rang: bool = False
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First elastic frequency of the free plate in its plane [Hz], as given or computed."""
+        return self.plate.first_frequency or super().first_frequency
+
+    @property
+    def wall(self) -> meshio.Mesh | None:
+        """The wall's mesh, with the middle of the corner's path in its middle: for pictures, the wall is rigid."""
+        from meshes import wall_mesh
+
+        wall, slide = self.case.scene.wall, self.case.motion.strike.slide
+        if wall is None:
+            return None
+        return wall_mesh(0.5 * (slide - wall.length), wall.length, wall.depth, wall.elements)
+
+    @cached_property
+    def damping_lag(self) -> float:
+        """What the damping of elastic velocities holds the corner back by, over the centre's way to the wall."""
+        from fem.start.inertia_relief import damping_lag
+
+        return damping_lag(self.model, self.start) / self.travel
+
+    @cached_property
+    def elastic_energy(self) -> float:
+        """Energy [J] of the quasi-static elastic state at the start, the corner's spring included."""
+        from fem.start.inertia_relief import elastic_energy
+
+        return elastic_energy(self.model, self.start)
+
+    @cached_property
+    def spring_share(self) -> float:
+        """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
+        stiffness = self.model.loop.corner.stiffness
+        normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
+        return abs(float(normal)) / stiffness / self.travel
+
+
+def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan:
+    """Decide what the scene leaves open, mesh and assemble.
+
+    Parameters
+    ----------
+    case : RigidStages
+        With [plate].
+    more_damping : float
+        Factor on the damping that is predicted to be needed [-]; above 1 the first run rang, see `open_damping`.
+
+    Returns
+    -------
+    CornerPlan
+        Ready to be integrated.
+
+    Raises
+    ------
+    InputError
+        For keys that make no model.
+    """
+    from fem.model.plate_model import with_elastic_damping
+
+    asked = case
+    mesh, decisions = decide_mesh(case, case.scene.needed_plate)
+    plate = mesh.plate
+    case = case.with_changes({"plate.elements": plate.elements, "plate.element": plate.element})
+    threads = open_threads(case, plate)
+    constraint = open_constraint(case, plate, mesh.spring_share)
+    case = case.decided(threads + constraint)
+    model, growth = _completed(case, mesh)
+    if growth.overdamps and not constraint and (constraint := softer_constraint(case, mesh.spring_share)):
+        case = case.decided(constraint)
+        model, growth = _completed(case, mesh)
+    ratio = deflection_ratio(case, model) if constraint else mesh.deflection_ratio
+    damping = open_damping(case, growth, more_damping, harms(case, plate, model, growth, ratio))
+    if damping:
+        case = case.decided(damping)
+        model = with_elastic_damping(model, fe_input(case, plate).step)
+        demand_steps(case.scene, case.duration, model)
+    _demand_wall(case)
+    return CornerPlan(
+        case=case,
+        plate=plate,
+        decisions=decisions + threads + constraint + damping,
+        model=model,
+        asked=asked,
+        growth=growth,
+        start=rigid_start(case),
+        travel=centre_travel(case),
+        deflection_ratio=ratio,
+        other_deflection_ratio=mesh.other_deflection_ratio,
+        rang=more_damping > 1.0,
+    )
+
+
+def _completed(case: RigidStages, mesh: Mesh) -> tuple[PlateModel, Growth]:
+    """The model with the constraint and all that a run needs, and what is predicted to grow in it."""
+    from fem.model.plate_model import finished_model, with_constraint
+
+    given = fe_input(case, mesh.plate)
+    model = with_constraint(mesh.model, given.plate, given.corner)
+    model = finished_model(model, given.plate, given.corner, given.step)
+    demand_steps(case.scene, case.duration, model)
+    normal = float(case.motion_of_mass(mesh.model.mass).at(0.0).reaction_normal)
+    return model, predict_growth(case, mesh.plate, model, normal)
+
+
+def _demand_wall(case: RigidStages) -> None:
+    """Raise InputError where the corner slides beyond the wall."""
+    wall, slide = case.scene.wall, case.motion.strike.slide
+    if wall is not None and wall.length < abs(slide):
+        allowed = f"the corner slides {slide:.4g} m along the wall; allowed is a length of at least that"
+        raise InputError("wall.length", wall.length, allowed)

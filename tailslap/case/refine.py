@@ -1,0 +1,52 @@
+"""The same plate on another mesh, or of higher-order elements: what a run's error is told by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from fem.plate.kinds import ELEMENT_KINDS
+from tailslap.scene.schema import Plate
+
+HIGHER_ORDER_UP_TO = 20_000
+"""Elements above which statics judges the mesh by a coarser one, of at most so many."""
+
+FINER_UP_TO = 400
+"""Elements up to which a second run has the finer mesh; above, one of about as many nodes as the first."""
+
+
+def refined(
+    plate: Plate,
+    factor: float = 2.0,
+    element: str | None = None,
+    least: int = 1,
+    whole: Callable[[float], int] = math.floor,
+) -> Plate:
+    """The plate with `factor` times the elements each way, at least `least`, of another kind where one is given.
+
+    whole: how their number is rounded.
+    """
+    along, across = (max(least, whole(factor * count)) for count in plate.counts)
+    other = {} if element is None else {"element": element}
+    return plate.model_copy(update={"elements": (along, across), **other})
+
+
+def comparable_plate(plate: Plate) -> Plate:
+    """The plate by which statics judges the mesh: higher-order elements, of a large mesh a coarser one."""
+    if math.prod(plate.counts) > HIGHER_ORDER_UP_TO:
+        while math.prod(plate.counts) > HIGHER_ORDER_UP_TO:
+            plate = refined(plate, 0.5)
+        return plate
+    if higher := ELEMENT_KINDS[plate.element].richer:
+        # Row sums give the corners of quadratic triangles no mass.
+        return plate.model_copy(update={"element": higher, "lumping": "exact"})
+    return refined(plate)
+
+
+def second_plates(plate: Plate) -> tuple[Plate, Plate]:
+    """Plates of a second run, to try in turn: quadratic elements where the run has linear ones, for a mesh that locks
+    may agree with one that locks a little less; else another number of elements."""
+    few, higher = math.prod(plate.counts) <= FINER_UP_TO, ELEMENT_KINDS[plate.element].richer
+    factors = (1.0, 2.0) if few and higher else (2.0, 0.5) if few else (0.5, 2.0)
+    first, second = (refined(plate, factor, higher or plate.element) for factor in factors)
+    return first, second

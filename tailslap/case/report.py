@@ -1,0 +1,376 @@
+"""Parts of reports, texts and summaries that both kinds of case have: checks, forces, cost, fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import tailslap
+from postprocess.fields.series import FILE, FieldSeries, write_fields
+from postprocess.report.numbers import duration, grouped, number
+from postprocess.report.page import Page, Section
+from postprocess.report.table import Column, Table, pairs
+from postprocess.signals.design_forces import design_forces
+from tailslap.case.case import FePlan, Outcome
+from tailslap.case.checks import Check
+from tailslap.case.cost import loop_seconds
+from tailslap.scene.write import resolved_inputs, scene_text
+
+if TYPE_CHECKING:
+    from fem.model.plate_model import PlateModel
+    from fem.run.observers import Snapshots
+    from tailslap.scene.schema import Scene
+
+LABEL = 13
+"""Columns of a label of `tailslap check`."""
+
+Parts = Sequence[tuple[str, str]]
+"""Parts that a scene does without, each with the reason."""
+
+Cure = Callable[[str], str]
+"""What to do against a failed check, by its name."""
+
+
+CELL_TYPES = {
+    "ElementQuad1": "quad",
+    "ElementQuadS2": "quad8",
+    "ElementQuad2": "quad9",
+    "ElementTriP1": "triangle",
+    "ElementTriP2": "triangle6",
+}
+"""Cells of other programs by scikit-fem's elements, whose nodes come in the same order."""
+
+
+def milliseconds(seconds: float) -> str:
+    """A time [s] in milliseconds."""
+    return f"{1e3 * seconds:.1f}"
+
+
+PEAKS = (
+    Column("what", "Peak lateral force"),
+    Column("fe", "FE", "N", form="#.4g", style="strong"),
+    Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
+)
+DESIGN = (
+    Column("name", "Design force", style="whole"),
+    Column("force", "Lateral", "N", form="#.3g", style="strong"),
+    Column("share", "FE over it", form=".2f"),
+    Column("source", "Source", style="soft"),
+)
+CHECKS = (
+    Column("name", "Check"),
+    Column("value", "Value", form=".3g"),
+    Column("limit", "Limit", form=".3g"),
+    Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
+    Column("meaning", "What it means"),
+)
+FAILED = (
+    Column("name", "Failed check"),
+    Column("value", "Value", form=".3g", style="strong"),
+    Column("limit", "Limit", form=".3g"),
+    Column("cure", "What to do"),
+)
+INPUTS = (
+    Column("key", "Key", form=lambda key: f"`{key}`"),
+    Column("given", "As given", form=lambda given: f"`{given}`" if given else ""),
+    Column("value", "Value", form=lambda value: number(value, 6), unit_key="unit"),
+    Column("unit", "Unit", is_unit=True),
+    Column("origin", "From"),
+)
+TAIL_SLAP = (
+    Column("quantity.title", "Quantity"),
+    Column("quantity.symbol", ""),
+    Column("fe", "FE", form="#.5g", unit_key="quantity.unit"),
+    Column("rigid", "Rigid, exact", form="#.5g", unit_key="quantity.unit"),
+    Column("quantity.unit", "Unit", is_unit=True),
+    Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
+)
+"""Columns of the rows of `comparison_rows`."""
+
+STRIKES = (
+    Column("title", "Strike"),
+    Column("model", "Model"),
+    Column("start", "Start", "ms", form=milliseconds),
+    Column("duration", "Duration", "ms", form=milliseconds),
+    Column("peak_force", "Peak", "N", form=".1f", style="strong"),
+    Column("impulse", "Impulse", "N s", form=".2f"),
+    Column("point_of_attack", "Point of attack", "m", form=".2f"),
+)
+ATTACK = "Point of attack of the mean force, behind the front."
+COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
+    "elements": ("elements", grouped),
+    "nodes": ("nodes", grouped),
+    "steps": ("time steps", grouped),
+    "time_step": ("time step", duration),
+    "setup_s": ("set-up", duration),
+    "time_loop_s": ("time loop", duration),
+    "pictures_s": ("pictures", duration),
+}
+"""Sizes and times of a run, as they are told."""
+
+
+def fe_text(
+    fe_plan: FePlan, rows: int, start: str, contact: Sequence[str], steps: str = "", more: Sequence[str] = ()
+) -> list[str]:
+    """Lines of `tailslap check` on the FE run of so many rows.
+
+    start: what the plate starts from; contact: lines on it; steps: what follows on the steps; more: further lines.
+    """
+    model, plate = fe_plan.model, fe_plan.plate
+    elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
+    seconds = loop_seconds(fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows)
+    return [
+        f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
+        f"{plate.lumping} masses{start}",
+        f"stiffness    Young's modulus {plate.youngs_modulus:.6g} Pa, first frequency of the free plate in its plane "
+        f"{fe_plan.first_frequency:.4g} Hz",
+        *contact,
+        f"time step    {step:.4g} s, {step / model.stable_time_step:.2f} of the stable {model.stable_time_step:.4g} s",
+        f"steps        {fe_plan.expected_steps}, about {seconds:.2g} s in the time loop{steps}",
+        *more,
+        *(f"chosen       {decision.shown}" for decision in fe_plan.decisions),
+    ]
+
+
+def left_out_text(omitted: Parts) -> list[str]:
+    """Lines of `tailslap check` on what a run leaves out."""
+    return [f"left out     {part}: {why}" for part, why in omitted]
+
+
+def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:
+    """What the lines say, by their labels: lists of texts."""
+    said: dict[str, Any] = {"scene": scene, "valid": True}
+    for line in lines[1:]:
+        said.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
+    return said
+
+
+def run_summary(outcome: Outcome, omitted: Parts) -> dict[str, Any]:
+    """What the summaries of both kinds' runs have alike, SI."""
+    fe_plan, model = outcome.fe_plan, outcome.fe_plan.model
+    return {
+        "scene": fe_plan.case.scene.name,
+        "version": tailslap.__version__,
+        "passed": outcome.passed,
+        "checks": [asdict(check) for check in outcome.checks],
+        "chosen": [asdict(decision) for decision in fe_plan.decisions],
+        "cost": run_cost(outcome),
+        "left_out": [{"part": part, "why": why} for part, why in omitted],
+        "plate": {
+            "mass": model.mass,
+            "youngs_modulus": fe_plan.plate.youngs_modulus,
+            "first_frequency": fe_plan.first_frequency,
+            "highest_frequency": model.highest_frequency,
+            "stable_time_step": model.stable_time_step,
+        },
+    }
+
+
+def run_cost(outcome: Outcome) -> dict[str, float | int]:
+    """Sizes and times of a run."""
+    loop = outcome.fe_plan.model.loop
+    return {
+        "elements": int(loop.table.connectivity.shape[1]),
+        "nodes": int(loop.mass.size),
+        "steps": outcome.run.steps,
+        "time_step": loop.time_step,
+        "setup_s": outcome.setup_s,
+        "time_loop_s": outcome.run.time_loop_s,
+    }
+
+
+def run_page(
+    outcome: Outcome,
+    kicker: str,
+    headline: str,
+    sections: Sequence[Section],
+    omitted: Parts,
+    footer: str,
+    drawn: Mapping[str, float] | None = None,
+) -> Page:
+    """The page of a run; its cost, with that of pictures, what was left out and its inputs come after the sections."""
+    fe_plan = outcome.fe_plan
+    scene, source = fe_plan.case.scene, fe_plan.case.source
+    chosen = frozenset(decision.key for decision in fe_plan.decisions)
+    inputs = resolved_inputs(scene, source, fe_plan.plate, chosen)
+    spent = {**run_cost(outcome), **(drawn or {})}
+    told = {COST[name][0]: COST[name][1](value) for name, value in spent.items() if name in COST}
+    parts = [{"part": part, "why": why} for part, why in omitted]
+    left_out = Table((Column("part", "Part"), Column("why", "Why")), parts)
+    record = [
+        Section("Cost", tables=[pairs(told)], is_folded=True),
+        Section("Left out", "" if parts else "Nothing.", tables=[left_out], is_folded=True),
+        Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
+    ]
+    return Page(
+        kicker=kicker,
+        title=scene.name,
+        headline=headline,
+        sections=[*sections, *record],
+        footer=f"tailslap {tailslap.__version__}. {footer}",
+        scene_text=scene_text(source),
+        passed=outcome.passed,
+        contents=True,
+    )
+
+
+def terminal_text(
+    outcome: Outcome,
+    verdict: str,
+    tables: Sequence[Table],
+    cure: Cure,
+    diagnosis: Sequence[str] = (),
+    drawn: str = "",
+) -> tuple[Table | str, ...]:
+    """What a run says on the terminal: the verdict, its tables, what was chosen, what failed, and what it cost.
+
+    diagnosis: what is known of the cause of a failure; drawn: what pictures cost.
+    """
+    failed = [check for check in outcome.checks if not check.passed]
+    cures = dict.fromkeys(part for check in failed for part in cure(check.name).split("; "))
+    return (
+        f"{outcome.fe_plan.case.scene.name}: {verdict}",
+        "",
+        *tables,
+        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
+        *(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g}" for check in failed),
+        *([f"What to do: {'; '.join(cures)}.", *diagnosis] if failed else ()),
+        passed_text(outcome.checks),
+        f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{drawn}",
+    )
+
+
+def chosen_sentences(fe_plan: FePlan) -> list[str]:
+    """What the program chose."""
+    return [f"Chosen by the program: {decision.shown}." for decision in fe_plan.decisions]
+
+
+def design_table(scene: Scene, peak: float) -> Table:
+    """Design forces of the scene's test level, and the peak force [N] over each; empty without a test level."""
+    level = scene.impact.test_level if scene.impact else None
+    rows = [
+        {
+            "name": f"{each.name}, {level}",
+            "force": each.force,
+            "share": peak / each.force,
+            "source": each.source,
+        }
+        for each in (design_forces(level) if level else ())
+    ]
+    return Table(DESIGN, rows)
+
+
+def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    """Strikes of each model, as its summary has them, in order of time."""
+    rows: list[dict[str, Any]] = [
+        {"point_of_attack": None, **strike, "model": model, "title": f"{n} {strike['corner']}", "number": n}
+        for model, its in strikes.items()
+        for n, strike in enumerate(its, 1)
+    ]
+    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=(ATTACK,))
+
+
+def short(table: Table) -> Table:
+    """A table for the terminal, without its last column, which is long."""
+    return Table(table.columns[:-1], table.rows)
+
+
+def failed_section(checks: Sequence[Check], cure: Cure, diagnosis: Sequence[str]) -> Section:
+    """The checks that failed, with what to do against each, and what was found of the cause; empty if none failed."""
+    rows = [vars(check) | {"cure": cure(check.name)} for check in checks if not check.passed]
+    return Section(
+        "Failed checks, and what to do", tables=[Table(FAILED, rows)], sentences=diagnosis if rows else ()
+    )
+
+
+def passed_text(checks: Sequence[Check]) -> str:
+    """How many passed."""
+    return f"Checks: {sum(check.passed for check in checks)} of {len(checks)} passed"
+
+
+def checks_section(checks: Sequence[Check], groups: Mapping[str, str]) -> Section:
+    """All checks by the group of each name, which is the title of its table."""
+    tables = []
+    for title in dict.fromkeys(groups.get(check.name, "Others") for check in checks):
+        own = [check for check in checks if groups.get(check.name, "Others") == title]
+        marks = {number: "failed" for number, check in enumerate(own) if not check.passed}
+        tables.append(Table(CHECKS, own, title, marks=marks))
+    return Section(passed_text(checks), tables=tables, is_folded=True)
+
+
+def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
+    """Displacement, velocity, stress and energy density at the kept instants."""
+    cell_type, cells = _cells(model)
+    nodes = int(cells.max()) + 1
+    place = _rigid_place(model, snapshots.positions[0])
+    rigid = np.array([_rigid_place(model, positions) for positions in snapshots.positions])
+    nodal = {
+        "displacement": snapshots.positions - place,
+        "elastic_displacement": snapshots.positions - rigid,
+        "velocity": snapshots.velocities,
+    }
+    return FieldSeries(
+        cell_type,
+        place.T[:nodes].copy(),
+        cells,
+        snapshots.t,
+        {name: np.ascontiguousarray(field.transpose(0, 2, 1)[:, :nodes]) for name, field in nodal.items()},
+        _elemental(model, snapshots.positions),
+    )
+
+
+def series_of_ends(outcome: Any) -> FieldSeries:
+    """Fields at the start and at the tail-slap of a run that reached it."""
+    from fem.run.observers import Snapshots
+    from fem.start.start_kinds import start_fields
+
+    plan, strike = outcome.fe_plan, outcome.run.strike
+    start = start_fields(plan.model, plan.start, plan.plate.start)
+    states = zip(start, (strike.positions, strike.velocities), strict=True)
+    return field_series(plan.model, Snapshots(np.array([0.0, strike.values["t"]]), *map(np.array, states)))
+
+
+def keep_fields(outcome: Any, folder: Path) -> None:
+    """Write the fields of a run into the folder, where some were kept."""
+    if outcome.run.snapshots is not None:
+        write_fields(folder / FILE, field_series(outcome.fe_plan.model, outcome.run.snapshots))
+
+
+def _cells(model: PlateModel) -> tuple[str, np.ndarray]:
+    """Type and nodes of the elements; the corners alone of one that other programs do not know."""
+    scalar = model.discretisation.scalar
+    known = CELL_TYPES.get(type(scalar.elem).__name__)
+    if known:
+        return known, np.ascontiguousarray(model.loop.table.connectivity.T)
+    cells = model.discretisation.cells
+    return ("quad" if cells.shape[1] == 4 else "triangle"), np.ascontiguousarray(cells)
+
+
+def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
+    """The unstrained plate where it fits these positions best, by mass, shape (2, nodes) [m]."""
+    share = model.loop.mass / model.loop.mass.sum()
+    body = model.discretisation.positions
+    body = body - (body @ share)[:, None]
+    centre = (positions @ share)[:, None]
+    (a, b), (c, d) = (share * (positions - centre)) @ body.T
+    angle = np.arctan2(c - b, a + d)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.asarray(centre + np.array([[cosine, -sine], [sine, cosine]]) @ body)
+
+
+def _elemental(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
+    from fem.stability.deformed import element_stress
+
+    found = np.array([element_stress(model, each) for each in positions])
+    s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)
+    middle, radius = 0.5 * (s_xx + s_yy), np.hypot(0.5 * (s_xx - s_yy), s_xy)
+    return {
+        "stress_von_mises": np.sqrt(middle**2 + 3.0 * radius**2),
+        "stress_principal_1": middle + radius,
+        "stress_principal_2": middle - radius,
+        "strain_energy_density": density,
+    }

@@ -1,1 +1,0 @@
-"""Whether a run is right: checks, numerical error, verdict."""
