@@ -68,7 +68,7 @@ def cost() -> None:
     pairs = [(advance_time(damped), advance_time(plain)) for _ in range(TURNS)]
     ratios = [one / other for one, other in pairs]
     print(f"loop with it over loop without, 120 elements: {spread(ratios)}")
-    extra = [1e3 * timed(predict_growth, plain.plan, plain.plate, plain.model) for _ in range(TURNS)]
+    extra = [1e3 * timed(predict_growth, plain.case, plain.plate, plain.model, 1.0) for _ in range(TURNS)]
     print(f"set-up, 120 elements, milliseconds for flutter and rounding: {spread(extra)}")
 
 

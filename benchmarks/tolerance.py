@@ -3,8 +3,8 @@
     .venv/bin/python benchmarks/tolerance.py [--scenes 200] [--seed 2]
 
 Scenes differ in size, stiffness, thickness, speed, angle, friction, restitution and reaction; half have a corner
-patch. The error of each answer is measured against a far finer model of the flexible plate. `--sensitivity` prints error
-over give instead, from which the constants of `tailslap/case/corner/model.py` are taken (with another seed than the
+patch. The error of each answer is measured against a far finer model of the flexible plate. `--sensitivity` prints
+error over give instead, from which the constants of `tailslap/case/corner/model.py` are taken (with another seed than the
 check).
 """
 

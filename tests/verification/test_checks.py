@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tailslap.case.corner.checks import run_checks
+from tailslap.case.checks import Check, evaluated
+from tailslap.case.corner.checks import CHECKS, Evidence
 from tailslap.case.corner.error import LATE, SecondRun, distance_in_motion
 from tailslap.case.corner.model import sensitivity
 
@@ -20,6 +21,10 @@ METRICS = {
     *("Sprague-Geers magnitude", "Sprague-Geers phase", "Sprague-Geers combined"),
     *("mean residual", "deviation of residuals"),
 }
+
+
+def run_checks(*evidence: Any) -> tuple[Check, ...]:
+    return evaluated(CHECKS.values(), Evidence(*evidence))
 
 
 def failed(result: Any, differences: Any = None, **columns: Any) -> set[str]:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.decisions import decide_damping, harms, suppressing_rate
+from tailslap.case.corner.decisions import harms, open_damping, suppressing_rate
 from tailslap.case.corner.error import numerical_error
 from tailslap.case.corner.model import RECTIFIED, friction_lost
 from tailslap.case.corner.plan import CornerPlan, make_corner_plan
@@ -101,7 +101,7 @@ def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without() -
     assert again.model.loop.elastic_damping.rate == 4.0 * suppressing_rate(again.growth)
     assert "the first run rang" in again.decisions[-2].shown
     assert not harms(plan, first.plate, first.model, first.growth, deflection_ratio=1e-4)
-    unseen = decide_damping(first.asked, first.growth)[1]
+    unseen = open_damping(first.asked, first.growth)
     assert [decision.key for decision in unseen] == ["damping.kind", "damping.rate"]
 
 
@@ -176,7 +176,7 @@ def test_what_could_not_be_analysed_is_not_called_harmless() -> None:
     known = fe_plan()
     unknown = replace(known, growth=replace(known.growth, rate=math.nan, exponent=math.nan, stand_in=True))
     assert flutter_sentence(unknown).startswith("not analysed")
-    assert decide_damping(unknown.case, unknown.growth)[1] == ()
+    assert open_damping(unknown.case, unknown.growth) == ()
     rings = replace(unknown.growth, ripple_rate=3.0)
     assert suppressing_rate(rings) == 3.0
 

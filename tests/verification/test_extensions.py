@@ -146,11 +146,14 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result: CornerOutcome
 
 
 def test_a_check_from_outside_can_fail(result: CornerOutcome) -> None:
-    from tailslap.case.corner.checks import run_checks
+    from tailslap.case.checks import evaluated
+    from tailslap.case.corner.checks import Evidence
 
     history = result.run.history | {"height": -result.run.history["height"]}
     run = replace(result.run, history=history)
-    checks = run_checks(result.fe_plan, run, result.rigid_history, result.difference)
+    checks = evaluated(
+        CHECKS.values(), Evidence(result.fe_plan, run, result.rigid_history, result.difference)
+    )
     assert [check.name for check in checks if not check.passed] == ["rise"]
     assert advice(CHECKS, ["rise"]) == "less of everything"
 

@@ -60,8 +60,8 @@ def test_threads_meet_again_and_again() -> None:
 def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int], used: int) -> None:
     plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
     assert plan.scene.plate
-    decided, decisions = open_threads(plan, plan.scene.plate)
-    assert decided.scene.time.threads == used
+    decisions = open_threads(plan, plan.scene.plate)
+    assert plan.decided(decisions).scene.time.threads == used
     assert [decision.value for decision in decisions] == ([] if used == 3 else [used])
     for decision in decisions:
         assert "3 were asked for" in decision.why
