@@ -4,8 +4,8 @@
 
 Scenes differ in size, stiffness, thickness, speed, angle, friction, restitution and reaction; half have a corner
 patch. The error of each answer is measured against a far finer model of the flexible plate. `--sensitivity` prints
-error over give instead, from which the constants of `tailslap/case/corner/model.py` are taken (with another seed than the
-check).
+error over give instead, from which the constants of `tailslap/case/corner/model.py` are taken (with another seed than
+the check).
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ def outcome(
     plan = SimpleNamespace(scene=SimpleNamespace(needed_contact=contact))
     plate = SimpleNamespace(modulus=modulus, thickness=0.05)
     return SimpleNamespace(
-        fe_plan=SimpleNamespace(plan=plan, plate=plate), difference={"strike_1.impulse": off}
+        fe_plan=SimpleNamespace(case=plan, plate=plate), difference={"strike_1.impulse": off}
     )
 
 

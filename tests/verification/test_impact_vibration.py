@@ -32,7 +32,7 @@ def outcome(
     return SimpleNamespace(
         fe=SimpleNamespace(strikes=strikes),
         run=SimpleNamespace(history={**still, "strain_energy": energy}),
-        fe_plan=SimpleNamespace(plan=plan, model=SimpleNamespace(mass=MASS), first_frequency=frequency),
+        fe_plan=SimpleNamespace(case=plan, model=SimpleNamespace(mass=MASS), first_frequency=frequency),
         frequency_error=error,
     )
 
