@@ -14,14 +14,14 @@ from postprocess.svg.marks import Boxes, Line, Mark, Span, Words, key
 
 WIDTH, WIDE, NARROW = 400.0, 480.0, 320.0
 
+# Of the indices: name, label, place in a row, colour.
 INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", -0.19, "steel"))
-"""Of the indices: name, label, place in a row, colour."""
 
+# Words and colour of each.
 STRIKES = {1: ("first strike", "fe"), 2: ("second strike", "rigid")}
-"""Words and colour of each."""
 
+# Width and dashes of the quantities of one plot, in their order.
 LOOKS = ((2.0, ""), (1.2, "5 3"), (1.2, "1 3"))
-"""Width and dashes of the quantities of one plot, in their order."""
 
 DOTS = {False: ("measured", "green"), True: ("projected by the authors", "violet")}
 

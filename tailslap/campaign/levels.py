@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+# Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
+# difference that is below the level with its error on top is known to be.
 KNOWN_FRACTION = 1.0 / 3.0
-"""Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
-difference that is below the level with its error on top is known to be."""
 
+# The level is crossed; not within the points that passed; by all of them; the error is too large to say.
 CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = "crossed", "not reached", "above all", "unknown"
-"""The level is crossed; not within the points that passed; by all of them; the error is too large to say."""
 
+# Relative distance from the fitted power law up to which points are said to follow it, and so many at least.
 STRAIGHT, MIN_FITTED = 0.1, 4
-"""Relative distance from the fitted power law up to which points are said to follow it, and so many at least."""
 
 
 class Sample(NamedTuple):

@@ -28,21 +28,21 @@ from tailslap.scene.vary import Source, parse_value, vary
 from tailslap.scene.write import SceneInput, scene_inputs
 
 Array = NDArray[np.float64]
+# The ends of a range [SI], and where it comes from.
 Limits = tuple[float, float, str]
-"""The ends of a range [SI], and where it comes from."""
 
+# Of every random number: the same call gives the same numbers; resamples of the bootstrap and its intervals.
 SEED, RESAMPLES, CONFIDENCE = 307, 500, 0.95
-"""Of every random number: the same call gives the same numbers; resamples of the bootstrap and its intervals."""
 
 PERCENTILES = (5, 50, 95)
+# Rows below which there are no indices.
 MIN_ROWS = 16
-"""Rows below which there are no indices."""
 
 ASSUMED, FROM_USER = "assumed", "--range"
 MILE_PER_HOUR, DEGREE, POUND = 0.44704, 0.017453292519943295, 0.45359237
 
+# MASH's name: inertial mass and its tolerance [lb].
 LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
-"""MASH's name: inertial mass and its tolerance [lb]."""
 
 
 def default_limits(scene: Scene) -> dict[str, Limits]:

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 _registered: dict[str, Study] = {}
 
+# Former studies, and what to use in their place.
 GONE = {
     "features": "`tailslap check SCENE` names what is left out, benchmarks/features.py times the parts",
     "strike": "use `tailslap study uncertainty` or, for plates from soft to rigid, `tailslap study flexibility`",
 }
-"""Former studies, and what to use in their place."""
 
 
 def register(study: Study) -> None:

@@ -17,7 +17,6 @@ from tailslap.scene.vary import shown
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
-    from tailslap.scene.schema import Scene
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -118,22 +117,15 @@ def compute_study(
     from tailslap.scene.read import read_scene
 
     scene, source = read_scene(name, changes)
-    _demand_kind(study, scene)
-    plan = case_of(scene, source)
+    if (kind := kind_of(scene).name) not in study.analyses:
+        given, allowed = (Missing, "with") if kind == CORNER else (Verbatim("a table"), "without")
+        wanted = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {kind}"
+        raise InputError("contact", given, f"{wanted}; allowed is a scene {allowed} this table")
+    case = case_of(scene, source)
     if study.needs_plate:
-        demand_run(plan.scene, plan.duration, allow_large)
+        demand_run(scene, case.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name
-    place = out or Path("results") / f"{plan.scene.name}-{ending}"
+    place = out or Path("results") / f"{scene.name}-{ending}"
     demand_place(place)
-    demand_own(place, plan.scene.name, force)
-    return place, study.compute(Call(name, changes, plan, place), **options)
-
-
-def _demand_kind(study: Study, scene: Scene) -> None:
-    """Raise InputError where the study makes no sense for the scene."""
-    name = kind_of(scene).name
-    if name in study.analyses:
-        return
-    given, allowed = (Missing, "with") if name == CORNER else (Verbatim("a table"), "without")
-    wanted = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {name}"
-    raise InputError("contact", given, f"{wanted}; allowed is a scene {allowed} this table")
+    demand_own(place, scene.name, force)
+    return place, study.compute(Call(name, changes, case, place), **options)

@@ -48,56 +48,57 @@ if TYPE_CHECKING:
 
 Record = dict[str, Any]
 
+# What --lowest and --highest may be.
 HERTZ = Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
-"""What --lowest and --highest may be."""
 
+# The softest plate of a constrained corner and of a whole impact.
 LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
-"""The softest plate of a constrained corner and of a whole impact."""
 
+# Differences for which the lowest first frequency is sought.
 LEVELS, IMPACT_LEVELS = (1e-3, 1e-2, 5e-2, 1e-1), (1e-2, 5e-2, 1e-1)
-"""Differences for which the lowest first frequency is sought."""
 
+# The starts that are run, whatever the scene's own; the first with modal model and thicknesses beside it.
 STARTS = ("inertia-relief", "inertia-relief-momenta", "unstressed")
-"""The starts that are run, whatever the scene's own; the first with modal model and thicknesses beside it."""
 
+# Velocities that a start may keep: of the centre of mass, of rotation, of the corner along the wall.
 KEPT = ("v_gx", "v_gy", "omega", "v_p")
-"""Velocities that a start may keep: of the centre of mass, of rotation, of the corner along the wall."""
 
-MEASURED = {**{name: f"difference_{name}" for name in KEYS}, "reaction": "reaction_deviation"}
-MEASURED["stored"] = "stored_share"
-"""What is measured of a plate, and its column."""
+# What is measured of a plate, and its column.
+MEASURED = {name: f"difference_{name}" for name in KEYS}
+MEASURED |= {"reaction": "reaction_deviation", "stored": "stored_share"}
 
+# The check that the study makes itself, by its own levels.
 JUDGED = "numerical error"
-"""The check that the study makes itself, by its own levels."""
 
+# Length of the corner's patch, or of side that a corner's crush is spread over, over the vehicle's, where the
+# scene gives none: a point has no finite compliance, and meshes would not converge.
 PATCH = 0.1
-"""Length of the corner's patch, or of side that a corner's crush is spread over, over the vehicle's, where the scene
-gives none: a point has no finite compliance, and meshes would not converge."""
 
+# Elements along and across that the coarsest mesh keeps at least; otherwise the scene's own is the coarsest.
 MIN_HALVED = (4, 2)
-"""Elements along and across that the coarsest mesh keeps at least; otherwise the scene's own is the coarsest."""
 
+# Expected seconds of a time loop above which a run is left out.
 TOO_LONG = 120.0
-"""Expected seconds of a time loop above which a run is left out."""
 
+# Places in the sweep where it is repeated by the thickness, from the stiffest (0) to the softest (1).
 THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
-"""Places in the sweep where it is repeated by the thickness, from the stiffest (0) to the softest (1)."""
 
+# Rows of the history of a start that oscillates, a period of the first frequency: enough to see its largest
+# swing.
 ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
-"""Rows of the history of a start that oscillates, a period of the first frequency: enough to see its largest swing."""
 
+# Order of convergence of linear elements and central differences.
 MAX_ORDER = 2.0
-"""Order of convergence of linear elements and central differences."""
 
+# What is compared of a whole impact, as `tailslap.impact.outcome` names it.
 NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
-"""What is compared of a whole impact, as `tailslap.impact.outcome` names it."""
 
+# First frequencies of the plates whose strikes are measured [Hz].
 PLATES = (2.0, 4.0, 8.0, 16.0, 32.0)
-"""First frequencies of the plates whose strikes are measured [Hz]."""
 
+# Time of such a plate's run over that of the rigid vehicle's impact; difference between both meshes above
+# which it is not to be relied on.
 LONGER, WORST = 2.0, 0.05
-"""Time of such a plate's run over that of the rigid vehicle's impact; difference between both meshes above which it is
-not to be relied on."""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.loglog import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
@@ -30,8 +31,8 @@ from tailslap.studies.flexibility.compute import (
 START_NAMES = dict(zip(STARTS, ("inertia relief", "Stage 1's momenta", "unstressed"), strict=True))
 SYMBOLS = {name: quantity.symbol for name, quantity in QUANTITIES.items()}
 SYMBOLS |= {"reaction": "reaction", "stored": "stored energy", "v_p": "v_P"}
+# What the headlines tell.
 MAIN, MAIN_STRIKE = LEVELS.index(1e-2), "strike_2.impulse"
-"""What the headlines tell."""
 
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
 SIGNED, ONE = known("+.2e"), known(".1f")
@@ -127,36 +128,43 @@ def corner_report(found: Flexibility) -> Report:
     modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
     three, five, reaction, stored, modes = figures(found)
     said = _modelled(found)
-    page = study_page(
-        found.case,
-        "Flexibility: how soft the vehicle may be for the rigid-body method to hold",
-        headline(found),
-        (
-            Section("Three starts", "", (three,), (v_gy,), (said, *READING)),
-            Section("With inertia relief", "", (five,), (Table((*_good(LEVELS), *LAWS), laws),)),
-            Section("Reaction and stored energy", "", (reaction, stored)),
-            Section("Modal model against finite elements", "", (modes,), (modal,)),
-            Section("Every plate", tables=tables),
-        ),
-        FILES,
-        any(row["passed"] for row in rows),
+    sections = (
+        Section("Three starts", "", (three,), (v_gy,), (said, *READING)),
+        Section("With inertia relief", "", (five,), (Table((*_good(LEVELS), *LAWS), laws),)),
+        Section("Reaction and stored energy", "", (reaction, stored)),
+        Section("Modal model against finite elements", "", (modes,), (modal,)),
+        Section("Every plate", tables=tables),
     )
-    summary = {
-        **study_summary("flexibility", found.case),
-        "passed": page.passed,
-        "headline": page.headline,
+    numbers = {
         "rigid": found.case.tail_slap,  # type: ignore[attr-defined]
-        "own_frequency": found.own_frequency,
-        **found.setup,
         "levels_v_gy": found.levels,
         "levels_v_gy_any_start": found.band,
         "levels": found.others,
         "power_laws": found.laws,
+    }
+    kicker = "Flexibility: how soft the vehicle may be for the rigid-body method to hold"
+    return _report(found, kicker, headline(found), sections, numbers, (v_gy, said))
+
+
+def _report(
+    found: Flexibility, kicker: str, said: str, sections: Any, numbers: Record, terminal: tuple[Any, ...]
+) -> Report:
+    """Page, summary, plates as a file, and what the terminal says."""
+    passed = any(row.get("passed", not row.get("failed")) for row in found.rows)
+    page = study_page(found.case, kicker, said, sections, FILES, passed)
+    summary = {
+        **study_summary("flexibility", found.case),
+        "passed": passed,
+        "headline": said,
+        "own_frequency": found.own_frequency,
+        **found.setup,
+        **numbers,
         "points": found.rows,
         "cost": {"seconds": found.seconds},
     }
-    cost = f"Cost:   {len(rows)} plates in {found.seconds:.0f} s"
-    return Report(page, summary, (page.headline, v_gy, said, cost), {"points.csv": listed(found.rows)})
+    plates = len(found.rows) + max(0, len(found.plates) - 1)  # the last is the rigid vehicle
+    cost = f"Cost:   {plates} plates in {found.seconds:.0f} s"
+    return Report(page, summary, (said, *terminal, cost), {"points.csv": listed(found.rows)})
 
 
 def _shown(row: Record) -> Record:
@@ -206,8 +214,8 @@ FIGURES = {
     ),
     "modal": ("v_GY by both methods, and how far the methods are apart", RELATIVE),
 }
+# Caption and label of each, and the levels that are marked.
 MARKED = {"starts": LEVELS, "difference": LEVELS, "modal": LEVELS[:2]}
-"""Caption and label of each, and the levels that are marked."""
 
 
 def figures(found: Flexibility) -> list[Chart]:
@@ -264,63 +272,37 @@ def impact_report(found: Flexibility) -> Report:
         f"Failed: {failed or 'none'}."
     )
     why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]
-    page = study_page(
-        found.case,
-        "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold",
-        " ".join([_impact_headline(found), *_plates_headline(found)]),
-        (
-            Section("Both strikes", "", (_strikes_figure(found),), (good,), (said, IMPACT_READING)),
-            Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
-            Section(
-                "Every plate",
-                tables=(Table(heads, found.rows, "Differences of the two strikes", marks=marks),),
-            ),
-        ),
-        FILES,
-        any(not row["failed"] for row in found.rows),
+    points = Table(heads, found.rows, "Differences of the two strikes", marks=marks)
+    sections = (
+        Section("Both strikes", "", (_strikes_figure(found),), (good,), (said, IMPACT_READING)),
+        Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
+        Section("Every plate", tables=(points,)),
     )
-    summary = {
-        **study_summary("flexibility", found.case),
-        "passed": page.passed,
-        "headline": page.headline,
-        "rigid": found.case.rigid_numbers(),
-        "own_frequency": found.own_frequency,
-        **found.setup,
-        "levels": found.levels,
-        "points": found.rows,
-        "plates": found.plates,
-        "cost": {"seconds": found.seconds},
-    }
+    numbers = {"rigid": found.case.rigid_numbers(), "levels": found.levels, "plates": found.plates}
+    kicker = "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold"
     plates = plates_table(found, "The plate from soft to rigid", short=True)
-    cost = f"Cost:   {len(found.rows) + len(found.plates) - 1} plates in {found.seconds:.0f} s"
-    terminal = (page.headline, good, said, plates, cost)
-    return Report(page, summary, terminal, {"points.csv": listed(found.rows)})
+    return _report(found, kicker, _impact_headline(found), sections, numbers, (good, said, plates))
 
 
 def _impact_headline(found: Flexibility) -> str:
-    """Down to which first frequency the second strike's impulse is the rigid vehicle's, and where the scene lies."""
+    """Down to which first frequency the second strike's impulse is the rigid vehicle's, where the scene lies, and what
+    the softest plate that is to be relied on changes."""
     levels = found.levels[MAIN_STRIKE]
     each = ", ".join(f"to {100 * level.level:g} % down to {level.text}" for level in levels)
-    return (
+    said = (
         f"The rigid vehicle's {WORDS[MAIN_STRIKE]} is that of the plate {each}. "
         f"The scene's own plate has {hertz(found.own_frequency)}."
     )
-
-
-def _plates_headline(found: Flexibility) -> list[str]:
-    """What the softest plate that is to be relied on changes."""
-    good = [row for row in found.plates[:-1] if row["passed"]]
-    if not good:
-        return []
-    soft, rigid = good[0], found.plates[-1]
-    impulse, duration, mean = (
-        percent(soft["values"][f"strike_2.{name}"] / rigid["values"][f"strike_2.{name}"] - 1.0, 0)
-        for name in ("impulse", "duration", "mean_50ms")
-    )
-    return [
-        f"A plate of {soft['frequency']:g} Hz changes the second strike's impulse by {impulse}, "
+    soft = next((row for row in found.plates[:-1] if row["passed"]), None)
+    if soft is None:
+        return said
+    ours, rigid = soft["values"], found.plates[-1]["values"]
+    names = [f"strike_2.{name}" for name in ("impulse", "duration", "mean_50ms")]
+    impulse, duration, mean = (percent(ours[name] / rigid[name] - 1.0, 0) for name in names)
+    return (
+        f"{said} A plate of {soft['frequency']:g} Hz changes the second strike's impulse by {impulse}, "
         f"its duration by {duration} and its 50 ms mean by {mean}."
-    ]
+    )
 
 
 def _strikes_figure(found: Flexibility) -> Chart:

@@ -32,13 +32,14 @@ from tailslap.progress import announced, progress_bar
 from tailslap.scene.schema import Scene, Start
 from tailslap.studies.study import Call
 
+# Combinations by default.
 CORNER_SAMPLES, IMPACT_SAMPLES = 100_000, 4_000
-"""Combinations by default."""
 
 STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitution")
 START = ("start.angle", "start.omega", "start.corner_speed")
 BODY = ("vehicle.length", "vehicle.width", "vehicle.mass")
 
+# Keys of the scene that the rigid vehicle's impact depends on, and what the solution calls them.
 ARGUMENTS = {
     **dict(zip(BODY, ("length", "width", "mass"), strict=True)),
     "vehicle.centre_of_mass": "centre_of_mass",
@@ -49,24 +50,23 @@ ARGUMENTS = {
     "contact.restitution": "restitution",
     "contact.friction": "friction",
 }
-"""Keys of the scene that the rigid vehicle's impact depends on, and what the solution calls them."""
 
+# Combinations at a time: their intermediate values stay in the processor's cache, their histories small.
 CORNER_BLOCK, IMPACT_BLOCK = 2048, 512
-"""Combinations at a time: their intermediate values stay in the processor's cache, their histories small."""
 
+# Time between rows of the force histories [s]: peaks of a 50 ms mean are within 1e-4.
 INTERVAL = 5e-4
-"""Time between rows of the force histories [s]: peaks of a 50 ms mean are within 1e-4."""
 
 CURVE_POINTS = 25
 
+# The rows of Tables 4 and 5 are of this test level's single-unit truck.
 LEVEL = "TL-4"
-"""The rows of Tables 4 and 5 are of this test level's single-unit truck."""
 
+# What is known of the rows' impacts, SI.
 KNOWN = {"b": {"impact.speed": ROW_B_SPEED, "impact.angle": ROW_B_ANGLE}}
-"""What is known of the rows' impacts, SI."""
 
+# By the quantity of the second strike that stands beside a table: its words, the table.
 TAKEN = {"mean_50ms": ("50 ms mean", TABLE_4), "cfc60": ("CFC 60", TABLE_5)}
-"""By the quantity of the second strike that stands beside a table: its words, the table."""
 
 
 @dataclass(frozen=True)

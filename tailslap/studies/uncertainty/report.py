@@ -41,6 +41,7 @@ INDICES = (
 )
 
 MAIN = "strike_2.mean_50ms"
+# The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that.
 CURVES = {
     "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
     "contact.restitution": ("restitution", "", 1.0),
@@ -50,7 +51,6 @@ CURVES = {
     "impact.angle": ("angle", "deg", np.pi / 180.0),
     "vehicle.centre_of_mass": ("centre of mass behind the front", "m", 1.0),
 }
-"""The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that."""
 
 CURVE_AXES = {
     "peak [kN]": ("mean_50ms", "raw", "cfc60"),
@@ -66,8 +66,8 @@ BANDS = (
     Column("source", "Most of the variance from"),
     Column("index", "Index", form=FRACTION),
 )
+# Quantities whose indices are shown.
 SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
-"""Quantities whose indices are shown."""
 
 ROWS = (
     Column("label", "Row"),
