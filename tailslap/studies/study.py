@@ -89,6 +89,7 @@ def checked_options(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
         if value is not None:
             found[str(option.name)] = [value] if option.multiple and isinstance(value, str) else value
     for option in study.options:
+        found.setdefault(str(option.name), option.to_info_dict()["default"])
         try:
             found[str(option.name)] = option.handle_parse_result(context, found, [])[0]
         except click.UsageError as error:
