@@ -38,7 +38,7 @@ Read = Callable[[str], tuple[Any, str]]
 
 
 @dataclass(frozen=True)
-class Span:
+class TypedRange:
     """A range as typed: its ends, how many values (None for samples), and whether they are in equal ratios."""
 
     lower: str
@@ -47,7 +47,7 @@ class Span:
     logarithmic: bool
 
 
-Given = Span | tuple[str, ...]
+Given = TypedRange | tuple[str, ...]
 """A range, or the texts of a list."""
 
 
@@ -139,12 +139,12 @@ def make_definition(
     text = read.scene_text(name)
     given = [parse_varied(each, bool(sample)) for each in varied]
     source = _fixed(read.source_of_text(text, name), changes, [key for key, _ in given])
-    counts = [(values.count or 1) if isinstance(values, Span) else len(values) for _, values in given]
+    counts = [(values.count or 1) if isinstance(values, TypedRange) else len(values) for _, values in given]
     if math.prod(counts) > MAX_RUNS:
         shown = " x ".join(map(str, counts)) + " runs"
         raise InputError("--vary", shown, f"allowed are at most {MAX_RUNS} runs")
     first = {
-        key: vary.parse_value(values.lower if isinstance(values, Span) else values[0])
+        key: vary.parse_value(values.lower if isinstance(values, TypedRange) else values[0])
         for key, values in given
     }
     scene = _scene(source, first)
@@ -213,7 +213,7 @@ def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:
     count = ends[2] if len(ends) == 3 else ""
     if not sampled and (not re.fullmatch("[0-9]{1,9}", count) or int(count) < 2):
         raise InputError(key, text, "a range ends with how many values it has, a whole number from 2: a:b:n")
-    return key, Span(ends[0], ends[1], None if sampled else int(count), logarithmic)
+    return key, TypedRange(ends[0], ends[1], None if sampled else int(count), logarithmic)
 
 
 def split_outside(text: str, separator: str) -> list[str]:
@@ -238,7 +238,7 @@ def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray |
 
     fractions: of samples, where in the range or list each run's value lies, shape (runs,), each in [0, 1).
     """
-    if not isinstance(given, Span):
+    if not isinstance(given, TypedRange):
         listed, units = zip(*map(read_value, given), strict=True)
         chosen = listed if fractions is None else tuple(listed[int(f * len(listed))] for f in fractions)
         return Variation(key, units[0], chosen, False)
@@ -261,7 +261,7 @@ def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray |
     return Variation(key, unit, tuple(values), given.logarithmic)
 
 
-def _ends(key: str, given: Span, read_value: Read) -> tuple[Any, Any, str]:
+def _ends(key: str, given: TypedRange, read_value: Read) -> tuple[Any, Any, str]:
     """Both ends in SI, and the unit."""
     (lower, unit), (upper, _) = read_value(given.lower), read_value(given.upper)
     shown = f"{given.lower}:{given.upper}"

@@ -39,7 +39,7 @@ class Parts(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Effort:
+class CampaignEffort:
     """What making parts took: how many, on how many threads, wall time [s] and the sum of the parts' own times [s]."""
 
     runs: int = 0
@@ -58,7 +58,7 @@ class Effort:
         return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
 
 
-def perform(parts: Parts, records: Records, pool: pools.Pool, look: Callable[[int], None]) -> Effort:
+def perform(parts: Parts, records: Records, pool: pools.Pool, look: Callable[[int], None]) -> CampaignEffort:
     """Make all parts and record them, until all is done or an error is raised in one.
 
     look: called with the number of workers, each second and whenever something came. Interrupted, it takes what is
@@ -115,7 +115,7 @@ class _Engine:
         self._seconds = BATCH_S  # of a part: until one is known, a batch is one part
         self._own_s, self._threads = 0.0, 0
 
-    def run(self, look: Callable[[int], None]) -> Effort:
+    def run(self, look: Callable[[int], None]) -> CampaignEffort:
         began, most = time.perf_counter(), 0
         try:
             while self._waiting or self._suspects or self._under_way:
@@ -127,7 +127,7 @@ class _Engine:
         except KeyboardInterrupt:
             self._collect(0.0)
             raise
-        return Effort(len(self._parts.keys), most, time.perf_counter() - began, self._own_s)
+        return CampaignEffort(len(self._parts.keys), most, time.perf_counter() - began, self._own_s)
 
     def _fill(self) -> None:
         most = BATCHES_A_WORKER * max(1, self._threads)
@@ -165,7 +165,7 @@ class _Engine:
         """Add the records of a batch that has come back, or take up its parts again."""
         keys = self._under_way.pop(future)
         try:
-            done: pools.Batch = future.result()
+            done: pools.BatchResult = future.result()
         except self._pool.died:
             if future is self._alone:
                 records[keys[0]] = self._parts.died(keys[0])

@@ -52,7 +52,7 @@ def perform(
     workers: int | None = None,
     compute: Callable[..., dict[str, Any]] = table.compute_row,
     units: str = "si",
-) -> table.Sweep:
+) -> table.FinishedSweep:
     """Make the runs that are missing in the folder `place`, and write what belongs there.
 
     cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run;
@@ -65,7 +65,7 @@ def perform(
                 effort = _make_missing(definition, rows, cluster, workers, compute)
                 table.write_table(folder, definition, rows)
                 statuses = {name: rows.statuses[name] for name in table.STATUSES}
-            done = table.Sweep(definition, statuses, effort)
+            done = table.FinishedSweep(definition, statuses, effort)
             report.write_sweep(done, folder, units)
             return done
         except KeyboardInterrupt:
@@ -94,11 +94,11 @@ def _make_missing(
     cluster: str | None,
     workers: int | None,
     compute: Callable[..., dict[str, Any]],
-) -> engine.Effort:
+) -> engine.CampaignEffort:
     known = set(rows)
     missing = [run for run in range(definition.runs) if run not in known]
     if not missing:
-        return engine.Effort()
+        return engine.CampaignEffort()
 
     def died(run: Any) -> dict[str, Any]:
         return {"run": run, **definition.inputs_of(run), "status": table.ERROR, "reason": table.KILLS}

@@ -78,7 +78,7 @@ class Pool(ABC):
         return error
 
 
-class Batch(NamedTuple):
+class BatchResult(NamedTuple):
     """Results and times [s] by key, up to the first part that raised an error."""
 
     records: dict[Key, Any]
@@ -86,7 +86,9 @@ class Batch(NamedTuple):
     error: Exception | None
 
 
-def run_batch(sender: str, function: Callable[..., Any], parts: list[tuple[Key, tuple[Any, ...]]]) -> Batch:
+def run_batch(
+    sender: str, function: Callable[..., Any], parts: list[tuple[Key, tuple[Any, ...]]]
+) -> BatchResult:
     """Call the function with each part's arguments, one after the other; sender: the program that asks for it."""
     if sender != program():
         raise OtherProgramError(program())
@@ -98,9 +100,9 @@ def run_batch(sender: str, function: Callable[..., Any], parts: list[tuple[Key, 
             try:
                 records[key] = function(*arguments)
             except Exception as error:
-                return Batch(records, seconds, error)
+                return BatchResult(records, seconds, error)
             seconds[key] = time.perf_counter() - began
-    return Batch(records, seconds, None)
+    return BatchResult(records, seconds, None)
 
 
 def make_ready() -> str:

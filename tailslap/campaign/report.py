@@ -19,7 +19,7 @@ from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
 from postprocess.report.units import SYSTEMS, Units
 from tailslap.campaign.definition import Definition, Variation
-from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, Sweep, read_columns
+from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep, read_columns
 from tailslap.files.manifest import listed_file
 from tailslap.progress import clock
 from tailslap.report.common import footer
@@ -50,7 +50,7 @@ NOT_PASSED = (
 )
 
 
-def write_sweep(sweep: Sweep, folder: Path, units: str = "si") -> None:
+def write_sweep(sweep: FinishedSweep, folder: Path, units: str = "si") -> None:
     """Write `report.html` and its charts, in these units, and `summary.json` from the table in the folder."""
     rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
@@ -64,7 +64,7 @@ def write_sweep(sweep: Sweep, folder: Path, units: str = "si") -> None:
         write_summary(numbers, summary(sweep, rows))
 
 
-def sweep_text(sweep: Sweep, place: Path) -> str:
+def sweep_text(sweep: FinishedSweep, place: Path) -> str:
     """How many rows have each status, what the runs took, and where the files are."""
     effort, cost = sweep.effort, "nothing was left to run"
     if effort.runs:
@@ -78,7 +78,7 @@ def sweep_text(sweep: Sweep, place: Path) -> str:
     )
 
 
-def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
+def sweep_page(sweep: FinishedSweep, rows: SweepRows, reasons: np.ndarray) -> Page:
     """The page; reasons: of each row that did not pass, shape (rows,)."""
     definition, curves = sweep.definition, draw_sweep(rows)
     spread, where = SPREAD if rows.fe else RIGID_SPREAD, rows.compared.where.capitalize()
@@ -109,7 +109,7 @@ def sweep_page(sweep: Sweep, rows: SweepRows, reasons: np.ndarray) -> Page:
     )
 
 
-def summary(sweep: Sweep, rows: SweepRows) -> dict[str, Any]:
+def summary(sweep: FinishedSweep, rows: SweepRows) -> dict[str, Any]:
     """The numbers of the sweep, SI; `effort` is that of the last call, which may have had few runs left to make."""
     definition, effort = sweep.definition.as_written(), sweep.effort
     return {
@@ -190,12 +190,12 @@ def _varied(item: Variation, values: np.ndarray, units: Units) -> Varied:
     return Varied(item.key, unit, values if factor == 1.0 else factor * values, item.logarithmic)
 
 
-def counts(sweep: Sweep) -> str:
+def counts(sweep: FinishedSweep) -> str:
     """How many rows have each status; those that none has are omitted."""
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 
-def headline(sweep: Sweep, rows: SweepRows) -> str:
+def headline(sweep: FinishedSweep, rows: SweepRows) -> str:
     """The result in two sentences."""
     said = f"{sweep.definition.runs} runs: {counts(sweep)}."
     good = rows.worst[(rows.status == PASSED) & np.isfinite(rows.worst)]
@@ -207,7 +207,7 @@ def headline(sweep: Sweep, rows: SweepRows) -> str:
     )
 
 
-def _sentences(sweep: Sweep) -> list[str]:
+def _sentences(sweep: FinishedSweep) -> list[str]:
     """What a reader must know beside the numbers."""
     definition = sweep.definition
     latin = (

@@ -17,7 +17,7 @@ import tailslap
 from fem import lazy
 from postprocess.report import files
 from tailslap.campaign.definition import Definition, Variation, plain
-from tailslap.campaign.engine import Effort
+from tailslap.campaign.engine import CampaignEffort
 from tailslap.campaign.records import Records
 from tailslap.case import case_of
 from tailslap.case.cost import demand_affordable
@@ -46,12 +46,12 @@ CIRCUMSTANCES = (*TIMES, REUSED)
 
 
 @dataclass(frozen=True)
-class Sweep:
+class FinishedSweep:
     """A sweep that is complete: how many rows have each status, and what the last call's runs took."""
 
     definition: Definition
     statuses: dict[str, int]
-    effort: Effort
+    effort: CampaignEffort
 
     @property
     def failures(self) -> int:

@@ -15,9 +15,9 @@ from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
 from postprocess.report.page import Page, write_page
 from postprocess.svg.chart import Chart
 from tailslap.campaign.definition import Definition, Variation
-from tailslap.campaign.engine import Effort
+from tailslap.campaign.engine import CampaignEffort
 from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
-from tailslap.campaign.table import Sweep
+from tailslap.campaign.table import FinishedSweep
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
 
@@ -150,14 +150,14 @@ def test_the_worst_of_the_five_differences() -> None:
     assert math.isnan(worst[1])
 
 
-def sweep_of(some: SweepRows) -> Sweep:
+def sweep_of(some: SweepRows) -> FinishedSweep:
     """A sweep with these rows."""
     varied = [
         Variation(item.key, item.unit, tuple(item.values.tolist()), item.logarithmic) for item in some.varied
     ]
     definition = Definition("a<b", "name = 1", (), Source(), (), tuple(varied), len(some.status), 307)
     statuses = {name: int((some.status == name).sum()) for name in ("passed", "failed", "refused", "error")}
-    return Sweep(definition, statuses, Effort())
+    return FinishedSweep(definition, statuses, CampaignEffort())
 
 
 def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
@@ -227,9 +227,9 @@ def test_words() -> None:
 
 def test_rate_and_overhead_by_hand() -> None:
     """Two threads for 10 s are 20 s; 100 runs of 0.15 s leave 5 s, 0.05 s a run."""
-    effort = Effort(100, 2, 10.0, 15.0)
+    effort = CampaignEffort(100, 2, 10.0, 15.0)
     assert (effort.rate, effort.overhead_s) == (10.0, pytest.approx(0.05))
-    assert (Effort().rate, Effort().overhead_s) == (0.0, 0.0)
+    assert (CampaignEffort().rate, CampaignEffort().overhead_s) == (0.0, 0.0)
     assert [clock(seconds) for seconds in (0.4, 59.6, 61, 3725)] == ["0:00", "1:00", "1:01", "1:02:05"]
 
 

@@ -13,7 +13,7 @@ import pytest
 from tailslap.campaign.definition import (
     Definition,
     Given,
-    Span,
+    TypedRange,
     latin_hypercube,
     make_definition,
     parse_varied,
@@ -35,9 +35,9 @@ def grid(*varied: str, changes: tuple[str, ...] = ()) -> Definition:
 @pytest.mark.parametrize(
     ("text", "found"),
     [
-        ("0:0.6:13", Span("0", "0.6", 13, False)),
-        ("log:1e8:1e13:40", Span("1e8", "1e13", 40, True)),
-        ("50 mph : 60 mph : 5", Span("50 mph", "60 mph", 5, False)),
+        ("0:0.6:13", TypedRange("0", "0.6", 13, False)),
+        ("log:1e8:1e13:40", TypedRange("1e8", "1e13", 40, True)),
+        ("50 mph : 60 mph : 5", TypedRange("50 mph", "60 mph", 5, False)),
         ("10deg,15deg", ("10deg", "15deg")),
         ("quad4, tri3", ("quad4", "tri3")),
         ("[6, 2],[12,4]", ("[6, 2]", "[12,4]")),
@@ -50,7 +50,7 @@ def test_values_as_typed(text: str, found: Given) -> None:
 
 
 def test_sampled_ranges_have_no_count() -> None:
-    assert parse_varied("key=log:1:10", True)[1] == Span("1", "10", None, True)
+    assert parse_varied("key=log:1:10", True)[1] == TypedRange("1", "10", None, True)
     assert split_outside("a:[b:c]:'d:e'", ":") == ["a", "[b:c]", "'d:e'"]
 
 
