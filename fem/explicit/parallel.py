@@ -106,13 +106,7 @@ def advance_thread(
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
     motion = motions[1, t]
     scratch = Scratch(
-        rows[t],
-        shared.gradients,
-        shared.weights,
-        shared.lattice,
-        motion,
-        shared.hourglass,
-        shared.reference,
+        rows[t], shared.gradients, shared.weights, shared.lattice, motion, shared.hourglass, shared.reference
     )
     for step in range(steps):
         forces[t] = 0.0

@@ -19,12 +19,7 @@ from typing import Any, NamedTuple
 
 from fem.machine_code.arguments import ADDRESS, FLOAT, INTEGER, LOGICAL
 
-C_TYPES = {
-    FLOAT: ctypes.c_double,
-    INTEGER: ctypes.c_int64,
-    LOGICAL: ctypes.c_int8,
-    ADDRESS: ctypes.c_void_p,
-}
+C_TYPES = {FLOAT: ctypes.c_double, INTEGER: ctypes.c_int64, LOGICAL: ctypes.c_int8, ADDRESS: ctypes.c_void_p}
 """By code."""
 
 UNUSED = ("unpickle", "do_raise", "gil_ensure", "gil_release", "runtime_build_excinfo_struct")

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,19 +34,13 @@ class ModeKinds:
     shear: np.ndarray
 
 
-class _ShearAlone(NamedTuple):
-    c_11: float
-    c_12: float
-    c_33: float
-
-
 def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKinds:
     """Kinds of the modes of this model; thickness [m]."""
     masses, shapes = model.loop.mass, modes.shapes
     mirrored = shapes[:, :, _mirror_nodes(model.discretisation.positions)]
     symmetric = 0.5 * (1.0 + (shapes[:, 0] * mirrored[:, 0] - shapes[:, 1] * mirrored[:, 1]) @ masses)
     along = shapes[:, 0] ** 2 @ masses
-    moduli = _ShearAlone(0.0, 0.0, model.tangent_moduli.c_33)
+    moduli = model.tangent_moduli._replace(c_11=0.0, c_12=0.0)  # shear alone
     stiffness = stiffness_matrix(model.discretisation.scalar, thickness, moduli)
     flat = shapes.reshape(len(shapes), -1)
     shear = ((stiffness @ flat.T).T * flat).sum(axis=1) / modes.frequencies**2

@@ -195,28 +195,19 @@ def integrate(
     modal: ModalPlate, start: tuple[np.ndarray, np.ndarray], duration: float, steps: int
 ) -> ModalMotion:
     """Run to the tail-slap, in so many steps of the expected duration [s] and one shorter."""
-    _compile(modal, start)
-    table = np.empty((int(OVERTIME * steps) + 2, 1 + 2 * start[0].size))
+    size = start[0].size
+    table = np.empty((int(OVERTIME * steps) + 2, 1 + 2 * size))
     table[0] = np.concatenate([[0.0], *start])
+    workspace = np.empty((14, size)), np.empty(size, dtype=complex)
+    run_to_strike(1.0, modal.model, table[:1], *workspace)  # a table of one row has no step: this compiles
     began = time.perf_counter()
-    end, rows, iterations = run_to_strike(duration / steps, modal.model, table, *_workspace(table))
+    end, rows, iterations = run_to_strike(duration / steps, modal.model, table, *workspace)
     elapsed = time.perf_counter() - began
     measured = np.empty((rows, len(MEASURED)))
     measure_rows(table[:rows], modal.model, measured)
     history = {"t": table[:rows, 0], **dict(zip(MEASURED, measured.T, strict=True))}
     strike = {name: float(column[-1]) for name, column in history.items()} if end == REACHED else None
     return ModalMotion(history, strike, ENDS[end], rows - 1, iterations, elapsed)
-
-
-def _compile(modal: ModalPlate, start: tuple[np.ndarray, np.ndarray]) -> None:
-    """Compile what a run needs, or load it from disk: a table of one row has no step."""
-    table = np.concatenate([[0.0], *start])[None]
-    run_to_strike(1.0, modal.model, table, *_workspace(table))
-
-
-def _workspace(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    size = table.shape[1] // 2
-    return np.empty((14, size)), np.empty(size, dtype=complex)
 
 
 def _split(plate: PlateModel, modal: ModalPlate, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,17 +12,12 @@ import numpy as np
 
 from fem.explicit.impact_loop import ImpactLoop
 from fem.laws.elastic_wall import ElasticWall
-from fem.laws.materials import MATERIALS, st_venant_kirchhoff
-from fem.model.contact_points import wall_contact
-from fem.model.plate_model import (
-    PlateModel,
-    carried_span,
-    hourglass_of,
-    unfinished_model,
-    unit_plate,
-    with_time_step,
-)
-from fem.plate.elements import stiffness_matrix
+from fem.laws.materials import st_venant_kirchhoff
+from fem.laws.unilateral import Crush, ExactContact, PenaltyContact, penalty_stiffness
+from fem.laws.wall_contact import WallContact
+from fem.model import plate_model
+from fem.model.plate_model import PlateModel
+from fem.plate.elements import Discretisation, stiffness_matrix
 from fem.plate.kinds import (
     ContactProperties,
     ModelError,
@@ -57,7 +52,7 @@ def build_impact_model(
     step : StepProperties
         Time step and damping.
     wall : WallProperties or None
-        One that gives; None for a rigid one.
+        A deformable one; None for a rigid one.
 
     Returns
     -------
@@ -70,25 +65,78 @@ def build_impact_model(
         Where the mesh cannot carry the inertia, or has too few nodes for the patch of a corner; where the wall has no
         foundation or too many elements.
     """
-    unit, moduli = unit_plate(mesh, plate), st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
-    loop = ImpactLoop(
-        table=unit.discretisation.table,
-        material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
-        mass=unit.masses,
-        contact=wall_contact(unit.discretisation, unit.masses, plate, contact),
-        viscosity=None,
-        hourglass=hourglass_of(unit, plate),
-        elastic_damping=None,
-        time_step=math.nan,
-        span=carried_span(unit.discretisation),
-        wall=None,
-    )
-    model = unfinished_model(unit, plate, moduli, loop)
+    unit = plate_model.unit_plate(mesh, plate)
+    touching = wall_contact(unit.discretisation, unit.masses, plate, contact)
+    model = plate_model.unfinished_model(unit, plate, ImpactLoop, contact=touching, wall=None)
     # Contact does not bound the step: fem.laws.unilateral.
-    model = with_time_step(model, FREE, plate, step)
-    if wall is None:
-        return model
-    return with_wall(model, wall, step)
+    model = plate_model.with_time_step(model, FREE, plate, step)
+    return model if wall is None else with_wall(model, wall, step)
+
+
+def wall_contact(
+    discretisation: Discretisation, masses: np.ndarray, plate: PlateProperties, contact: ContactProperties
+) -> WallContact:
+    """Contact points with their law. A corner that crushes and has a layer is there twice.
+
+    Raises ModelError where the patch of a corner does not lie on its side.
+    """
+    boundary, lengths = boundary_of(discretisation)
+    points, count = [(np.array([node]), np.ones(1)) for node in boundary], len(boundary)
+    if contact.law == "exact":
+        law: Any = ExactContact(count)
+    elif contact.law == "penalty":
+        stiffness = penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
+        law = PenaltyContact(np.full(count, stiffness))
+    elif contact.law == "crush":
+        points, law = _crushing(discretisation.positions, boundary, lengths, contact)
+    else:
+        raise ValueError(f"there is no contact law {contact.law!r}")
+    nodes, weights = (np.concatenate(parts) for parts in zip(*points, strict=True))
+    first = np.cumsum([0, *(len(point[0]) for point in points)])
+    mobility = np.add.reduceat(weights**2 / masses[nodes], first[:-1])
+    return WallContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
+
+
+def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of the boundary, and lengths of the sides that each stands for [m], of shape (boundary nodes,) each."""
+    import skfem
+
+    scalar = discretisation.scalar
+    sides = skfem.FacetBasis(scalar.mesh, scalar.elem)
+    lengths = skfem.LinearForm(lambda v, w: v).assemble(sides)
+    nodes = np.unique(scalar.get_dofs().flatten())
+    return nodes.astype(np.int64), lengths[nodes]
+
+
+def _crushing(
+    positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
+) -> tuple[list[Any], Crush]:
+    """The corners, each a node or a patch of its side, and with a layer all nodes of the boundary.
+
+    Corners are front and rear on the side of the wall, then on the far side.
+    """
+    (left, low), (right, high) = positions.min(axis=1), positions.max(axis=1)
+    places = ((right, low), (left, low), (right, high), (left, high))
+    nodes = [int(np.linalg.norm(positions.T - place, axis=1).argmin()) for place in places]
+    points = [_corner(boundary, positions, node, contact.patch_length) for node in nodes]
+    stiffness, initial = np.full(4, contact.stiffness), np.full(4, contact.initial_force)
+    if contact.side_stiffness > 0.0:
+        points += [(np.array([node]), np.ones(1)) for node in boundary]
+        stiffness = np.concatenate([stiffness, contact.side_stiffness * lengths])
+        initial = np.concatenate([initial, np.zeros(len(boundary))])
+    return points, Crush(stiffness, initial, contact.restitution**2)
+
+
+def _corner(
+    boundary: np.ndarray, positions: np.ndarray, node: int, length: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of a corner, over this length [m] of the long side that it ends."""
+    if length == 0.0:
+        return np.array([node]), np.ones(1)
+    x, y = positions
+    side = boundary[np.abs(y[boundary] - y[node]) < 1e-9 * np.ptp(y)]
+    side = side[np.argsort(np.abs(x[side] - x[node]))]
+    return plate_model.patch_weights(side, np.abs(x[side] - x[node]), length)
 
 
 FOLLOWED = 40.0
@@ -106,14 +154,15 @@ def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> 
     Raises ModelError for a wall without foundation, one with more than MOST unknowns, and uneven nodes on its face.
     """
     scalar = _basis(wall)
+    depth = float(np.ptp(scalar.doflocs[1]))
     masses = row_sum_masses(scalar, wall.density, wall.thickness)
     frequencies, modes = _free_modes(scalar, masses, wall)
-    foundation = wall.foundation_stiffness / (wall.density * wall.thickness * _depth(scalar))
+    foundation = wall.foundation_stiffness / (wall.density * wall.thickness * depth)
     frequencies = np.sqrt(frequencies**2 + foundation)
     needed = min(FOLLOWED * math.sqrt(foundation), frequencies[-1])
     stable = min(model.stable_time_step, 2.0 / needed)
     kept = frequencies <= (1.0 + 1e-9) * 2.0 / stable
-    elastic = _elastic_wall(scalar, masses, modes[:, :, kept], frequencies[kept] ** 2, foundation)
+    elastic = _elastic_wall(scalar, masses, modes[:, :, kept], frequencies[kept] ** 2, foundation, depth)
     time_step = min(step.safety_factor * stable, step.longest)
     loop = model.loop._replace(wall=elastic, time_step=time_step)
     return replace(model, undamped_time_step=stable, stable_time_step=stable, loop=loop)
@@ -135,10 +184,6 @@ def _basis(wall: WallProperties) -> Any:
     return scalar
 
 
-def _depth(scalar: Any) -> float:
-    return float(np.ptp(scalar.doflocs[1]))
-
-
 def _free_modes(scalar: Any, masses: np.ndarray, wall: WallProperties) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [rad/s] of the wall without foundation, and mass-normalised modes, shape (2, nodes, modes)."""
     from scipy.linalg import eigh
@@ -151,7 +196,7 @@ def _free_modes(scalar: Any, masses: np.ndarray, wall: WallProperties) -> tuple[
 
 
 def _elastic_wall(
-    scalar: Any, masses: np.ndarray, modes: np.ndarray, stiffness: np.ndarray, foundation: float
+    scalar: Any, masses: np.ndarray, modes: np.ndarray, stiffness: np.ndarray, foundation: float, depth: float
 ) -> ElasticWall:
     nodes = scalar.get_dofs("wall_face").flatten()
     nodes = nodes[np.argsort(scalar.doflocs[0, nodes])]
@@ -162,7 +207,7 @@ def _elastic_wall(
     return ElasticWall(
         start=float(places[0]),
         spacing=spacing,
-        reach=_depth(scalar),
+        reach=depth,
         face=np.ascontiguousarray(modes[:, nodes]),
         stiffness=stiffness,
         foundation=foundation,

@@ -19,7 +19,6 @@ from fem.laws.constraints import CONSTRAINTS, ConstraintInput
 from fem.laws.corner import Corner
 from fem.laws.materials import MATERIALS, StVenantKirchhoff, st_venant_kirchhoff
 from fem.lazy import cached
-from fem.model.contact_points import corner_weights
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
 from fem.plate.elements import (
     Discretisation,
@@ -33,6 +32,7 @@ from fem.plate.kinds import (
     ELEMENT_KINDS,
     LUMPINGS,
     CornerProperties,
+    ModelError,
     PlateProperties,
     StepProperties,
     given_inertia_masses,
@@ -89,16 +89,11 @@ def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     if plate.inertia is not None:
         masses = given_inertia_masses(d.positions, masses, plate.inertia)
     stiffness: Any = stiffness_matrix(d.scalar, plate.thickness, moduli)
-    hourglass = _hourglass(d, plate, moduli)
-    if hourglass is not None:
+    hourglass = None
+    if ELEMENT_KINDS[plate.element].hourglass:
+        hourglass = hourglass_control(d, plate.thickness, moduli)
         stiffness = stiffness + hourglass_matrix(d.table, hourglass, masses.size)
     return UnitPlate(d, masses, hourglass, Inverse(stiffness, masses, d.positions))
-
-
-def _hourglass(d: Discretisation, plate: PlateProperties, moduli: StVenantKirchhoff) -> Hourglass | None:
-    if not ELEMENT_KINDS[plate.element].hourglass:
-        return None
-    return hourglass_control(d, plate.thickness, moduli)
 
 
 WINDOWS_FROM = 100_000
@@ -237,44 +232,37 @@ def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
 
 def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
     """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
-    unit, moduli = unit_plate(mesh, plate), st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
-    loop = LoopParameters(
-        table=unit.discretisation.table,
-        material=MATERIALS[plate.material].make(plate.youngs_modulus, plate.poissons_ratio),
+    unit = unit_plate(mesh, plate)
+    held = _corner(unit.discretisation, unit.masses, plate, corner)
+    return unfinished_model(unit, plate, LoopParameters, corner=held, friction=corner.friction)
+
+
+def unfinished_model(unit: UnitPlate, plate: PlateProperties, loop: Any, **others: Any) -> PlateModel:
+    """A model of this plate without frequency, time step and damping; others: fields of its loop for the contact."""
+    d, modulus, hourglass = unit.discretisation, plate.youngs_modulus, unit.hourglass
+    if hourglass is not None:
+        hourglass = hourglass._replace(stiffness=modulus * hourglass.stiffness)
+    parameters = loop(
+        table=d.table,
+        material=MATERIALS[plate.material].make(modulus, plate.poissons_ratio),
         mass=unit.masses,
-        corner=_corner(unit.discretisation, unit.masses, plate, corner),
-        friction=corner.friction,
         viscosity=None,
-        hourglass=hourglass_of(unit, plate),
+        hourglass=hourglass,
         elastic_damping=None,
         time_step=math.nan,
-        span=carried_span(unit.discretisation),
+        span=2.0 ** math.floor(math.log2(np.ptp(d.positions[0]) / 8.0)),  # near an eighth of its length
+        **others,
     )
-    return unfinished_model(unit, plate, moduli, loop)
-
-
-def unfinished_model(
-    unit: UnitPlate, plate: PlateProperties, moduli: StVenantKirchhoff, loop: Any
-) -> PlateModel:
-    """A model of this plate and this loop without frequency and time step."""
-    modulus = plate.youngs_modulus
     return PlateModel(
-        discretisation=unit.discretisation,
+        discretisation=d,
         highest_frequency=math.nan,
         undamped_time_step=math.nan,
         stable_time_step=math.nan,
-        loop=loop,
-        tangent_moduli=moduli,
+        loop=parameters,
+        tangent_moduli=st_venant_kirchhoff(modulus, plate.poissons_ratio),
         thickness=plate.thickness,
         elastic=ElasticSolver(unit.inverse, modulus),
     )
-
-
-def hourglass_of(unit: UnitPlate, plate: PlateProperties) -> Hourglass | None:
-    """Its control with the plate's modulus."""
-    if unit.hourglass is None:
-        return None
-    return unit.hourglass._replace(stiffness=plate.youngs_modulus * unit.hourglass.stiffness)
 
 
 def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
@@ -298,9 +286,47 @@ def _corner(
     return Corner(nodes, weights, mobility, CONSTRAINTS[corner.constraint].make(given))
 
 
-def carried_span(discretisation: Discretisation) -> float:
-    """By how much [m] the origin follows the plate: a power of two near an eighth of its length."""
-    return 2.0 ** math.floor(math.log2(np.ptp(discretisation.positions[0]) / 8.0))
+def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights by which the corner P is held; length [m] of side PE, 0 for the node alone.
+
+    The weights are the nodes' shares of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
+    first moment about P is 0, so that for every rigid motion the weighted mean is P itself. Raises ModelError
+    if the length is not between two nodes and the side.
+    """
+    if length == 0.0:
+        return np.array([discretisation.corner]), np.array([1.0])
+    side = discretisation.side[np.argsort(-discretisation.positions[0, discretisation.side])]
+    return patch_weights(side, -discretisation.positions[0, side], length)
+
+
+def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of a patch of this length [m]; side: nodes of a side from its corner on, s: their distances
+    from it [m]. Raises ModelError if the length is not between two nodes and the side."""
+    if not s[1] * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
+        raise ModelError(
+            "patch_length",
+            f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
+        )
+    weights = _shares(s, length)
+    used = np.abs(weights) > 0.0
+    return side[used].astype(np.int64), weights[used]
+
+
+def _shares(s: np.ndarray, length: float) -> np.ndarray:
+    """Integrals of w times each node's hat function; two Gauss points are exact for this cubic's pieces."""
+    shares = np.zeros_like(s)
+    for i in range(s.size - 1):
+        end = min(s[i + 1], length)
+        if end <= s[i]:
+            break
+        half = 0.5 * (end - s[i])
+        for point in (-1.0, 1.0):
+            at = 0.5 * (s[i] + end) + point * half / np.sqrt(3.0)
+            load = half * (4.0 - 6.0 * at / length) / length
+            hat = (at - s[i]) / (s[i + 1] - s[i])
+            shares[i] += load * (1.0 - hat)
+            shares[i + 1] += load * hat
+    return shares
 
 
 def plate_viscosity(

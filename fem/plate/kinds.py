@@ -244,17 +244,6 @@ for _kind in (
     ELEMENT_KINDS.register(_kind)
 
 
-MOMENTS = (
-    lambda x, y: np.ones_like(x),
-    lambda x, y: x,
-    lambda x, y: y,
-    lambda x, y: x * x,
-    lambda x, y: x * y,
-    lambda x, y: y * y,
-)
-"""Mass, first and second moments, as functions of position."""
-
-
 def row_sum_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
     """Row sums of the consistent mass matrix [kg], shape (nodes,)."""
     import skfem
@@ -281,7 +270,8 @@ def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.nd
     masses = row_sum_masses(scalar, density, thickness)
     if masses.min() < 1e-3 * masses.mean():
         masses = scaled_diagonal_masses(scalar, density, thickness)
-    moments = np.array([moment(*_scaled(scalar)) for moment in MOMENTS])
+    middle, size = _frame(scalar)
+    moments = np.array(_moments(*((scalar.doflocs - middle[:, None]) / size[:, None])))
     exact = _exact_moments(scalar) * density * thickness
     weighted = moments * masses**2
     multipliers = np.linalg.lstsq(weighted @ moments.T, exact - moments @ masses, rcond=None)[0]
@@ -330,9 +320,9 @@ def _frame(scalar: Any) -> tuple[np.ndarray, np.ndarray]:
     return (low + high) / 2.0, high - low
 
 
-def _scaled(scalar: Any) -> np.ndarray:
-    middle, size = _frame(scalar)
-    return (scalar.doflocs - middle[:, None]) / size[:, None]
+def _moments(x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
+    """Mass, first and second moments, as functions of position."""
+    return [np.ones_like(x), x, y, x * x, x * y, y * y]
 
 
 def _exact_moments(scalar: Any) -> np.ndarray:
@@ -342,7 +332,7 @@ def _exact_moments(scalar: Any) -> np.ndarray:
     points, weights = get_quadrature(scalar.elem, 4)
     volumes = np.abs(scalar.mapping.detDF(points)) * weights
     x = (np.asarray(scalar.mapping.F(points)) - middle[:, None, None]) / size[:, None, None]
-    return np.array([np.sum(moment(*x) * volumes) for moment in MOMENTS])
+    return np.array([np.sum(moment * volumes) for moment in _moments(*x)])
 
 
 @dataclass(frozen=True)

@@ -21,26 +21,7 @@ Nodal = tuple[np.ndarray, np.ndarray]
 """Positions [m] and velocities [m/s] in the wall's frame, shape (2, nodes) each."""
 
 
-class EveryStop:
-    """Looks whenever the runner stops, sees nothing to end the run for, and has nothing to keep."""
-
-    def due(self, row: int) -> int:
-        """See `Observer`; here as below."""
-        return 0
-
-    def look(self, rows: np.ndarray, state: Any) -> bool:
-        """Go on."""
-        return False
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Nothing."""
-        return {}
-
-    def resume(self, arrays: Arrays) -> None:
-        """Go on as it is."""
-
-
-class Progress(EveryStop):
+class Progress(Observer):
     """Tells the time [s] that is done; interval: between rows [s]."""
 
     def __init__(self, callback: Callable[[float], None], interval: float) -> None:
@@ -52,7 +33,7 @@ class Progress(EveryStop):
         return False
 
 
-class Until(EveryStop):
+class Until(Observer):
     """Ends the run at rows for which `over` says so.
 
     over: takes all rows so far. every: rows between two looks; 0 for each stop. first: at which row they begin.
@@ -70,7 +51,7 @@ class Until(EveryStop):
         return len(rows) > 1 and self._over(rows)
 
 
-class Shapes(EveryStop):
+class Shapes(Observer):
     """Keeps the plate's positions at the start and every so many rows, for its frequency as deformed.
 
     glance: besides, rows between which the positions that were looked at last are replaced.
@@ -123,7 +104,7 @@ class Snapshots:
     velocities: np.ndarray
 
 
-class SnapshotKeeper(EveryStop):
+class SnapshotKeeper(Observer):
     """Keeps the rows nearest to even instants of the time that is expected, and the end of the run.
 
     Parameters
@@ -179,28 +160,18 @@ class Checkpoint(Protocol):
         """Keep what `arrays` returns, if it is time to; called between the rows of the history."""
 
 
-class NoCheckpoint:
-    """Keeps nothing."""
-
-    def load(self) -> None:
-        """Nothing was kept."""
-
-    def save(self, arrays: Callable[[], Arrays]) -> None:
-        """Keep nothing."""
-
-
-class Saver(EveryStop):
+class Saver(Observer):
     """Gives the run's rows, its state and what other observers need to the keeper of its checkpoints."""
 
     def __init__(self, checkpoint: Checkpoint | None, others: Sequence[Observer]) -> None:
-        self._checkpoint, self._others = checkpoint or NoCheckpoint(), others
+        self._checkpoint, self._others = checkpoint, others
 
     def begun(self, like: Any, start: Callable[[], Any]) -> tuple[Any, np.ndarray | None]:
         """State and rows to go on from, with the other observers as they were; else those of the start, no rows yet.
 
         like: a state of the same form.
         """
-        kept = self._checkpoint.load()
+        kept = self._checkpoint.load() if self._checkpoint else None
         if kept is None:
             return start(), None
         for observer in self._others:
@@ -209,7 +180,8 @@ class Saver(EveryStop):
 
     def look(self, rows: np.ndarray, state: Any) -> bool:
         """Offer a checkpoint."""
-        self._checkpoint.save(functools.partial(self._all_arrays, rows, state))
+        if self._checkpoint:
+            self._checkpoint.save(functools.partial(self._all_arrays, rows, state))
         return False
 
     def _all_arrays(self, rows: np.ndarray, state: Any) -> dict[str, np.ndarray]:

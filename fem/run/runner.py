@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,26 +33,22 @@ class Recorded(NamedTuple):
     state: Any
 
 
-class Finished(NamedTuple):
-    """All rows from the start on, with the states of the last rows as in `Recorded`."""
-
-    rows: np.ndarray
-    before: Any
-    state: Any
-
-
-class Observer(Protocol):
-    """What looks at a run while it is made; `EveryStop` has a default for all of it."""
+class Observer:
+    """Looks at a run while it is made. This one looks whenever the runner stops, sees nothing to end the run for, and
+    has nothing to keep."""
 
     def due(self, row: int) -> int:
         """Rows after which it wants to look, at least 1; 0 to look whenever the runner stops. Row -1: the start is
         looked at where this is 1."""
+        return 0
 
     def look(self, rows: np.ndarray, state: Any) -> bool:
         """Look at all rows so far and the state of the last. Returns True when the run is over."""
+        return False
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What it needs to go on from here."""
+        return {}
 
     def resume(self, arrays: Arrays) -> None:
         """Go on from there."""
@@ -103,7 +99,7 @@ def run(
     rows: int,
     observers: Sequence[Observer],
     made: np.ndarray | None = None,
-) -> Finished:
+) -> Recorded:
     """Make rows until an observer says that it is over.
 
     Parameters
@@ -123,8 +119,8 @@ def run(
 
     Returns
     -------
-    Finished
-        Rows and states.
+    Recorded
+        All rows, and states.
     """
     before, pace, over = state, math.inf, False
     if made is None:
@@ -138,7 +134,7 @@ def run(
         pace = (time.perf_counter() - entered) / len(new)
         made = np.concatenate([made, new])
         over = _looked(observers, waits, len(new), made, state)
-    return Finished(made, before, state)
+    return Recorded(made, before, state)
 
 
 def _looked(observers: Sequence[Observer], waits: list[int], made: int, rows: np.ndarray, state: Any) -> bool:

@@ -98,13 +98,7 @@ def _tangent(f_i: np.ndarray, f_j: np.ndarray, moduli: Any) -> np.ndarray:
     mixed, crossed = f_i[0] * f_j[1], f_i[1] * f_j[0]
     return np.array(
         [
-            [
-                moduli.c_11 * first + moduli.c_33 * second,
-                moduli.c_12 * mixed + moduli.c_33 * crossed,
-            ],
-            [
-                moduli.c_12 * crossed + moduli.c_33 * mixed,
-                moduli.c_11 * second + moduli.c_33 * first,
-            ],
+            [moduli.c_11 * first + moduli.c_33 * second, moduli.c_12 * mixed + moduli.c_33 * crossed],
+            [moduli.c_12 * crossed + moduli.c_33 * mixed, moduli.c_11 * second + moduli.c_33 * first],
         ]
     )

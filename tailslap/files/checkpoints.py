@@ -110,12 +110,10 @@ def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> It
         path.unlink(missing_ok=True)
 
 
-def next_checkpoint() -> Checkpoint:
-    """The keeper of the run that is about to begin; one that keeps nothing outside `checkpointed`."""
-    from fem.run.observers import NoCheckpoint
-
+def next_checkpoint() -> Checkpoint | None:
+    """The keeper of the run that is about to begin; None outside `checkpointed`."""
     checkpoints = _current.get()
-    return checkpoints.next() if checkpoints else NoCheckpoint()
+    return checkpoints.next() if checkpoints else None
 
 
 def _digest(definition: Mapping[str, Any]) -> str:

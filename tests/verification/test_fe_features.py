@@ -13,7 +13,7 @@ import pytest
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
 from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
-from fem.model.contact_points import corner_weights
+from fem.model.plate_model import corner_weights
 from fem.plate.elements import discretise, hourglass_control
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.run.corner import simulate
