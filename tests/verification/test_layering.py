@@ -41,6 +41,23 @@ def test_a_package_stands_alone(package: str) -> None:
             assert not others, f"{name} imports {others}"
 
 
+def test_folders_of_fem_import_downward() -> None:
+    order = ("machine_code", "laws", "plate", "explicit", "model", "start", "stability", "run")
+    level = {folder: height for height, folder in enumerate(order)} | {"modal": order.index("stability")}
+    for name, imported in graph().items():
+        if name.startswith("fem.") and (own := name.split(".")[1]) in level:
+            others = {other.split(".")[1] for other in imported if other.count(".") > 1}
+            assert all(level.get(other, 0) <= level[own] for other in others), f"{name}: {sorted(others)}"
+
+
+def test_a_corner_run_loads_no_impact() -> None:
+    code = "import sys, fem.run.corner; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert "fem.explicit.time_loop" in run.stdout
+    assert not {name for name in run.stdout.split() if name.startswith("fem.") and "impact" in name}
+    assert "fem.laws.wall_contact" not in run.stdout
+
+
 def test_nothing_imports_the_command_line() -> None:
     importing = [name for name, imported in graph().items() if "tailslap.cli" in imported]
     assert importing == ["tailslap.__main__"]
