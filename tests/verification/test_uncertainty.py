@@ -22,7 +22,14 @@ from scipy import stats
 from postprocess.report.report import write_report
 from postprocess.report.terminal import printed
 from postprocess.signals.filters import moving_mean
-from solver.impact import solve_impacts
+from solver.impact import (
+    CrushLaw,
+    ImpactVehicle,
+    WallContact,
+    first_touch,
+    solve_impact,
+    solve_impacts,
+)
 from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
@@ -449,7 +456,7 @@ def test_what_is_held_and_how_the_scene_s_own_force_compares(complete: Spread) -
 
 
 def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass() -> None:
-    """F = v sqrt(k m) of a point mass, exact here too where the path is the same: k ~ v^2, k ~ m; T ~ sqrt(m/k)."""
+    """F = v sqrt(k m) of a point mass, here too where the path is the same: k ~ v^2, k ~ m; T ~ sqrt(m/k)."""
     plan, ones = impact_of(), np.ones(3)
     faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
     inputs = {
@@ -463,9 +470,9 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass() -> None
         raw, impulse, duration = (
             columns[f"strike_{strike}.{name}"] for name in ("raw", "impulse", "duration")
         )
-        assert raw / raw[0] == pytest.approx(force, rel=1e-9)
-        assert impulse / impulse[0] == pytest.approx(force / faster, rel=1e-9)
-        assert duration / duration[0] == pytest.approx(1.0 / faster, rel=1e-9)
+        assert raw / raw[0] == pytest.approx(force, rel=1e-4)
+        assert impulse / impulse[0] == pytest.approx(force / faster, rel=1e-4)
+        assert duration / duration[0] == pytest.approx(1.0 / faster, rel=1e-4)
         for name in ("mean_50ms", "cfc60"):  # the filters' windows do not scale with the time
             values = columns[f"strike_{strike}.{name}"]
             assert values[2] / values[0] == pytest.approx(1.7, rel=1e-9)
@@ -490,8 +497,15 @@ def test_rows_of_the_force_history_hold_impulse_and_mean() -> None:
     given = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0, "angle": 0.26, "friction": 0.47}
     impacts = solve_impacts(**given, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
     assert impacts.mean_force.shape[1:] == (1, 2)
-    for force, mean in zip(impacts.mean_force[:, 0].T, impacts.mean_50ms[0], strict=True):
-        assert moving_mean(np.append(0.0, force), 5e-4, 0.05).max() == pytest.approx(mean, rel=1e-3)
+    for force, k in zip(impacts.mean_force[:, 0].T, (1e6, 2e6), strict=True):
+        vehicle = ImpactVehicle(10.0, 2.438, 9979.0)
+        contact, touch = WallContact(CrushLaw(k, 0.0, 0.22), 0.47), first_touch(vehicle, 0.26, 25.0)
+        motion = solve_impact(vehicle, contact, touch)
+        t = np.linspace(0.0, motion.t_end, 20_001)
+        impulse = motion.at(t).impulse_normal
+        mean = (np.interp(t + 0.05, t, impulse) - impulse).max() / 0.05
+        padded = np.concatenate([[0.0], force, np.zeros(100)])
+        assert moving_mean(padded, 5e-4, 0.05).max() == pytest.approx(mean, rel=1e-3)
     first = impacts.mean_force[: round(0.2 / 5e-4)].sum(axis=0) * 5e-4
     assert first == pytest.approx(impacts.impulse[0], rel=1e-9)
     assert solve_impacts(**given, stiffness=1e6, restitution=0.2).mean_force.shape == (0,)

@@ -11,7 +11,7 @@ import numpy as np
 
 from postprocess.figures import rows as figures
 from postprocess.report.numbers import grouped, known
-from postprocess.report.page import Section
+from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
@@ -121,13 +121,34 @@ def corner_report(found: Spread) -> Report:
     percentiles = list(zip(PERCENTILES, band.percentiles, strict=True))
     forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
     forces |= {f"{p} % lie below": force for p, force in percentiles} | {"of the scene's own values": own}
-    said, refused = _corner_headline(found, inputs[0]), _refusals(found)
-    held = _held(found)
+    nan = np.isnan(found.tables["peak_force"])
+    refused, left_out = (int(np.count_nonzero(each)) for each in (nan, nan.any(axis=0)))
+    varied, used = {item.key for item in found.ranges}, used_keys(found.case.scene)
+    keys = [row.key for row in scene_inputs(found.case.scene, found.case.source)]
+    held = tuple(key for key in keys if key in used and key not in varied)
+    refusals = "The theory refuses none of the combinations."
+    low, _, high = (force / 1e3 for force in band.percentiles)
+    said = (
+        f"Mean {band.mean / 1e3:.0f} kN, standard deviation {band.standard_deviation / 1e3:.0f} kN; nine in ten "
+        f"combinations lie between {low:.0f} and {high:.0f} kN. The scene's own values give "
+        f"{own / 1e3:.0f} kN, more than {100.0 * band.fraction_below(own):.0f} % of them. The largest part of the "
+        f"variance comes from {inputs[0]['key']}, with an index of {inputs[0]['first_order']:.2f}."
+    )
+    if refused:
+        part = f"{100.0 * refused / found.computed:.2g} %"
+        said += f" The theory refuses {part} of the combinations, which are not in these numbers."
+        refusals = (
+            f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations ({part}): they have no "
+            "force, and the distribution is that of the others. "
+            f"{grouped(left_out)} of {grouped(found.rows)} rows have one and are left out of the indices, which are then "
+            "approximate, for the inputs of the rest are no longer "
+            f"independent. The first: {found.refusal}."
+        )
     sentences = [
         f"Each input varies evenly over its range, independently of the others. {grouped(found.rows)} rows "
         f"of Sobol points, scrambled with the seed {SEED}, give {grouped(found.computed)} combinations; each is "
         "solved exactly by Stages 1 to 3. The same call gives the same numbers.",
-        refused,
+        refusals,
         *([f"Fixed at the scene's value: {', '.join(held)}; --range varies these too."] if held else []),
         "An index is the share of the variance that comes from an input: alone (first order), and with its "
         f"interactions (total). The 95 % intervals are a bootstrap's, of {RESAMPLES} resamples, and err on the wide "
@@ -137,27 +158,18 @@ def corner_report(found: Spread) -> Report:
     ]
     histogram = figures.draw_histogram(edges, counts, percentiles, own)
     numbers = pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
-    page = study_page(
-        found.case,
-        "Uncertainty of the peak force of the tail-slap, by the rigid-body method",
-        said,
-        (
-            Section("Distribution", figures=(histogram,), layout="half"),
-            Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
-            Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
-            Section("Peak force", tables=(numbers,), layout="half"),
-            Section("What was computed, and what it means", sentences=sentences, layout="half"),
-        ),
-        "summary.json, these numbers in SI; samples.csv, the combinations of the distribution",
+    sections = (
+        Section("Distribution", figures=(histogram,), layout="half"),
+        Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
+        Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
+        Section("Peak force", tables=(numbers,), layout="half"),
+        Section("What was computed, and what it means", sentences=sentences, layout="half"),
     )
-    forces_table = found.tables["peak_force"]
     summary = {
-        **study_summary("uncertainty", found.case),
-        "seed": SEED,
         "rows": found.rows,
         "combinations": found.computed,
-        "refused": np.count_nonzero(np.isnan(forces_table)),
-        "rows_left_out": np.count_nonzero(np.isnan(forces_table).any(axis=0)),
+        "refused": refused,
+        "rows_left_out": left_out,
         "first_refusal": found.refusal or None,
         "peak_force": {
             **band.numbers(),
@@ -166,55 +178,21 @@ def corner_report(found: Spread) -> Report:
         },
         "inputs": found.sources["peak_force"],
         "held": held,
-        "cost": {"seconds": found.seconds},
     }
     title = f"{found.case.scene.name}: Sobol indices of the peak force"
     cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
-    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refused, cost)
-    return Report(page, summary, terminal, histories={"samples.csv": found.samples})
+    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refusals, cost)
+    kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
+    files = "summary.json, these numbers in SI; samples.csv, the combinations of the distribution"
+    return _report(found, study_page(found.case, kicker, said, sections, files), summary, terminal)
 
 
-def _held(found: Spread) -> tuple[str, ...]:
-    """Keys of the scene that the force depends on and that did not vary."""
-    varied, used = {item.key for item in found.ranges}, used_keys(found.case.scene)
-    keys = (row.key for row in scene_inputs(found.case.scene, found.case.source))
-    return tuple(key for key in keys if key in used and key not in varied)
-
-
-def _corner_headline(found: Spread, first: Mapping[str, Any]) -> str:
-    """The result in three sentences, or four."""
-    band, own = found.band("peak_force"), found.own["peak_force"]
-    low, _, high = (force / 1e3 for force in band.percentiles)
-    said = (
-        f"Mean {band.mean / 1e3:.0f} kN, standard deviation {band.standard_deviation / 1e3:.0f} kN; nine in ten "
-        f"combinations lie between {low:.0f} and {high:.0f} kN. The scene's own values give "
-        f"{own / 1e3:.0f} kN, more than {100.0 * band.fraction_below(own):.0f} % of them. The "
-        f"largest part of the variance comes from {first['key']}, with an index of {first['first_order']:.2f}."
-    )
-    if not (refused := _refused(found)):
-        return said
-    return f"{said} The theory refuses {refused} of the combinations, which are not in these numbers."
-
-
-def _refused(found: Spread) -> str:
-    """The part of the combinations that the theory refuses, "" for none."""
-    refused = np.count_nonzero(np.isnan(found.tables["peak_force"]))
-    return f"{100.0 * refused / found.computed:.2g} %" if refused else ""
-
-
-def _refusals(found: Spread) -> str:
-    """How many combinations the theory refuses, and what became of them."""
-    if not (part := _refused(found)):
-        return "The theory refuses none of the combinations."
-    nan = np.isnan(found.tables["peak_force"])
-    refused, rows = (int(np.count_nonzero(each)) for each in (nan, nan.any(axis=0)))
-    return (
-        f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations "
-        f"({part}): they have no force, and the distribution is that of the others. "
-        f"{grouped(rows)} of {grouped(found.rows)} rows have one and are left out of "
-        "the indices, which are then approximate, for the inputs of the rest are no longer independent. "
-        f"The first: {found.refusal}."
-    )
+def _report(found: Spread, page: Page, numbers: Mapping[str, Any], terminal: Any, **tables: Table) -> Report:
+    """Page, summary, combinations and other tables as files, and what the terminal says."""
+    head, cost = study_summary("uncertainty", found.case), {"seconds": found.seconds}
+    files = {f"{name}.csv": table for name, table in tables.items()}
+    summary = {**head, "seed": SEED, **numbers, "cost": cost}
+    return Report(page, summary, terminal, files, {"samples.csv": found.samples})
 
 
 def impact_report(found: Spread) -> Report:
@@ -223,57 +201,41 @@ def impact_report(found: Spread) -> Report:
     sensitivity = [figures.draw_sensitivity(inputs, "the second strike's 50 ms mean")] if inputs else []
     bands = _bands_table(found)
     beside = [row | {"label": row["row"] + "*" * row["projected"]} for row in found.beside]
-    page = study_page(
-        found.case,
-        "Both strikes of the whole impact: against each input, and as bands",
-        said,
-        (
-            Section("Bands", figures=[_band_figure(found)], tables=[bands]),
-            Section("Inputs, and their shares of the variance", tables=[_inputs_table(found)]),
-            Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
-            Section(
-                "What was computed, and what it means", sentences=_impact_sentences(found), layout="half"
-            ),
-            Section(
-                "Beside Tables 4 and 5 of the paper",
-                "" if beside else NOT_TL_4,
-                tables=[Table((*ROWS, *UNCERTAINTY, VERDICT), beside, "", ROW_NOTES)],
-            ),
-            Section("Each input alone", figures=_curve_figures(found)),
-        ),
-        "summary.json, these numbers in SI; samples.csv, the impacts of the bands; curves.csv, those of the curves",
+    rows = Table((*ROWS, *UNCERTAINTY, VERDICT), beside, "", ROW_NOTES)
+    single = int(np.count_nonzero(np.isnan(found.samples["strike_2.impulse"])))
+    sentences = _impact_sentences(found, single)
+    sections = (
+        Section("Bands", figures=[_band_figure(found)], tables=[bands]),
+        Section("Inputs, and their shares of the variance", tables=[_inputs_table(found)]),
+        Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
+        Section("What was computed, and what it means", sentences=sentences, layout="half"),
+        Section("Beside Tables 4 and 5 of the paper", "" if beside else NOT_TL_4, tables=[rows]),
+        Section("Each input alone", figures=_curve_figures(found)),
     )
     numbers = {}
     for name in COLUMNS:
-        rows = found.sources.get(name, ())
-        indices = {row["key"]: {kind: row[kind] for kind in ("first_order", "total")} for row in rows}
+        sources = found.sources.get(name, ())
+        indices = {row["key"]: {kind: row[kind] for kind in ("first_order", "total")} for row in sources}
         numbers[name] = {**found.band(name).numbers(), "indices": indices}
     summary = {
-        **study_summary("uncertainty", found.case),
-        "seed": SEED,
         "impacts": found.computed,
-        "without_second_strike": _single(found),
+        "without_second_strike": single,
         "own": found.own,
         "bands": numbers,
         "inputs": [asdict(item) for item in found.ranges],
         "rows": found.beside,
-        "cost": {"seconds": found.seconds},
     }
-    title = "Beside Tables 4 and 5 (* projected); u_D is unknown"
     terminal = (
         _bands_table(found, f"{found.case.scene.name}: both strikes"),
         _inputs_table(found, short=True),
-        Table((*ROWS, VERDICT), beside, title),
+        Table((*ROWS, VERDICT), beside, "Beside Tables 4 and 5 (* projected); u_D is unknown"),
         said,
         f"Cost:   {found.computed} impacts, with curves {found.seconds:.1f} s",
     )
-    curves = {"curves.csv": _curves_table(found)}
-    return Report(page, summary, terminal, curves, {"samples.csv": found.samples})
-
-
-def _single(found: Spread) -> int:
-    """How many of the distribution's impacts have no second strike."""
-    return int(np.count_nonzero(np.isnan(found.samples["strike_2.impulse"])))
+    kicker = "Both strikes of the whole impact: against each input, and as bands"
+    files = "summary.json, these numbers in SI; samples.csv, the impacts of the bands; curves.csv, those of the curves"
+    page = study_page(found.case, kicker, said, sections, files)
+    return _report(found, page, summary, terminal, curves=_curves_table(found))
 
 
 def _impact_headline(found: Spread) -> str:
@@ -295,7 +257,7 @@ def _impact_headline(found: Spread) -> str:
     return " ".join(said)
 
 
-def _impact_sentences(found: Spread) -> list[str]:
+def _impact_sentences(found: Spread, single: int) -> list[str]:
     """What a reader must know beside the numbers."""
     sentences = [
         f"{grouped(found.computed)} impacts of the rigid vehicle: {grouped(2 * found.rows)} for the bands, Sobol "
@@ -307,7 +269,7 @@ def _impact_sentences(found: Spread) -> list[str]:
         "A band says what these ranges do, and nothing of what the model lacks: roll and pitch, load that shifts, a "
         "wall that gives, wheels and suspension.",
     ]
-    if single := _single(found):
+    if single:
         sentences.append(
             f"{grouped(single)} impacts have no second strike; they are not in the second strike's numbers, and "
             "their rows not in the indices."
