@@ -85,17 +85,22 @@ def draw_contours(
     moment = [] if situation.time is None else [f"tail-slap at t = {situation.time:.4g} s"]
     with closing(Sheet(points)) as sheet:
         sheet.draw_wall(None if wall is None else (length * wall[0], wall[1]), length_unit)
+        sheet.write(",  ".join([situation.scene, *moment]), (-24, -44), 20)
+        marks = {"P": situation.corner, "G": situation.centroid}
+        beside = {
+            name: sheet.draw_dot(length * np.asarray(at)) for name, at in marks.items() if at is not None
+        }
+        if "P" in beside:
+            sheet.write("P", beside["P"], 24)
+        sheet.keep()
         for field in fields:
             factor, unit = units.of(field.unit)
             field = replace(field, unit=unit, values=factor * field.values)
             sheet.draw_field((points, cells), field, colour_scale(field.values))
-            sheet.write(",  ".join([situation.scene, *moment]), (-24, -44), 20)
-            if situation.corner is not None:
-                sheet.draw_mark("P", length * np.asarray(situation.corner))
             if situation.centroid is not None:
-                place = length * np.asarray(situation.centroid)
-                value = f"{value_at(points, field.values, place):.4g}".replace("-", "−", 1)
-                sheet.draw_mark(f"G: {value} {unit}", place)
+                value = value_at(points, field.values, length * np.asarray(situation.centroid))
+                text = f"{value:.4g}".replace("-", "−", 1)
+                sheet.write(f"G: {text} {unit}", beside["G"], 24, ground=0.8)
             paths.append(out_dir / f"contour_{field.name}.png")
             sheet.image().save(paths[-1])
     return paths
@@ -138,6 +143,7 @@ def _frames(
     deformed = f",  elastic deformation × {magnify:g}" if magnify != 1.0 else ""
     with closing(Sheet(places.reshape(-1, 2))) as sheet:
         sheet.draw_wall(None, length_unit)
+        sheet.keep()
         for k in instants:
             field = ContourField(name, name, unit, values[k])
             sheet.draw_field((places[k], series.corners), field, scale)
@@ -244,11 +250,12 @@ def choose_window() -> None:
             "pictures need a display or the library libEGL.so.1 (Debian and Ubuntu: package libegl1)"
         ) from None
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    os.environ.setdefault("ALLOW_PLOTTING", "true")  # PyVista would look for an X server
 
 
 class Sheet:
-    """An off-screen plotter of the plate at some instants (points (n, 2)): the wall and its rulers stay, a field and
-    what is drawn after it go with the next field."""
+    """An off-screen plotter of the plate at some instants (points (n, 2)): what is kept stays, a field and what is
+    drawn after it go with the next field."""
 
     def __init__(self, points: Floats) -> None:
         choose_window()
@@ -273,6 +280,10 @@ class Sheet:
     def close(self) -> None:
         """Give the window back."""
         self.plotter.close()
+
+    def keep(self) -> None:
+        """Let what is drawn so far stay."""
+        self.passing.clear()
 
     def image(self) -> Any:
         """The picture as it is now, an image of Pillow."""
@@ -303,7 +314,6 @@ class Sheet:
         self.write(f"Y [{unit}]", (24.0, top + 12.0), 18)
         self.write(caption, (24, 24), 20)
         self.write(f"X [{unit}], driving direction →", (-24, 24), 20)
-        self.passing.clear()
 
     def draw_field(self, plate: Mesh, field: ContourField, scale: ColourScale) -> None:
         """Draw nodal values in bands, or a value an element, with mesh lines, title and scale. ValueError for another
@@ -331,14 +341,14 @@ class Sheet:
         self.write(f"{field.title} [{field.unit}]", (24, -46), 28, bold=True)
         self.write(range_note(field, scale, where), (24, -78), 18)
 
-    def draw_mark(self, text: str, place: ArrayLike) -> None:
-        """Draw a dot at a point, with a text beside it."""
+    def draw_dot(self, place: ArrayLike) -> tuple[float, float]:
+        """Draw a dot at a point; returns the pixel where a text beside it starts."""
         x, y = self.view.pixel(place)
         angles = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
         circle, disc = np.column_stack([np.cos(angles), np.sin(angles)]), np.arange(32)[None, :]
         self._surface(((x, y) + 8.0 * circle, disc), 2.0, color=INK)
         self._surface(((x, y) + 5.0 * circle, disc), 3.0, color="white")
-        self.write(text, (x + 14, y + 10), 24, ground=0.8)
+        return x + 14, y + 10
 
     def write(
         self,
@@ -359,14 +369,10 @@ class Sheet:
 
         x, y = pixel
         words = pyvista.Text(text, position=(x % SIZE[0], y % SIZE[1]))
-        words.prop = pyvista.TextProperty(
-            color=INK,
-            font_size=size,
-            font_file=str(self.fonts / ("DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf")),
-            justification_horizontal="right" if x < 0 else justify,
-            background_color="white",
-            background_opacity=ground,
-        )
+        words.prop.color, words.prop.font_size = INK, size
+        words.prop.set_font_file(str(self.fonts / ("DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf")))
+        words.prop.justification_horizontal = "right" if x < 0 else justify
+        words.prop.background_color, words.prop.background_opacity = "white", ground
         self.plotter.add_actor(words, reset_camera=False, render=False, pickable=False)
         self.passing.append(words)
 
