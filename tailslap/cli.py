@@ -22,25 +22,8 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 import tailslap
 from postprocess.fields import FORMATS
-from tailslap import studies
+from tailslap import options, studies
 from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
-from tailslap.options import (
-    ALLOW_LARGE,
-    FORCE,
-    JSON,
-    MAX_RUNS,
-    PROGRESS,
-    QUIET,
-    SCENE,
-    SET,
-    UNITS,
-    Folder,
-    Real,
-    Text,
-    Whole,
-    tell,
-    with_options,
-)
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -62,16 +45,16 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
     """Give a command SCENE and --set, and call it with the case of that scene."""
 
     @functools.wraps(function)
-    def command(name: str, changes: tuple[str, ...], **options: Any) -> int:
+    def command(name: str, changes: tuple[str, ...], **given: Any) -> int:
         from tailslap.case import case_of
         from tailslap.scene.read import read_scene, remarks
 
         scene, source = read_scene(name, changes)
         for remark in remarks(source):
             click.echo(f"tailslap: remark: {remark}", err=True)
-        return function(case_of(scene, source), **options)
+        return function(case_of(scene, source), **given)
 
-    return with_options(SCENE, SET)(command)
+    return options.with_options(options.SCENE, options.SET)(command)
 
 
 def filled(fill: Fill | None, place: Path, pictures: bool, units: str) -> Report:
@@ -113,16 +96,16 @@ def commands() -> None:
 
 @commands.command()
 @takes_a_case
-@with_options(ALLOW_LARGE)
-@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME]")
+@options.with_options(options.ALLOW_LARGE)
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME]")
 @click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
 @click.option(
     "--tolerance",
-    type=Real(0.0, 1.0, min_open=True, max_open=True),
+    type=options.Real(0.0, 1.0, min_open=True, max_open=True),
     help="Pick the cheapest mesh and constraint for this relative error.",
 )
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
-@with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
+@options.with_options(options.FORCE, options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
 def run(
     case: Case,
     allow_large: bool,
@@ -150,13 +133,13 @@ def run(
 
 @commands.command()
 @takes_a_case
-@with_options(UNITS, JSON, QUIET)
+@options.with_options(options.UNITS, options.JSON, options.QUIET)
 def rigid(case: Case, as_json: bool, units: str) -> int:
     """The rigid-body method, or the rigid vehicle's whole impact, alone."""
     if as_json and units == "us":
         raise InputError("--units", units, "--json is in SI always; leave out one of the two")
     found = tailslap.rigid(case, units=units)
-    return tell(found.summary, found.text, as_json)
+    return options.tell(found.summary, found.text, as_json)
 
 
 class Studies(click.Group):
@@ -180,8 +163,8 @@ def study_command(chosen: Study) -> click.Command:
     """The study on the command line: SCENE, --set, --out, and its own options."""
     help_out = f"Result folder  [default: results/NAME-{chosen.name}]"
     shared: list[click.Parameter] = [
-        *(SCENE, SET, click.Option(["--out"], type=Folder(), help=help_out)),
-        *(ALLOW_LARGE, FORCE, UNITS, JSON, QUIET, PROGRESS),
+        *(options.SCENE, options.SET, click.Option(["--out"], type=options.Folder(), help=help_out)),
+        *(options.ALLOW_LARGE, options.FORCE, options.UNITS, options.JSON, options.QUIET, options.PROGRESS),
     ]
 
     from tailslap.studies.study import option_names
@@ -206,7 +189,7 @@ def study_command(chosen: Study) -> click.Command:
 
 
 @commands.command()
-@with_options(SCENE, SET)
+@options.with_options(options.SCENE, options.SET)
 @click.option(
     "--vary",
     "varied",
@@ -217,20 +200,22 @@ def study_command(chosen: Study) -> click.Command:
 )
 @click.option(
     "--sample",
-    type=Whole(2, MAX_RUNS),
+    type=options.Whole(2, options.MAX_RUNS),
     metavar="N",
     help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
 )
-@click.option("--seed", type=Whole(0), default=307, show_default=True, help="Of the samples.")
-@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-sweep]")
-@click.option("--cluster", type=Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786.")
+@click.option("--seed", type=options.Whole(0), default=307, show_default=True, help="Of the samples.")
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option(
+    "--cluster", type=options.Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786."
+)
 @click.option(
     "--workers",
-    type=Whole(1, 1024),
+    type=options.Whole(1, 1024),
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )
-@with_options(UNITS, JSON, QUIET, PROGRESS)
+@options.with_options(options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
 def sweep(
     name: str,
     varied: tuple[str, ...],
@@ -256,21 +241,25 @@ def sweep(
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
-    tell(found.summary, found.text, as_json)
+    options.tell(found.summary, found.text, as_json)
     return DONE if found.passed else CHECK_FAILED
 
 
 @commands.command()
-@click.argument("folder", metavar="RESULT", type=Folder())
+@click.argument("folder", metavar="RESULT", type=options.Folder())
 @click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
-@click.option("--out", type=Folder(), help="Folder for them  [default: RESULT-FORMAT]")
+@click.option("--out", type=options.Folder(), help="Folder for them  [default: RESULT-FORMAT]")
 @click.option(
-    "--field", type=Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
+    "--field", type=options.Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
 )
 @click.option(
-    "--magnify", type=Real(0.0, 1e9), default=1.0, show_default=True, help="The elastic deformation in them."
+    "--magnify",
+    type=options.Real(0.0, 1e9),
+    default=1.0,
+    show_default=True,
+    help="The elastic deformation in them.",
 )
-@with_options(UNITS, JSON, QUIET)
+@options.with_options(options.UNITS, options.JSON, options.QUIET)
 def export(
     folder: Path, to: str, out: Path | None, field: str | None, magnify: float, units: str, as_json: bool
 ) -> int:
@@ -280,20 +269,20 @@ def export(
     histories of any run.
     """
     written = tailslap.export(folder, to, out, field=field, magnify=magnify, units=units)
-    return tell({"written": written}, f"Written: {written}", as_json)
+    return options.tell({"written": written}, f"Written: {written}", as_json)
 
 
 @commands.command()
-@click.argument("given", metavar="RESULT RESULT...", nargs=-1, required=True, type=Folder())
+@click.argument("given", metavar="RESULT RESULT...", nargs=-1, required=True, type=options.Folder())
 @click.option(
     "--columns",
-    type=Text(),
+    type=options.Text(),
     metavar="NAME=THEIRS,...",
     help="What columns of files are called, like 'time=t,v_gy=-VY [mph]': a minus turns the sign.",
 )
-@click.option("--only", type=Text(), metavar="NAME,...", help="Columns to compare.")
-@click.option("--out", type=Folder(), help="Folder of the page  [default: results/compare]")
-@with_options(UNITS, JSON, QUIET)
+@click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
+@click.option("--out", type=options.Folder(), help="Folder of the page  [default: results/compare]")
+@options.with_options(options.UNITS, options.JSON, options.QUIET)
 def compare(
     given: tuple[Path, ...],
     columns: str | None,
@@ -314,21 +303,21 @@ def compare(
 
 @commands.command()
 @takes_a_case
-@with_options(ALLOW_LARGE, UNITS, JSON, QUIET)
+@options.with_options(options.ALLOW_LARGE, options.UNITS, options.JSON, options.QUIET)
 def check(case: Case, allow_large: bool, units: str, as_json: bool) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
     found = tailslap.check(case, allow_large=allow_large, units=units)
-    return tell(found.summary, found.text, as_json)
+    return options.tell(found.summary, found.text, as_json)
 
 
 @commands.command()
 @takes_a_case
-@with_options(ALLOW_LARGE)
+@options.with_options(options.ALLOW_LARGE)
 @click.option(
-    "--count", type=Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
+    "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
 )
-@click.option("--out", type=Folder(), help="Result folder  [default: results/NAME-modes]")
-@with_options(FORCE, UNITS, JSON, QUIET, PROGRESS)
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-modes]")
+@options.with_options(options.FORCE, options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
 def modes(
     case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
 ) -> int:
@@ -343,28 +332,34 @@ def modes(
 
 @commands.command()
 @takes_a_case
-@with_options(ALLOW_LARGE)
+@options.with_options(options.ALLOW_LARGE)
 @click.option(
-    "--modes", type=Whole(1, 200), default=4, show_default=True, help="Elastic modes to keep, the lowest."
+    "--modes",
+    type=options.Whole(1, 200),
+    default=4,
+    show_default=True,
+    help="Elastic modes to keep, the lowest.",
 )
-@click.option("--steps", type=Whole(10, 1_000_000), default=100, show_default=True, help="Time steps.")
+@click.option(
+    "--steps", type=options.Whole(10, 1_000_000), default=100, show_default=True, help="Time steps."
+)
 @click.option(
     "--tolerance",
-    type=Real(0.0, 1.0, min_open=True),
+    type=options.Real(0.0, 1.0, min_open=True),
     default=1e-5,
     show_default=True,
     help="Relative error allowed.",
 )
-@with_options(UNITS, JSON, QUIET)
-def modal(case: Case, as_json: bool, **options: Any) -> int:
+@options.with_options(options.UNITS, options.JSON, options.QUIET)
+def modal(case: Case, as_json: bool, **given: Any) -> int:
     """Run a scene with a few modes of the plate."""
-    found = tailslap.modal(case, **options)
-    tell(found.summary, found.text, as_json)
+    found = tailslap.modal(case, **given)
+    options.tell(found.summary, found.text, as_json)
     return DONE if found.passed else CHECK_FAILED
 
 
 @commands.command()
-@with_options(JSON, QUIET)
+@options.with_options(options.JSON, options.QUIET)
 def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
     from postprocess.report.terminal import labelled_text
@@ -373,23 +368,23 @@ def scenes(as_json: bool) -> int:
     shipped = {name: title(text) for name, text in shipped_scenes().items()}
     width = max(map(len, shipped))
     lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
-    return tell(shipped, labelled_text(lines, width + 2), as_json)
+    return options.tell(shipped, labelled_text(lines, width + 2), as_json)
 
 
 @commands.command()
 @click.argument("name", metavar="NAME")
-@with_options(JSON, QUIET)
+@options.with_options(options.JSON, options.QUIET)
 def new(name: str, as_json: bool) -> int:
     """Write NAME.toml: a scene with every key, its meaning, and an example."""
     from tailslap.scene.write import write_new_scene
 
     path = write_new_scene(name)
-    return tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
+    return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
 
 @commands.command()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
-@with_options(JSON, QUIET)
+@options.with_options(options.JSON, options.QUIET)
 def completion(shell: str, as_json: bool) -> int:
     """Print what makes a shell complete commands, options, scenes and keys.
 
@@ -399,12 +394,12 @@ def completion(shell: str, as_json: bool) -> int:
 
     made = get_completion_class(shell)
     script = made(commands, {}, "tailslap", COMPLETE).source() if made else ""
-    return tell({"shell": shell, "script": script}, script, as_json)
+    return options.tell({"shell": shell, "script": script}, script, as_json)
 
 
 @commands.command()
-@click.option("--out", type=Folder(), help="Result folder  [default: results/paper]")
-@with_options(JSON, QUIET)
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/paper]")
+@options.with_options(options.JSON, options.QUIET)
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
     from tailslap.paper import page, tables

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,6 @@ import numpy as np
 
 from postprocess.report.table import Table
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.files import folder as folders
 
 if TYPE_CHECKING:
     import pyvista
@@ -145,14 +143,16 @@ class Columns(Mapping[str, np.ndarray]):
         numbers = [*range(self.rows)]
         if self.rows > 2 * SHOWN:
             numbers = [*numbers[:SHOWN], -1, *numbers[-SHOWN:]]
-        head = "".join(f"<th>{escape(self.heading(name))}</th>" for name in self)
+        head = _cells(map(self.heading, self), "th")
         rows = (["…"] * len(self) if n < 0 else [_text(v[n]) for v in self.arrays.values()] for n in numbers)
         body = "".join(f"<tr>{_cells(row)}</tr>" for row in rows)
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><p>{self.rows} rows</p>"
 
 
-def _cells(texts: Iterable[str]) -> str:
-    return "".join(f"<td>{escape(text)}</td>" for text in texts)
+def _cells(texts: Iterable[str], tag: str = "td") -> str:
+    from html import escape
+
+    return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
 
 
 def _text(value: Any) -> str:
@@ -316,11 +316,13 @@ class Result:
         InputError
             Where the folder cannot be written or holds other files, or the result leaves none.
         """
+        from tailslap.files.folder import demand_own, result_folder
+
         if self.fill is None:
             raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
         place = Path(folder)
-        folders.demand_own(place, self.scene, force)
-        with folders.result_folder(place) as unfinished:
+        demand_own(place, self.scene, force)
+        with result_folder(place) as unfinished:
             self.fill(unfinished, pictures, "si")
         return place
 
@@ -338,6 +340,8 @@ class Result:
         return printed((*self.tables.values(), self.headline or repr(self)))
 
     def _repr_html_(self) -> str:
+        from html import escape
+
         said = f"<p><b>{escape(self.headline)}</b></p>" if self.headline else ""
         shown = "".join(_table_html(title, table) for title, table in self.tables.items())
         text = "" if said or shown else f"<pre>{escape(self.text or repr(self))}</pre>"
@@ -352,11 +356,11 @@ class Result:
 
 def _table_html(title: str, table: Table) -> str:
     """A table without style of its own."""
-    heads = "".join(f"<th>{escape(column.heading)}</th>" for column in table.columns)
+    heads = _cells((column.heading for column in table.columns), "th")
     head = f"<thead><tr>{heads}</tr></thead>" if any(column.label for column in table.columns) else ""
     rows = (_cells(column.text(row) for column in table.columns) for row in table.rows)
     body = "".join(f"<tr>{row}</tr>" for row in rows)
-    caption = f"<caption>{escape(title)}</caption>" if title else ""
+    caption = _cells([title], "caption") if title else ""
     return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
 
 

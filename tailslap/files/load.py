@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
-from postprocess.fields.series import FILE, read_fields
 from postprocess.report.files import read_history
 from tailslap.errors import InputError, Verbatim
 from tailslap.files.manifest import NAME, read_manifest
@@ -67,6 +66,8 @@ def load(folder: str | os.PathLike[str]) -> Result:
     >>> import tailslap
     >>> tailslap.load("results/mash-tl4-sut").history["v_gy"]  # doctest: +SKIP
     """
+    from postprocess.fields.series import FILE, read_fields
+
     place = Path(folder)
     summary = _summary(place)
     if (place / SWEEP).is_file():
