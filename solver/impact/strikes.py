@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from solver.elementary import Array
-
-SHORTEST = 1e-3
-"""A corner that is off the wall for less is still in its strike [s]."""
+from solver.impact.step import SHORTEST
 
 
 @dataclass(frozen=True)
@@ -68,26 +66,6 @@ def is_over(start: Any, end: Any, now: Any) -> Any:
     off the wall for as long as its strike has lasted. Where it hops, as a plate does, hops are one strike; else a gap
     that a mesh opens or closes would tell how many there are."""
     return now - end >= np.maximum(SHORTEST, end - start)
-
-
-class Interval(NamedTuple):
-    """A corner, by its index or name, and when it was pressed on [s]."""
-
-    corner: int
-    start: float
-    end: float
-
-
-def joined(intervals: Iterable[Interval]) -> list[Interval]:
-    """Intervals given in order of time, those of one strike as one; in order of start."""
-    out: dict[int, list[Interval]] = {}
-    for interval in intervals:
-        earlier = out.setdefault(interval.corner, [])
-        if earlier and not is_over(earlier[-1].start, earlier[-1].end, interval.start):
-            earlier[-1] = Interval(interval.corner, earlier[-1].start, interval.end)
-        else:
-            earlier.append(interval)
-    return sorted((i for found in out.values() for i in found), key=lambda interval: interval.start)
 
 
 def strikes_of(

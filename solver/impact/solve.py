@@ -1,0 +1,584 @@
+"""Whole impacts of rigid vehicles on a wall that only pushes: one or a million, in steps of one length.
+
+The step is taken from the stiffest contact, the turning and the tolerance; what it leaves of error is stated from a run
+at twice the step, and where that is more than the tolerance, which doubles with it, the step is halved.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import astuple, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from solver.elementary import Array, Number, number
+from solver.errors import Gate, RigidBodyError, Rule
+from solver.impact import rules
+from solver.impact.step import STRIKE, SUMS, UNIT, Clock, Train, advance, workspace
+from solver.impact.strikes import Strike
+from solver.impact.train import CORNERS, ImpactState, ImpactVehicle, WallContact, train_of
+from solver.rules import LENGTH, MASS, WIDTH
+
+TOLERANCE = 1e-5
+"""Of peaks, impulses and spin of one impact; the step's phase of the stiffest oscillation is its root."""
+
+MANY = 1e-4
+"""The same of many at once."""
+
+TURN = 0.1
+"""The step against phase times size over speed."""
+
+REFUSED = 1e-3
+"""Error at which there is no answer."""
+
+WORK = 80_000_000
+"""Steps times points of an impact at most."""
+
+MOST_ROWS = 1_000_000
+MOST_STRIKES = 64
+"""Of one impact, at first."""
+
+
+class Trajectories(NamedTuple):
+    """Motions of n trains.
+
+    Attributes
+    ----------
+    end : ndarray, shape (n,)
+        How far each was followed [s].
+    state : ndarray, shape (n, units, 6)
+        There, in the order of `step.UNIT`.
+    strikes : ndarray, shape (n, strikes, columns)
+        In the order of their starts, columns as of `step.STRIKE`; NaN where there is none.
+    rows : ndarray, shape (n, rows, columns)
+        Columns as of `step.UNIT` of each unit and `step.SUMS`; undefined behind the end.
+    interval : ndarray, shape (n,)
+        Between rows [s].
+    step : ndarray, shape (n,)
+        [s].
+    error : ndarray, shape (n,)
+        Largest relative change of the first two peaks and impulses, and of the spin at the end, against twice the step.
+    """
+
+    end: Array
+    state: Array
+    strikes: Array
+    rows: Array
+    interval: Array
+    step: Array
+    error: Array
+
+
+def solve_trains(
+    train: Train,
+    state: Array,
+    *,
+    step: float | None = None,
+    end: float | None = None,
+    interval: float | None = None,
+    after_second: float = 0.1,
+    longest: float = 5.0,
+    tolerance: float = TOLERANCE,
+    strikes: int = 2,
+) -> Trajectories:
+    """Whole impacts of rigid trains.
+
+    Parameters
+    ----------
+    train : Train
+        n samples.
+    state : ndarray, shape (n, units, 6)
+        At the start, in the order of `step.UNIT`; hinges closed.
+    step : float or None
+        [s]; None: chosen by the tolerance.
+    end : float or None
+        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
+        nothing can touch any more, but for `after_second` at least.
+    interval : float or None
+        Between rows [s]; 0: every step, or what `MOST_ROWS` allow; None: no rows.
+    after_second, longest : float
+        [s]; with end None: how far at most.
+    tolerance : float
+        Of peaks, impulses and spin, by which the step is chosen [-].
+    strikes : int
+        For how many there is room.
+
+    Returns
+    -------
+    Trajectories
+        With their errors.
+
+    Raises
+    ------
+    RigidBodyError
+        Where the steps become too short, or what they leave of error too large.
+    """
+    most = WORK // train.unit.size
+    latest = longest if end is None else end
+    rate, turning = _rates(train, state)
+    h = (
+        math.sqrt(tolerance) / 6.0 / np.maximum(rate, turning / TURN)
+        if step is None
+        else np.full(len(state), step)
+    )
+    whole = interval or latest
+    h = whole / np.ceil(whole / h)
+
+    def run(chosen: NDArray[np.int64], h: Array, interval: float | None) -> Trajectories:
+        few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[:, chosen]) for v in train))
+        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes)
+
+    chosen = np.arange(len(state))
+    found = run(chosen, h, interval)
+    error = _difference(found, run(chosen, 2.0 * h, None), turning)
+    while step is None:
+        chosen = np.flatnonzero(~(error <= tolerance * h / found.step) & (2.0 * latest <= most * found.step))
+        if not chosen.size:
+            break
+        finer, coarse = run(chosen, 0.5 * found.step[chosen], interval), _rows(found, chosen)
+        error[chosen] = _difference(finer, coarse, turning[chosen])
+        found = _with(found, chosen, finer)
+    bad = ~(error <= REFUSED)
+    if bad.any() and step is None:
+        i = int(np.argmax(bad))
+        place = f" at index {i}" if len(bad) > 1 else ""
+        why = f"steps of {found.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
+        raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
+    return found._replace(error=error)
+
+
+def _rows(found: Trajectories, chosen: NDArray[np.int64]) -> Trajectories:
+    return Trajectories(*(value[chosen] for value in found))
+
+
+def _with(found: Trajectories, chosen: NDArray[np.int64], finer: Trajectories) -> Trajectories:
+    """The same with these samples in place of theirs."""
+    if len(chosen) == len(found.end):
+        return finer
+    for old, new in zip(found, finer, strict=True):
+        old[chosen] = new
+    return found
+
+
+def _rates(train: Train, state: Array) -> tuple[Array, Array]:
+    """The stiffest oscillation on loading, and speed over size [1/s], shape (n,)."""
+    reach2, stiffness = np.zeros_like(train.mass), np.zeros_like(train.mass)
+    np.maximum.at(reach2, train.unit, train.along**2 + train.across**2)
+    np.add.at(stiffness, train.unit, 0.5 * train.stiffness)  # two corners and one side at once
+    rate = np.sqrt((stiffness * (1.0 / train.mass + reach2 / train.inertia)).max(axis=0))
+    velocity = np.moveaxis(state[..., 3:], -1, 0).swapaxes(1, 2)
+    turning = np.hypot(velocity[0], velocity[1]) / np.sqrt(reach2) + np.abs(velocity[2])
+    return rate, np.maximum(turning.max(axis=0), 1e-300)
+
+
+def _run(
+    train: Train, state: Array, h: Array, end: float | None, interval: float | None,
+    after: float, longest: float, most: int, strikes: int,
+) -> Trajectories:  # fmt: skip
+    n, units = state.shape[:2]
+    latest = longest if end is None else end
+    stride, count = np.ones(n, dtype=np.int64), 0
+    if interval is not None:
+        stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
+        count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
+    rows, found = np.empty((n, count, 6 * units + len(SUMS))), np.full((n, strikes, len(STRIKE)), np.nan)
+    ends, out = np.full(n, math.inf if end is None else end), np.array(state)
+    longest = latest if end is not None else longest
+    clock = Clock(h, stride, ends, after, longest, most, np.full(n, np.nan), np.zeros(n, dtype=np.int64))
+    advance(train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found)
+    if clock.counted.max() > strikes > 2:
+        return _run(train, state, h, end, interval, after, longest, most, int(clock.counted.max()))
+    return Trajectories(clock.reached, out, found, rows, h * stride, h, np.zeros(n))
+
+
+def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Array:
+    """Largest change, of spin against its own and a tenth of speed over size; infinite where strikes differ, or
+    anything is not finite."""
+    one, two = fine.strikes[:, :2], coarse.strikes[:, :2]
+    same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
+    spin, other = fine.state[..., 5], coarse.state[..., 5]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        changes = np.nan_to_num(np.abs(two[..., 3:5] / one[..., 3:5] - 1.0), nan=0.0).max(axis=(1, 2))
+        spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
+    known = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
+    return np.where(known & same.all(axis=1), np.maximum(changes, spins), math.inf)
+
+
+@dataclass(frozen=True)
+class ImpactRecord:
+    """The impact at given instants; arrays of the shape of the instants, forces and energies summed over the points.
+
+    Attributes
+    ----------
+    t : ndarray
+        Time since the start [s], of any shape.
+    x_g, y_g : ndarray
+        Centre of mass [m], shape of t.
+    theta : ndarray
+        Between the wall side and the wall [rad], shape of t.
+    omega : ndarray
+        [rad/s], positive where it closes the angle, shape of t.
+    v_gx, v_gy : ndarray
+        [m/s], shape of t.
+    force_normal, force_tangential : ndarray
+        Of the wall on the vehicle along +Y and +X [N], shape of t.
+    impulse_normal, impulse_tangential : ndarray
+        Their integrals [N s], shape of t.
+    impulse_angular : ndarray
+        Integral of their moment about X = Y = 0 [N m s], shape of t.
+    kinetic_energy : ndarray
+        [J], shape of t.
+    crush_energy_stored, crush_energy_lost : ndarray
+        What unloading would give back, and what it would not, of the energy taken up by the crush [J], shape of t.
+    crush_work : ndarray
+        Integral of the power of the normal forces on the crush [J], shape of t: stored and lost together.
+    friction_work : ndarray
+        Done on the vehicle, 0 or less [J], shape of t.
+    """
+
+    t: Array
+    x_g: Array
+    y_g: Array
+    theta: Array
+    omega: Array
+    v_gx: Array
+    v_gy: Array
+    force_normal: Array
+    force_tangential: Array
+    impulse_normal: Array
+    impulse_tangential: Array
+    impulse_angular: Array
+    kinetic_energy: Array
+    crush_energy_stored: Array
+    crush_energy_lost: Array
+    crush_work: Array
+    friction_work: Array
+
+
+COLUMNS = (*UNIT, *SUMS)
+RATES = {"x_g": "v_gx", "y_g": "v_gy", "impulse": "normal", "along": "tangential"}
+"""Columns of rows and, of those that are integrals of another, of which."""
+
+
+@dataclass(frozen=True)
+class ImpactMotion:
+    """One whole impact; made by `solve_impact`.
+
+    Attributes
+    ----------
+    vehicle : ImpactVehicle
+        As given.
+    contact : WallContact
+        As given.
+    strikes : tuple of Strike
+        In order of time.
+    t_end : float
+        How far the motion was followed [s].
+    end : ImpactState
+        The state there.
+    step : float
+        [s].
+    error : float
+        Largest relative change of the first two peaks and impulses, and of the spin, against twice the step [-].
+    interval : float
+        Between rows [s].
+    rows : ndarray, shape (rows, columns)
+        Every step, or as many as there is room for; columns as of `COLUMNS`.
+    """
+
+    vehicle: ImpactVehicle
+    contact: WallContact
+    strikes: tuple[Strike, ...]
+    t_end: float
+    end: ImpactState
+    step: float
+    error: float
+    interval: float
+    rows: Array
+
+    def at(self, times: ArrayLike) -> ImpactRecord:
+        """The motion at given instants.
+
+        Parameters
+        ----------
+        times : array_like, of any shape
+            From 0 to `t_end` [s].
+
+        Returns
+        -------
+        ImpactRecord
+            Arrays of the shape of `times`.
+
+        Raises
+        ------
+        RigidBodyError
+            For an instant outside that range.
+        """
+        t = np.asarray(number("time", times), dtype=np.float64)
+        Gate().demand(rules.TIME, (t >= 0.0) & (t <= self.t_end), t, end=self.t_end)
+        k = np.minimum((t / self.interval).astype(np.int64), len(self.rows) - 2)
+        s, before, after = (t / self.interval - k)[..., None], self.rows[k], self.rows[k + 1]
+        value = before + s * (after - before)
+        for name, rate in RATES.items():  # by the cubic with both rates
+            i, j = COLUMNS.index(name), COLUMNS.index(rate)
+            one, two, u = before[..., j], after[..., j], s[..., 0]
+            secant = after[..., i] - before[..., i]
+            one, two = one * self.interval - secant, two * self.interval - secant
+            value[..., i] += u * (1.0 - u) * ((1.0 - u) * one - u * two)
+        x_g, y_g, theta, v_gx, v_gy, omega, normal, tangential, *rest = np.moveaxis(value, -1, 0)
+        impulse, along, angular, friction, crush, stored, lost = rest
+        kinetic = 0.5 * (self.vehicle.mass * (v_gx**2 + v_gy**2) + self.vehicle.inertia * omega**2)
+        return ImpactRecord(t, x_g, y_g, theta, omega, v_gx, v_gy, normal, tangential, impulse, along, angular,
+                            kinetic, stored, lost, crush, friction)  # fmt: skip
+
+
+def solve_impact(
+    vehicle: ImpactVehicle,
+    contact: WallContact,
+    state: ImpactState,
+    end: float | None = None,
+    after_second: float = 0.1,
+    longest: float = 5.0,
+    step: float | None = None,
+    tolerance: float = TOLERANCE,
+) -> ImpactMotion:
+    """The whole impact of a rigid vehicle, any number of strikes.
+
+    Parameters
+    ----------
+    vehicle : ImpactVehicle
+        The vehicle.
+    contact : WallContact
+        What happens where it touches.
+    state : ImpactState
+        At the start, outside the wall or touching it.
+    end : float or None
+        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
+        nothing can touch any more, but for `after_second` at least.
+    after_second : float
+        [s].
+    longest : float
+        With end None: how far at most [s].
+    step : float or None
+        [s]; None: chosen by the tolerance.
+    tolerance : float
+        Of peaks, impulses and spin, by which the step is chosen [-].
+
+    Returns
+    -------
+    ImpactMotion
+        Gives the motion at any instant.
+
+    Raises
+    ------
+    RigidBodyError
+        For a start inside the wall, for an end that is not positive, and where the steps become too short.
+    """
+    for value in (end, after_second, longest, step):
+        if value is not None:
+            rules.positive(rules.END, value)
+    train, start = train_of([vehicle], contact), np.array(astuple(state))
+    depth = -(
+        state.y_g + train.across[:4, 0] * math.cos(state.theta) - train.along[:4, 0] * math.sin(state.theta)
+    )
+    for name, value in zip(CORNERS, depth, strict=True):
+        Gate().demand(rules.INSIDE, value <= 1e-9 * vehicle.length, value, name=name, depth=value)
+    found = solve_trains(
+        train, start.reshape(1, 1, 6), step=step, end=end, interval=0.0, after_second=after_second,
+        longest=longest, tolerance=tolerance, strikes=MOST_STRIKES,
+    )  # fmt: skip
+    reached, last = float(found.end[0]), ImpactState(*found.state[0, 0].tolist())
+    strikes = strikes_of_rows(found.strikes[0], vehicle.front_distance, reached)
+    if end is None:
+        Gate().demand(rules.NEVER, bool(strikes), state.v_gy)
+    rows = found.rows[0, : int(reached / found.interval[0]) + 2]
+    return ImpactMotion(
+        vehicle, contact, strikes, reached, last, float(found.step[0]), float(found.error[0]),
+        float(found.interval[0]), rows,
+    )  # fmt: skip
+
+
+def strikes_of_rows(rows: Array, front: float, end: float) -> tuple[Strike, ...]:
+    """Rows of `step.STRIKE` as strikes of a vehicle whose centre of mass is so far behind its front [m]."""
+    found = []
+    for group, start, last, peak, impulse, along, station, place, crush, friction in rows[rows[:, 4] > 0.0]:
+        means = front - station / impulse, place / impulse
+        values = start, min(last, end), peak, impulse, along, *means, crush, friction
+        found.append(Strike(CORNERS[int(group) % 4], *map(float, values)))
+    return tuple(sorted(found, key=lambda strike: strike.start))
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """The first two strikes of many impacts.
+
+    Attributes
+    ----------
+    corner : ndarray, shape (2, ...)
+        Of each strike, index into `CORNERS`; -1 where there is no such strike [-].
+    start, duration : ndarray, shape (2, ...)
+        [s]; NaN where there is no such strike.
+    peak_force : ndarray, shape (2, ...)
+        Of the normal force [N].
+    impulse : ndarray, shape (2, ...)
+        Of the normal force [N s].
+    mean_force : ndarray, shape (rows, ...)
+        Total normal force [N], each row the mean since the even instant before, the first from first touch on; none
+        behind the end, and no rows where no interval was asked for.
+    error : ndarray, shape (...)
+        Largest relative change of peaks, impulses and spin against twice the step [-].
+    """
+
+    corner: NDArray[np.int64]
+    start: Array
+    duration: Array
+    peak_force: Array
+    impulse: Array
+    mean_force: Array
+    error: Array
+
+
+def solve_impacts(
+    *,
+    length: Number,
+    width: Number,
+    mass: Number,
+    speed: Number,
+    angle: Number,
+    stiffness: Number,
+    restitution: Number,
+    friction: Number,
+    initial_force: Number = 0.0,
+    centre_of_mass: Number | None = None,
+    yaw_inertia: Number | None = None,
+    after_second: float = 0.1,
+    longest: float = 5.0,
+    interval: float | None = None,
+    tolerance: float = MANY,
+) -> Impacts:
+    """Whole impacts of rigid vehicles whose corners alone touch; arguments broadcast.
+
+    Parameters
+    ----------
+    length, width : float or ndarray
+        L, B [m].
+    mass : float or ndarray
+        m [kg].
+    speed : float or ndarray
+        [m/s].
+    angle : float or ndarray
+        Between side and wall [rad].
+    stiffness : float or ndarray
+        k of the corners [N/m].
+    restitution : float or ndarray
+        e [-].
+    friction : float or ndarray
+        mu [-].
+    initial_force : float or ndarray
+        F0 [N].
+    centre_of_mass : float, ndarray or None
+        Behind the front [m]; None: L/2.
+    yaw_inertia : float, ndarray or None
+        [kg m^2]; None: m (L^2 + B^2)/12.
+    after_second : float
+        Each ends so long after its second strike [s].
+    longest : float
+        And after this at the latest [s].
+    interval : float or None
+        Between the rows of the force history [s]; None: there is none.
+    tolerance : float
+        Of peaks, impulses and spin, by which the step of each is chosen [-].
+
+    Returns
+    -------
+    Impacts
+        Arrays of the common shape.
+
+    Raises
+    ------
+    RigidBodyError
+        As `solve_impact`, for the first row that has no answer.
+    """
+    given = {
+        "length": length, "width": width, "mass": mass, "speed": speed, "angle": angle, "stiffness": stiffness,
+        "restitution": restitution, "friction": friction, "initial_force": initial_force,
+    }  # fmt: skip
+    shape, v = _gathered(given, centre_of_mass, yaw_inertia)
+    b, rear, zero = 0.5 * v["width"], v["centre"] - v["length"], np.zeros_like(v["mass"])
+
+    def four(value: Array) -> Array:
+        return np.tile(value, (4, 1))
+
+    train = Train(
+        v["mass"][None], v["inertia"][None], zero[:0, None] + zero, zero[:0, None] + zero,
+        np.zeros(4, dtype=np.int64), np.arange(4), np.stack([v["centre"], rear, v["centre"], rear]),
+        np.stack([-b, -b, b, b]), four(v["stiffness"]), four(v["initial_force"]), four(v["restitution"]),
+        four(v["friction"]),
+    )  # fmt: skip
+    s, c = np.sin(v["angle"]), np.cos(v["angle"])
+    start = [
+        b * s - v["centre"] * c,
+        v["centre"] * s + b * c,
+        v["angle"],
+        v["speed"] * c,
+        -v["speed"] * s,
+        zero,
+    ]
+    found = solve_trains(
+        train, np.stack(start, axis=-1)[:, None], interval=interval, after_second=after_second,
+        longest=longest, tolerance=tolerance,
+    )  # fmt: skip
+    corner, first, last, peak, impulse = (
+        value.T.reshape(2, *shape) for value in np.moveaxis(found.strikes, -1, 0)[:5]
+    )
+    corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
+    force = _mean_forces(found, interval).reshape(-1, *shape)
+    return Impacts(corners, first, last - first, peak, impulse, force, found.error.reshape(shape))
+
+
+def _mean_forces(found: Trajectories, interval: float | None) -> Array:
+    """Mean forces between rows, shape (rows, n): none behind the end of each."""
+    if interval is None:
+        return np.zeros((0, len(found.end)))
+    count = math.ceil(float(found.end.max()) / interval)
+    column, instants = COLUMNS.index("impulse"), interval * np.arange(count + 1)
+    impulse = found.rows[:, : count + 1, column]
+    over = instants >= found.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
+    last = np.where(over, -math.inf, impulse)
+    return np.diff(np.maximum.accumulate(last, axis=1), axis=1).T / interval
+
+
+def _gathered(given: dict[str, Any], centre: Any, inertia: Any) -> tuple[tuple[int, ...], dict[str, Array]]:
+    """The common shape, and flat arrays that have passed the rules."""
+    values = {key: number(key, value) for key, value in given.items()}
+    length, width, mass = values["length"], values["width"], values["mass"]
+    values["centre"] = 0.5 * length if centre is None else number("centre_of_mass", centre)
+    values["inertia"] = (
+        mass * (length**2 + width**2) / 12.0 if inertia is None else number("yaw_inertia", inertia)
+    )
+    arrays = np.broadcast_arrays(*values.values())
+    flat = {key: np.ravel(array).astype(float) for key, array in zip(values, arrays, strict=True)}
+    _demand(**flat, given=inertia is not None)
+    return arrays[0].shape, flat
+
+
+def _demand(given: bool, **v: Array) -> None:
+    gate, e, a = Gate(), v["restitution"], v["centre"]
+    positive = (LENGTH, WIDTH, MASS, rules.SPEED, rules.STIFFNESS)
+    limits: list[tuple[Rule, Any, Any]] = [
+        *((rule, (v[rule.key] > 0.0) & (v[rule.key] < math.inf), v[rule.key]) for rule in positive),
+        (rules.TOUCH_ANGLE, (v["angle"] > 0.0) & (v["angle"] < math.pi / 2.0), v["angle"]),
+        (rules.RESTITUTION, (e >= 0.0) & (e <= 1.0), e),
+        (rules.LINE, (v["initial_force"] == 0.0) | (2.0 * e * e <= 1.0 + 1e-12), e),
+    ]
+    for rule in (rules.FRICTION, rules.INITIAL_FORCE):
+        limits.append((rule, (v[rule.key] >= 0.0) & (v[rule.key] < math.inf), v[rule.key]))
+    for rule, met, value in limits:
+        gate.demand(rule, met, value)
+    gate.demand(rules.CENTRE, (a > 0.0) & (a < v["length"]), a, length=v["length"])
+    most, inertia = v["mass"] * (a * (v["length"] - a) + v["width"] ** 2 / 4.0), v["inertia"]
+    rule, value = (rules.INERTIA, inertia) if given else (rules.UNIFORM, a)
+    fits = (inertia >= rules.MIN_INERTIA * most) & (inertia <= most * (1.0 + 1e-12))
+    gate.demand(rule, fits, value, inertia=inertia, most=most)

@@ -1,0 +1,495 @@
+"""The compiled step of rigid trains that strike a wall, and the motion of any number of them to their ends.
+
+A train is rigid units in a row, joined by hinges, with points on them that the wall, Y = 0, may push. A step is the one
+of the finite-element loop: forces where the points are, velocities half a step ahead, then places a step ahead.
+    depth       d of a point behind the wall, -y; the crush law takes its mean a step before and a step ahead
+    normal      N by the crush law: F0 + k d, and the line of unloading below the deepest
+    stopping    the force that would end the step with the point at rest along the wall
+    tangential  the stopping force, cut to mu N: a point sticks or slides, and nothing between
+The forces, and those in the hinges, are solved together by Gauss-Seidel over the points that touch. A force that comes
+on at once, as F0 does at first touch, counts for its part of the step; an upright line of unloading (e = 0) is solved
+for the end of the step. All of it is of second order.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.compiled import compiled
+
+SWEEPS = 200
+SETTLED = 1e-13
+"""Of a force: where Gauss-Seidel ends, and its sweeps at most."""
+
+SHORTEST = 1e-3
+"""A corner that is off the wall for less is still in its strike [s]."""
+
+STRIKE = ("corner", "start", "end", "peak", "impulse", "tangential", "along", "place", "crush", "friction")
+"""Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
+impulse times place on the vehicle and along the wall [N s m], works [J]."""
+
+UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
+SUMS = ("normal", "tangential", "impulse", "along", "angular", "friction", "crush", "stored", "lost")
+"""Columns of a row: `UNIT` of each unit, then `SUMS` of the train: forces [N], their impulses [N s] and that of their
+moment about the origin [N m s], works of friction and on the crush, energies stored and lost [J]."""
+
+
+class Train(NamedTuple):
+    """Trains of one make, n samples: units (units, n), hinges (hinges, n), points (points, n).
+
+    Attributes
+    ----------
+    mass, inertia : ndarray, shape (units, n)
+        [kg], [kg m^2].
+    hitch, kingpin : ndarray, shape (hinges, n)
+        Where hinge h joins unit h and unit h + 1: from the centre of mass of each along its heading [m].
+    unit, corner : ndarray, shape (points,)
+        Unit of each point, and the number of the corner whose strikes it belongs to.
+    along, across : ndarray, shape (points, n)
+        From the unit's centre of mass, along its heading and to the left [m].
+    stiffness, initial_force, restitution, friction : ndarray, shape (points, n)
+        k [N/m], F0 [N], e and mu [-] of each point.
+    """
+
+    mass: np.ndarray
+    inertia: np.ndarray
+    hitch: np.ndarray
+    kingpin: np.ndarray
+    unit: np.ndarray
+    corner: np.ndarray
+    along: np.ndarray
+    across: np.ndarray
+    stiffness: np.ndarray
+    initial_force: np.ndarray
+    restitution: np.ndarray
+    friction: np.ndarray
+
+
+class Clock(NamedTuple):
+    """Times of n samples: step [s] and steps a row, shape (n,); end [s], shape (n,), infinite where it is open: then
+    `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any more.
+
+    longest: latest open end [s]; most: steps at most. reached, shape (n,): the end, NaN where the steps did not do;
+    counted, shape (n,): strikes.
+    """
+
+    step: np.ndarray
+    stride: np.ndarray
+    end: np.ndarray
+    after: float
+    longest: float
+    most: int
+    reached: np.ndarray
+    counted: np.ndarray
+
+
+class Work(NamedTuple):
+    """Workspace of one sample; columns of its tables are named below.
+
+    points: a row a point, and `whose`, its unit and its corner; motion, shape (3, 3 units): places and angles,
+    velocities half a step ago and half a step ahead; masses: inverse, of each velocity, and `lightness`, the inverse of
+    the mass matrix of the hinged train; joints: hitch and kingpin of each hinge; ties: its two rows of the hinges'
+    system; reach: from each centre of mass to the farthest point; effect: velocities by a unit impulse along and across
+    on each point; groups: a row a corner; active: points that may touch in this step; sums: impulses and works so far.
+    """
+
+    points: np.ndarray
+    whose: np.ndarray
+    motion: np.ndarray
+    masses: np.ndarray
+    lightness: np.ndarray
+    joints: np.ndarray
+    ties: np.ndarray
+    reach: np.ndarray
+    effect: np.ndarray
+    groups: np.ndarray
+    active: np.ndarray
+    sums: np.ndarray
+
+
+ALONG, ACROSS, STIFFNESS, INITIAL, RESTITUTION, FRICTION, X, Y = range(8)
+DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART = range(8, 15)
+"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
+deepest mean so far [m]; forces [N]; part of the step for which the force is there."""
+
+SLOT, FIRST, LAST, FORCE, STAMP = range(5)
+"""Columns of groups: number of the latest strike, its start and end so far [s]; force of this step [N]; the step in
+which it was pressed last."""
+
+
+def workspace(units: int, hinges: int, points: int) -> Work:
+    """Arrays for one sample of such a train."""
+    size = 3 * units
+    return Work(
+        np.zeros((points, 15)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
+        np.zeros((size, size)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 2 * hinges + 1)),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 5)), np.zeros(points, dtype=np.int64),
+        np.zeros(5),
+    )  # fmt: skip
+
+
+@compiled
+def advance(train, states, clock, work, rows, strikes):
+    """Follow every sample to its end: its state there into `states`, shape (n, units, 6), rows, shape (n, rows,
+    columns), and strikes, shape (n, strikes, columns), as many as there is room for."""
+    for i in range(train.mass.shape[1]):
+        _begin(train, i, states[i], work)
+        finish, number = _follow(
+            states[i], clock.step[i], clock.stride[i], clock.end[i], clock.after, clock.longest, clock.most,
+            work, rows[i], strikes[i],
+        )  # fmt: skip
+        clock.reached[i], clock.counted[i] = finish, number
+
+
+@compiled
+def _begin(train, i, state, work):
+    """The state at the start, no contact, and the sample's numbers."""
+    points, reach = work.points, work.reach
+    points[:], work.sums[:], work.groups[:], work.lightness[:], reach[:] = 0.0, 0.0, -1.0, 0.0, 0.0
+    for u in range(state.shape[0]):
+        for j in range(3):
+            m = 3 * u + j
+            work.motion[0, m], work.motion[2, m] = state[u, j], state[u, 3 + j]
+            work.masses[m] = 1.0 / (train.inertia[u, i] if j == 2 else train.mass[u, i])
+            work.lightness[m, m] = work.masses[m]
+    for hinge in range(work.joints.shape[0]):
+        work.joints[hinge, 0], work.joints[hinge, 1] = train.hitch[hinge, i], train.kingpin[hinge, i]
+    for p in range(train.unit.size):
+        u = train.unit[p]
+        work.whose[p, 0], work.whose[p, 1] = u, 4 * u + train.corner[p]
+        points[p, ALONG], points[p, ACROSS] = train.along[p, i], train.across[p, i]
+        points[p, STIFFNESS], points[p, INITIAL] = train.stiffness[p, i], train.initial_force[p, i]
+        points[p, RESTITUTION], points[p, FRICTION] = train.restitution[p, i], train.friction[p, i]
+        reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
+
+
+@compiled
+def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
+    """One sample: when it ended [s], NaN if the steps did not do, and how many strikes there were."""
+    points, motion, active, sums = work.points, work.motion, work.active, work.sums
+    finish, reached, number, row = min(end, longest), np.nan, 0, 0
+    for k in range(most):
+        t = k * h
+        _place(points, work.whose, motion, h, k == 0)
+        if work.joints.shape[0] > 0:
+            _tie(motion, work.masses, work.joints, work.lightness, work.ties, h)
+        touching = _press(points, work.whose, motion, work.lightness, work.effect, active, h)
+        if touching > 0 and t < finish + 0.5 * h:
+            part = min(max((finish - t) / h + 0.5, 0.0), 1.0)
+            number = _count(
+                points, work.whose, motion, active[:touching], work.groups, strikes, number, h, k, part
+            )
+        if not end < np.inf:
+            finish = min(
+                _open_end(t, k, number, touching, motion, work.reach, work.groups, strikes, after), longest
+            )
+        if t <= finish and finish < t + h:
+            _leave(h, finish - t, motion, state)
+            reached = finish
+        if row * stride == k and row < rows.shape[0]:
+            early = _early(points, active[:touching]) if k > 0 else 0.0
+            _record(points, work.whose, motion, active[:touching], sums, early, h, rows[row])
+            row += 1
+        if t >= finish and ((row - 1) * stride == k or row == rows.shape[0]):
+            break
+        _add(points, work.whose, motion, active[:touching], h, sums)
+        _move(points, motion, active[:touching], h)
+    return reached, number
+
+
+@compiled
+def _place(points, whose, motion, h, start):
+    """Arms of all points, and their depths now and a step ago; what was ahead is now before."""
+    for j in range(motion.shape[1]):
+        motion[1, j] = motion[2, j]
+    for p in range(points.shape[0]):
+        j = 3 * whose[p, 0]
+        c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+        x = points[p, ALONG] * c + points[p, ACROSS] * s
+        y = points[p, ACROSS] * c - points[p, ALONG] * s
+        depth = -(motion[0, j + 1] + y)
+        rate = -(motion[2, j + 1] + motion[2, j + 2] * x)
+        points[p, EARLIER] = depth - h * rate if start else points[p, DEPTH]
+        points[p, X], points[p, Y], points[p, DEPTH] = x, y, depth
+
+
+@compiled
+def _tie(motion, masses, joints, lightness, ties, h):
+    """Lightness of the train with its hinges, and velocities that keep them closed at the end of the step.
+
+    Rows of `ties`: G/M, G over velocities, G G'/M, and the rate at which the gap is to close. One direction of a hinge
+    after the other is taken out of those behind it, so that they are orthogonal by the masses.
+    """
+    size, count = masses.size, ties.shape[0]
+    ties[:], lightness[:] = 0.0, 0.0
+    for a in range(count):
+        hinge, axis = a // 2, a % 2
+        for side in range(2):
+            j, sign = 3 * (hinge + side), 1.0 - 2.0 * side
+            along, w = joints[hinge, side], motion[2, j + 2]
+            x, y = along * np.cos(motion[0, j + 2]), -along * np.sin(motion[0, j + 2])
+            arm = x if axis == 0 else y
+            ties[a, size + j + axis] = sign
+            ties[a, size + j + 2] = sign * (x if axis == 1 else -y)
+            ties[a, -1] += sign * ((motion[0, j + axis] + arm) / h - 0.5 * h * w * w * arm)
+        for j in range(size):
+            ties[a, j] = masses[j] * ties[a, size + j]
+            ties[a, -1] += ties[a, size + j] * motion[2, j]
+    for a in range(count):
+        for b in range(count):
+            for j in range(size):
+                ties[a, 2 * size + b] += ties[a, j] * ties[b, size + j]
+    for j in range(size):
+        lightness[j, j] = masses[j]
+    for a in range(count):
+        pivot = ties[a, 2 * size + a]
+        for j in range(size):
+            motion[2, j] -= ties[a, j] * ties[a, -1] / pivot
+            for m in range(size):
+                lightness[j, m] -= ties[a, j] * ties[a, m] / pivot
+        for b in range(a + 1, count):
+            ratio = ties[b, 2 * size + a] / pivot
+            for j in range(ties.shape[1]):
+                ties[b, j] -= ratio * ties[a, j]
+
+
+@compiled
+def _press(points, whose, motion, lightness, effect, active, h):
+    """Forces of the wall, and velocities after them: how many points may touch."""
+    v, touching = motion[2], 0
+    for p in range(points.shape[0]):
+        j = 3 * whose[p, 0]
+        x, y, w = points[p, X], points[p, Y], motion[1, j + 2]
+        ahead = points[p, DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+        if ahead <= 0.0 and points[p, DEPTH] <= 0.0:
+            points[p, NORMAL] = points[p, TANGENTIAL] = 0.0
+            continue
+        for m in range(v.size):
+            effect[p, 0, m] = lightness[m, j] - y * lightness[m, j + 2]
+            effect[p, 1, m] = lightness[m, j + 1] + x * lightness[m, j + 2]
+        points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else _part(points[p], ahead)
+        active[touching] = p
+        touching += 1
+    for a in range(touching):
+        p = active[a]
+        _push(h * points[p, TANGENTIAL], h * points[p, NORMAL], effect[p], v)
+    for _ in range(SWEEPS if touching > 0 else 0):
+        settled = True
+        for a in range(touching):
+            p = active[a]
+            j = 3 * whose[p, 0]
+            settled &= _solve_point(points[p], effect[p], v, j, motion[1, j + 2], h)
+        if settled:
+            break
+    return touching
+
+
+@compiled
+def _push(along, across, effect, v):
+    for j in range(v.size):
+        v[j] += along * effect[0, j] + across * effect[1, j]
+
+
+@compiled
+def _solve_point(point, effect, v, j, w, h):
+    """Forces of a point beside those of the others, j its unit's first velocity, w the turning: whether they stay."""
+    x, y = point[X], point[Y]
+    inertia = 1.0 / (h * h * (effect[1, j + 1] + x * effect[1, j + 2]))
+    ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+    normal = _crush_force(point, ahead + point[NORMAL] / inertia, inertia)
+    more = normal - point[NORMAL]
+    _push(0.0, h * more, effect, v)
+    slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
+    stopping = point[TANGENTIAL] - slip / (h * (effect[0, j] - y * effect[0, j + 2]))
+    tangential = min(max(stopping, -point[FRICTION] * normal), point[FRICTION] * normal)
+    turned = tangential - point[TANGENTIAL]
+    _push(h * turned, 0.0, effect, v)
+    point[NORMAL], point[TANGENTIAL] = normal, tangential
+    point[AHEAD] = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+    return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
+
+
+@compiled
+def _line(point, deepest):
+    """The force at the deepest [N], the energy taken up to there [J], and the depth [m] over which the line of
+    unloading, which gives back e^2 of the energy, falls to nothing."""
+    peak = point[INITIAL] + point[STIFFNESS] * deepest
+    taken = deepest * (point[INITIAL] + 0.5 * point[STIFFNESS] * deepest)
+    return peak, taken, 2.0 * point[RESTITUTION] ** 2 * taken / peak if peak > 0.0 else 0.0
+
+
+@compiled
+def _crush_force(point, free, inertia):
+    """Normal force of a point that, without it, would end the step at the depth `free` [m]; with it, N/inertia less."""
+    stiffness, initial, deepest, part = point[STIFFNESS], point[INITIAL], point[DEEPEST], point[PART]
+    give, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
+    peak, _, length = _line(point, deepest)
+    loading = (mean - give * part * initial) / (1.0 + give * stiffness)
+    if length <= 0.0:
+        most = part * (initial + stiffness * max(loading, deepest))
+        return min(max(inertia * (free - max(deepest, point[DEPTH])), 0.0), most)
+    if loading > deepest:
+        return initial + stiffness * loading
+    return peak * max(length - deepest + mean, 0.0) / (length + give * peak)
+
+
+@compiled
+def _part(point, ahead):
+    """The part of the step, from half a step ago to half a step ahead, that lies behind the touch of a point whose
+    force comes on at once."""
+    _, _, length = _line(point, point[DEEPEST])
+    closing = ahead - point[DEPTH]
+    if length > 0.0 or closing <= 0.0:
+        return 1.0
+    return min(max(0.5 + (point[DEPTH] - point[DEEPEST]) / closing, 0.0), 1.0)
+
+
+@compiled
+def _count(points, whose, motion, active, groups, strikes, number, h, k, part):
+    """Add this step's forces, or the part of them before the end, to the strikes: how many there are."""
+    for p in active:
+        if points[p, NORMAL] <= 0.0:
+            continue
+        group = groups[whose[p, 1]]
+        first, last = _pressed_during(points[p], h, k)
+        if group[STAMP] < k:
+            if group[SLOT] < 0.0 or first - group[LAST] >= max(SHORTEST, group[LAST] - group[FIRST]):
+                group[SLOT], group[FIRST] = number, first
+                if number < strikes.shape[0]:
+                    strikes[number, :] = 0.0
+                number += 1
+            group[LAST], group[FORCE], group[STAMP] = last, 0.0, k
+        group[LAST] = max(group[LAST], last)
+        group[FORCE] += points[p, NORMAL]
+        if group[SLOT] >= strikes.shape[0]:
+            continue
+        strike, j = strikes[int(group[SLOT])], 3 * whose[p, 0]
+        impulse, along = part * h * points[p, NORMAL], part * h * points[p, TANGENTIAL]
+        strike[0], strike[1], strike[2] = whose[p, 1], group[FIRST], group[LAST]
+        strike[3] = max(strike[3], group[FORCE])
+        strike[4] += impulse
+        strike[5] += along
+        strike[6] += impulse * points[p, ALONG]
+        strike[7] += impulse * (motion[0, j] + points[p, X])
+        slip, opening = _mean_speeds(points[p], motion, j)
+        strike[8] -= impulse * opening
+        strike[9] += along * slip
+    return number
+
+
+@compiled
+def _pressed_during(point, h, k):
+    """From when, if it has just touched, and until when a point is pressed on about this step, by its speed [s]."""
+    peak, _, length = _line(point, point[DEEPEST])
+    rate = (point[AHEAD] - point[EARLIER]) / (2.0 * h)
+    beyond, t = point[DEPTH] - max(point[DEEPEST] - length, 0.0), k * h
+    first, last = t, t + h
+    if rate > 0.0:
+        first = max(t - beyond / rate, t - h, 0.0)
+    if length <= 0.0 and peak > 0.0:
+        last = t - 0.5 * h + h * min(point[NORMAL] / peak, 1.0)
+    elif rate < 0.0:
+        last = min(max(t - beyond / rate, t - 0.5 * h), t + h)
+    return first, last
+
+
+@compiled
+def _mean_speeds(point, motion, j):
+    """Of a point along and across the wall, the mean of both half steps: with it energy is kept."""
+    w = motion[1, j + 2] + motion[2, j + 2]
+    along, across = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
+    return 0.5 * (along - w * point[Y]), 0.5 * (across + w * point[X])
+
+
+@compiled
+def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
+    """When the motion ends, as far as it can be said now; infinite while nothing can."""
+    if number >= 2:
+        for s in range(2):
+            group = groups[int(strikes[s, 0])]
+            if group[STAMP] == k and group[SLOT] == s:
+                return np.inf
+        return max(strikes[0, 2], strikes[1, 2]) + after
+    end = max(after, t)
+    for u in range(reach.size):
+        v = motion[2, 3 * u + 1]
+        if touching > 0 or v <= 0.0:
+            return np.inf
+        end = max(end, t + max(reach[u] - motion[0, 3 * u + 1], 0.0) / v)
+    return end
+
+
+@compiled
+def _leave(h, ahead, motion, state):
+    """The state so long after this instant, into `state`."""
+    for m in range(motion.shape[1]):
+        v, gain = motion[2, m], motion[2, m] - motion[1, m]
+        state[m // 3, m % 3] = motion[0, m] + (-ahead if m % 3 == 2 else ahead) * v
+        state[m // 3, 3 + m % 3] = v + (ahead / h - 0.5) * gain
+
+
+@compiled
+def _early(points, active):
+    """Which part of the impulse of this step falls before its instant."""
+    total, early = 0.0, 0.0
+    for p in active:
+        part, normal = points[p, PART], points[p, NORMAL]
+        total += normal
+        early += normal * (0.5 if part == 1.0 else max(part - 0.5, 0.0) / part if part > 0.0 else 0.0)
+    return early / total if total > 0.0 else 0.5
+
+
+@compiled
+def _record(points, whose, motion, active, sums, early, h, row):
+    """The row of this instant."""
+    base = 2 * motion.shape[1]
+    for m in range(motion.shape[1]):
+        row[6 * (m // 3) + m % 3] = motion[0, m]
+        row[6 * (m // 3) + 3 + m % 3] = motion[1, m] + early * (motion[2, m] - motion[1, m])
+    row[base:] = 0.0
+    for p in active:
+        row[base] += points[p, NORMAL]
+        row[base + 1] += points[p, TANGENTIAL]
+    for j in range(sums.size):
+        row[base + 2 + j] = sums[j]
+    _add(points, whose, motion, active, early * h, row[base + 2 :])
+    for p in range(points.shape[0]):
+        deepest = _deepest(points[p])
+        if deepest > 0.0:
+            _, taken, length = _line(points[p], deepest)
+            left, returned = length - deepest + points[p, DEPTH], points[p, RESTITUTION] ** 2
+            row[base + 8] += (1.0 - returned) * taken
+            if left > 0.0 and length > 0.0:
+                row[base + 7] += returned * taken * min(left / length, 1.0) ** 2
+
+
+@compiled
+def _deepest(point):
+    """The deepest mean, that of this step included."""
+    mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
+    return max(point[DEEPEST], mean)
+
+
+@compiled
+def _add(points, whose, motion, active, h, sums):
+    """Add the impulses of the wall's forces over h, and their works."""
+    for p in active:
+        j = 3 * whose[p, 0]
+        normal, along = h * points[p, NORMAL], h * points[p, TANGENTIAL]
+        slip, opening = _mean_speeds(points[p], motion, j)
+        sums[0] += normal
+        sums[1] += along
+        sums[2] += (motion[0, j] + points[p, X]) * normal - (motion[0, j + 1] + points[p, Y]) * along
+        sums[3] += along * slip
+        sums[4] -= normal * opening
+
+
+@compiled
+def _move(points, motion, active, h):
+    """Everything to the end of the step."""
+    for p in active:
+        points[p, DEEPEST] = _deepest(points[p])
+    for m in range(motion.shape[1]):
+        motion[0, m] += (-h if m % 3 == 2 else h) * motion[2, m]

@@ -1,0 +1,306 @@
+"""The vehicle that strikes the wall: its size and state, the laws of its contact, and its points as a `Train`.
+
+Signs are those of `solver.MotionState`; SI units and radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.elementary import Array
+from solver.errors import Gate
+from solver.impact import rules
+from solver.impact.step import Train
+from solver.rules import LENGTH, MASS, WIDTH
+
+CORNERS = ("front", "rear", "front far side", "rear far side")
+SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
+
+
+@dataclass(frozen=True)
+class ImpactVehicle:
+    """Rigid rectangle whose centre of mass lies on its long axis.
+
+    Parameters
+    ----------
+    length : float
+        Of the side along the heading, L [m].
+    width : float
+        B [m].
+    mass : float
+        m [kg].
+    centre_of_mass : float or None
+        Behind the front, a [m]; None: L/2.
+    yaw_inertia : float or None
+        About the centre of mass, I [kg m^2]; None: the uniform rectangle's, m (L^2 + B^2)/12, wherever the centre is.
+
+    Raises
+    ------
+    RigidBodyError
+        Unless length, width and mass are positive and finite, the centre of mass is in the vehicle, and a body of that
+        mass, size and centre can have that inertia: it is greatest, m (a (L - a) + B^2/4), with all mass at the
+        corners; of vehicles at least a thousandth of that is taken.
+    """
+
+    length: float
+    width: float
+    mass: float
+    centre_of_mass: float | None = None
+    yaw_inertia: float | None = None
+
+    def __post_init__(self) -> None:
+        for rule in (LENGTH, WIDTH, MASS):
+            rules.positive(rule, getattr(self, rule.key))
+        rules.within(rules.CENTRE, self.front_distance, 0.0, self.length, length=self.length)
+        inertia, most = rules.one("yaw_inertia", self.inertia), self.greatest_inertia
+        rule = rules.UNIFORM if self.yaw_inertia is None else rules.INERTIA
+        given = self.front_distance if self.yaw_inertia is None else inertia
+        fits = rules.MIN_INERTIA * most <= inertia <= most * (1.0 + 1e-12)
+        Gate().demand(rule, fits, given, inertia=inertia, most=most)
+
+    @property
+    def front_distance(self) -> float:
+        """From the front to the centre of mass, a [m]."""
+        return 0.5 * self.length if self.centre_of_mass is None else self.centre_of_mass
+
+    @property
+    def inertia(self) -> float:
+        """Yaw inertia about the centre of mass, I [kg m^2]."""
+        uniform = self.mass * (self.length**2 + self.width**2) / 12.0
+        return uniform if self.yaw_inertia is None else self.yaw_inertia
+
+    @property
+    def greatest_inertia(self) -> float:
+        """Of any body of that mass, size and centre of mass, m (a (L - a) + B^2/4) [kg m^2]."""
+        a = self.front_distance
+        return self.mass * (a * (self.length - a) + self.width**2 / 4.0)
+
+    @property
+    def reach(self) -> float:
+        """From the centre of mass to the farthest corner [m]."""
+        return math.hypot(max(self.front_distance, self.length - self.front_distance), self.width / 2.0)
+
+
+@dataclass(frozen=True)
+class ImpactState:
+    """Position and velocity of the vehicle; the wall is the line Y = 0, and the vehicle above it.
+
+    Parameters
+    ----------
+    x_g, y_g : float
+        Centre of mass [m].
+    theta : float
+        Between the wall side and the wall [rad]; the heading is (cos theta, -sin theta).
+    v_gx, v_gy : float
+        Velocity of the centre of mass [m/s].
+    omega : float
+        Angular velocity [rad/s], positive where it closes the angle: d theta/dt = -omega.
+
+    Raises
+    ------
+    RigidBodyError
+        Unless all are finite.
+    """
+
+    x_g: float
+    y_g: float
+    theta: float
+    v_gx: float
+    v_gy: float
+    omega: float
+
+    def __post_init__(self) -> None:
+        for value in astuple(self):
+            Gate().demand(rules.STATE, math.isfinite(rules.one("state", value)), value)
+
+
+def first_touch(vehicle: ImpactVehicle, angle: float, speed: float) -> ImpactState:
+    """The state at first touch: the front corner of the wall side at X = Y = 0, the velocity along the heading.
+
+    Parameters
+    ----------
+    vehicle : ImpactVehicle
+        Its size and centre of mass.
+    angle : float
+        Between side and wall, theta [rad].
+    speed : float
+        [m/s].
+
+    Returns
+    -------
+    ImpactState
+        Without rotation.
+
+    Raises
+    ------
+    RigidBodyError
+        Unless 0 < angle < pi/2 and the speed is positive and finite.
+    """
+    theta = rules.within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
+    v = rules.positive(rules.SPEED, speed)
+    s, c, a, b = math.sin(theta), math.cos(theta), vehicle.front_distance, vehicle.width / 2.0
+    return ImpactState(b * s - a * c, a * s + b * c, theta, v * c, -v * s, 0.0)
+
+
+@dataclass(frozen=True)
+class CrushLaw:
+    """Force over crush, of a corner or per metre of side.
+
+    Loading follows the virgin curve F0 + k d. From the greatest crush D the force falls along a straight line which
+    gives back e^2 of the energy taken up, W = F0 D + k D^2/2, and ends at the permanent crush D - 2 e^2 W/F(D);
+    reloading follows that line up to D and then the virgin curve. The force is never negative.
+
+    Parameters
+    ----------
+    stiffness : float
+        k [N/m], or per metre of side [N/m^2].
+    initial_force : float
+        F0 [N], or per metre of side [N/m].
+    restitution : float
+        e [-].
+
+    Raises
+    ------
+    RigidBodyError
+        Unless the stiffness is positive and finite, the initial force 0 or more and finite, and the restitution from 0
+        to 1; with an initial force up to sqrt(1/2), for a line beyond that would end in front of the wall.
+    """
+
+    stiffness: float
+    initial_force: float = 0.0
+    restitution: float = 0.0
+
+    def __post_init__(self) -> None:
+        gate, e = Gate(), rules.one("restitution", self.restitution)
+        rules.positive(rules.STIFFNESS, self.stiffness)
+        force = rules.one("initial_force", self.initial_force)
+        gate.demand(rules.INITIAL_FORCE, 0.0 <= force < math.inf, force)
+        gate.demand(rules.RESTITUTION, 0.0 <= e <= 1.0, e)
+        gate.demand(rules.LINE, force == 0.0 or 2.0 * e * e <= 1.0 + 1e-12, e)
+
+
+@dataclass(frozen=True)
+class WallContact:
+    """What happens where the vehicle touches the wall.
+
+    Parameters
+    ----------
+    crush : CrushLaw
+        Of each corner.
+    friction : float
+        Coulomb's coefficient mu [-].
+    side : CrushLaw or None
+        Of a layer along the four sides, per metre of side; None: the corners alone touch.
+    side_points : int
+        Gauss points along each half of a side, at which the layer is taken.
+
+    Raises
+    ------
+    RigidBodyError
+        Unless the friction is 0 or more and finite, and there is a point.
+    """
+
+    crush: CrushLaw
+    friction: float
+    side: CrushLaw | None = None
+    side_points: int = SIDE_POINTS
+
+    def __post_init__(self) -> None:
+        friction = rules.one("friction", self.friction)
+        Gate().demand(rules.FRICTION, 0.0 <= friction < math.inf, friction)
+        Gate().demand(rules.POINTS, self.side_points >= 1, self.side_points)
+
+
+def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
+    """Points that may touch: where, the nearest corner of their side, and their part of the law.
+
+    Parameters
+    ----------
+    vehicle : ImpactVehicle
+        Its size and centre of mass.
+    contact : WallContact
+        Its laws.
+
+    Returns
+    -------
+    places : ndarray, shape (points, 2)
+        From the centre of mass along the heading and to its left [m]: the four corners, then the layer.
+    corner : ndarray, shape (points,)
+        Index into `CORNERS` [-].
+    length : ndarray, shape (points,)
+        Of side that a point of the layer stands for [m]; 1 for a corner.
+    """
+    front, b = vehicle.front_distance, vehicle.width / 2.0
+    rear = front - vehicle.length
+    corners = np.array([[front, -b], [rear, -b], [front, b], [rear, b]])
+    if contact.side is None:
+        return corners, np.arange(4), np.ones(4)
+    nodes, weights = np.polynomial.legendre.leggauss(contact.side_points)
+    places, index, lengths = [corners], [np.arange(4)], [np.ones(4)]
+    for i, j in (
+        (0, 1),
+        (1, 0),
+        (2, 3),
+        (3, 2),
+        (0, 2),
+        (2, 0),
+        (1, 3),
+        (3, 1),
+    ):  # from a corner to the middle
+        side = corners[j] - corners[i]
+        places.append(corners[i] + (1.0 + nodes)[:, None] / 4.0 * side)
+        index.append(np.full(nodes.size, i))
+        lengths.append(weights / 4.0 * math.hypot(*side))
+    return np.concatenate(places), np.concatenate(index), np.concatenate(lengths)
+
+
+def train_of(
+    vehicles: Sequence[ImpactVehicle], contact: WallContact, hinges: Sequence[tuple[float, float]] = ()
+) -> Train:
+    """One train of vehicles joined by hinges, as a sample of `solve_trains`.
+
+    Parameters
+    ----------
+    vehicles : sequence of ImpactVehicle
+        From the first.
+    contact : WallContact
+        Of all of them.
+    hinges : sequence of (float, float)
+        Between each vehicle and the next: how far behind the front of the one, and of the other [m].
+
+    Returns
+    -------
+    Train
+        Arrays of shape (units, 1), (hinges, 1), (points, 1).
+    """
+    law, side = contact.crush, contact.side or contact.crush
+    found = [contact_places(vehicle, contact) for vehicle in vehicles]
+    place, corner, length = (np.concatenate(values) for values in zip(*found, strict=True))
+    unit = np.repeat(np.arange(len(vehicles)), [len(values[1]) for values in found])
+    at_corner = np.concatenate([np.arange(len(values[1])) < 4 for values in found])
+    ends = [(v.front_distance - a, w.front_distance - b)
+            for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
+    hitch, kingpin = np.array(ends).reshape(-1, 2).T
+
+    def own(name: str, part: Array) -> Array:
+        return np.where(at_corner, getattr(law, name), getattr(side, name) * part)[:, None]
+
+    return Train(
+        np.array([[v.mass] for v in vehicles]),
+        np.array([[v.inertia] for v in vehicles]),
+        hitch[:, None],
+        kingpin[:, None],
+        unit,
+        corner,
+        place[:, :1],
+        place[:, 1:],
+        own("stiffness", length),
+        own("initial_force", length),
+        own("restitution", np.ones_like(length)),
+        np.full((unit.size, 1), contact.friction),
+    )
