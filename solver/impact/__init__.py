@@ -15,6 +15,7 @@ from solver.impact.solve import (
     solve_impacts,
     solve_trains,
 )
+from solver.impact.step import Train
 from solver.impact.strikes import Strike, strikes_of
 from solver.impact.train import (
     CORNERS,
@@ -35,6 +36,7 @@ __all__ = [
     "ImpactVehicle",
     "Impacts",
     "Strike",
+    "Train",
     "Trajectories",
     "WallContact",
     "first_touch",

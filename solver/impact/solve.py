@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fem.compiled import Told, compile_once, silent
 from solver.elementary import Array, Number, number
 from solver.errors import Gate, RigidBodyError, Rule
 from solver.impact import rules
@@ -22,19 +23,19 @@ from solver.impact.train import CORNERS, ImpactState, ImpactVehicle, WallContact
 from solver.rules import LENGTH, MASS, WIDTH
 
 TOLERANCE = 1e-5
-"""Of peaks, impulses and spin of one impact; the step's phase of the stiffest oscillation is its root."""
+"""Of peaks, impulses and spin of one impact."""
 
-MANY = 1e-4
+MANY = 4e-3
 """The same of many at once."""
 
-TURN = 0.1
-"""The step against phase times size over speed."""
+PHASE, TURN = 0.7, 0.025
+"""The step, over the tolerance's root: of the stiffest oscillation's radian, and of that times size over speed."""
 
 REFUSED = 1e-3
-"""Error at which there is no answer."""
+"""Error, or ten times the tolerance, at which there is no answer."""
 
-WORK = 80_000_000
-"""Steps times points of an impact at most."""
+LONGEST_RUN, STEP_COST, POINT_COST = 4.0, 3e-7, 2e-8
+"""Seconds that an impact may take at most, and about what a step and a point of it cost."""
 
 MOST_ROWS = 1_000_000
 MOST_STRIKES = 64
@@ -82,6 +83,7 @@ def solve_trains(
     longest: float = 5.0,
     tolerance: float = TOLERANCE,
     strikes: int = 2,
+    told: Told = silent,
 ) -> Trajectories:
     """Whole impacts of rigid trains.
 
@@ -104,6 +106,8 @@ def solve_trains(
         Of peaks, impulses and spin, by which the step is chosen [-].
     strikes : int
         For how many there is room.
+    told : callable
+        Told of compiling, see `fem.compiled.compile_once`.
 
     Returns
     -------
@@ -115,32 +119,35 @@ def solve_trains(
     RigidBodyError
         Where the steps become too short, or what they leave of error too large.
     """
-    most = WORK // train.unit.size
+    most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
     latest = longest if end is None else end
     rate, turning = _rates(train, state)
     h = (
-        math.sqrt(tolerance) / 6.0 / np.maximum(rate, turning / TURN)
+        PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
         if step is None
         else np.full(len(state), step)
     )
+    h = np.maximum(h, latest / most)  # coarser, and finer then, as far as the end that is found allows
     whole = interval or latest
     h = whole / np.ceil(whole / h)
 
     def run(chosen: NDArray[np.int64], h: Array, interval: float | None) -> Trajectories:
         few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[:, chosen]) for v in train))
-        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes)
+        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes, told)
 
     chosen = np.arange(len(state))
     found = run(chosen, h, interval)
     error = _difference(found, run(chosen, 2.0 * h, None), turning)
     while step is None:
-        chosen = np.flatnonzero(~(error <= tolerance * h / found.step) & (2.0 * latest <= most * found.step))
+        chosen = np.flatnonzero(
+            ~(error <= tolerance * h / found.step) & (2.0 * found.end <= most * found.step)
+        )
         if not chosen.size:
             break
         finer, coarse = run(chosen, 0.5 * found.step[chosen], interval), _rows(found, chosen)
         error[chosen] = _difference(finer, coarse, turning[chosen])
         found = _with(found, chosen, finer)
-    bad = ~(error <= REFUSED)
+    bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
         i = int(np.argmax(bad))
         place = f" at index {i}" if len(bad) > 1 else ""
@@ -175,7 +182,7 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
 
 def _run(
     train: Train, state: Array, h: Array, end: float | None, interval: float | None,
-    after: float, longest: float, most: int, strikes: int,
+    after: float, longest: float, most: int, strikes: int, told: Told,
 ) -> Trajectories:  # fmt: skip
     n, units = state.shape[:2]
     latest = longest if end is None else end
@@ -187,9 +194,10 @@ def _run(
     ends, out = np.full(n, math.inf if end is None else end), np.array(state)
     longest = latest if end is not None else longest
     clock = Clock(h, stride, ends, after, longest, most, np.full(n, np.nan), np.zeros(n, dtype=np.int64))
-    advance(train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found)
+    given = train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found
+    compile_once(lambda: advance(*given), advance, *given, told=told)
     if clock.counted.max() > strikes > 2:
-        return _run(train, state, h, end, interval, after, longest, most, int(clock.counted.max()))
+        return _run(train, state, h, end, interval, after, longest, most, int(clock.counted.max()), told)
     return Trajectories(clock.reached, out, found, rows, h * stride, h, np.zeros(n))
 
 
@@ -333,6 +341,28 @@ class ImpactMotion:
         return ImpactRecord(t, x_g, y_g, theta, omega, v_gx, v_gy, normal, tangential, impulse, along, angular,
                             kinetic, stored, lost, crush, friction)  # fmt: skip
 
+    def corner_depths(self, times: ArrayLike) -> Array:
+        """How deep the corners are behind the wall at given instants.
+
+        Parameters
+        ----------
+        times : array_like, of any shape
+            From 0 to `t_end` [s].
+
+        Returns
+        -------
+        ndarray
+            In the order of `CORNERS`, below 0 in front of the wall [m], shape (4, ...).
+        """
+        at = self.at(times)
+        return corner_depths(train_of([self.vehicle], self.contact), at.y_g, at.theta)
+
+
+def corner_depths(train: Train, y_g: Array, theta: Array) -> Array:
+    """How deep the corners of the first unit of the first train are behind the wall [m], shape (4, ...)."""
+    along, across = (value[:4, 0].reshape(4, *[1] * np.ndim(theta)) for value in (train.along, train.across))
+    return -(y_g + across * np.cos(theta) - along * np.sin(theta))
+
 
 def solve_impact(
     vehicle: ImpactVehicle,
@@ -343,6 +373,7 @@ def solve_impact(
     longest: float = 5.0,
     step: float | None = None,
     tolerance: float = TOLERANCE,
+    told: Told = silent,
 ) -> ImpactMotion:
     """The whole impact of a rigid vehicle, any number of strikes.
 
@@ -365,6 +396,8 @@ def solve_impact(
         [s]; None: chosen by the tolerance.
     tolerance : float
         Of peaks, impulses and spin, by which the step is chosen [-].
+    told : callable
+        Told of compiling, see `fem.compiled.compile_once`.
 
     Returns
     -------
@@ -380,14 +413,12 @@ def solve_impact(
         if value is not None:
             rules.positive(rules.END, value)
     train, start = train_of([vehicle], contact), np.array(astuple(state))
-    depth = -(
-        state.y_g + train.across[:4, 0] * math.cos(state.theta) - train.along[:4, 0] * math.sin(state.theta)
-    )
+    depth = corner_depths(train, np.array(state.y_g), np.array(state.theta))
     for name, value in zip(CORNERS, depth, strict=True):
         Gate().demand(rules.INSIDE, value <= 1e-9 * vehicle.length, value, name=name, depth=value)
     found = solve_trains(
         train, start.reshape(1, 1, 6), step=step, end=end, interval=0.0, after_second=after_second,
-        longest=longest, tolerance=tolerance, strikes=MOST_STRIKES,
+        longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, told=told,
     )  # fmt: skip
     reached, last = float(found.end[0]), ImpactState(*found.state[0, 0].tolist())
     strikes = strikes_of_rows(found.strikes[0], vehicle.front_distance, reached)
@@ -402,9 +433,9 @@ def solve_impact(
 
 def strikes_of_rows(rows: Array, front: float, end: float) -> tuple[Strike, ...]:
     """Rows of `step.STRIKE` as strikes of a vehicle whose centre of mass is so far behind its front [m]."""
-    found = []
-    for group, start, last, peak, impulse, along, station, place, crush, friction in rows[rows[:, 4] > 0.0]:
-        means = front - station / impulse, place / impulse
+    found, known = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
+    for group, start, last, peak, impulse, along, station, place, crush, friction in rows[known]:
+        means = round(front - station / impulse, 12), place / impulse
         values = start, min(last, end), peak, impulse, along, *means, crush, friction
         found.append(Strike(CORNERS[int(group) % 4], *map(float, values)))
     return tuple(sorted(found, key=lambda strike: strike.start))

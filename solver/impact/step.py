@@ -114,9 +114,9 @@ DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART = range(8, 15)
 """Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
 deepest mean so far [m]; forces [N]; part of the step for which the force is there."""
 
-SLOT, FIRST, LAST, FORCE, STAMP = range(5)
-"""Columns of groups: number of the latest strike, its start and end so far [s]; force of this step [N]; the step in
-which it was pressed last."""
+SLOT, FIRST, LAST, FORCE, BEFORE, STAMP = range(6)
+"""Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
+before [N]; the step in which it was pressed last."""
 
 
 def workspace(units: int, hinges: int, points: int) -> Work:
@@ -125,7 +125,7 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     return Work(
         np.zeros((points, 15)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros((size, size)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 2 * hinges + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 5)), np.zeros(points, dtype=np.int64),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64),
         np.zeros(5),
     )  # fmt: skip
 
@@ -176,26 +176,24 @@ def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.lightness, work.ties, h)
         touching = _press(points, work.whose, motion, work.lightness, work.effect, active, h)
-        if touching > 0 and t < finish + 0.5 * h:
-            part = min(max((finish - t) / h + 0.5, 0.0), 1.0)
-            number = _count(
-                points, work.whose, motion, active[:touching], work.groups, strikes, number, h, k, part
-            )
-        if not end < np.inf:
-            finish = min(
-                _open_end(t, k, number, touching, motion, work.reach, work.groups, strikes, after), longest
-            )
-        if t <= finish and finish < t + h:
+        pressed = active[:touching]
+        if touching > 0 and t < finish + h:
+            left = min((finish - t) / h, 1.0)
+            number = _count(points, work.whose, motion, pressed, work.groups, strikes, number, h, k, left)
+        if np.isnan(reached) and not end < np.inf:
+            open_end = _open_end(t, k, number, touching, motion, work.reach, work.groups, strikes, after)
+            finish = min(open_end, longest)
+        if np.isnan(reached) and finish < t + h:
             _leave(h, finish - t, motion, state)
             reached = finish
         if row * stride == k and row < rows.shape[0]:
-            early = _early(points, active[:touching]) if k > 0 else 0.0
-            _record(points, work.whose, motion, active[:touching], sums, early, h, rows[row])
+            early = _early(points, pressed) if k > 0 else 0.0
+            _record(points, work.whose, motion, pressed, sums, early, h, rows[row])
             row += 1
         if t >= finish and ((row - 1) * stride == k or row == rows.shape[0]):
             break
-        _add(points, work.whose, motion, active[:touching], h, sums)
-        _move(points, motion, active[:touching], h)
+        _add(points, work.whose, motion, pressed, h, sums)
+        _move(points, motion, pressed, h)
     return reached, number
 
 
@@ -204,9 +202,11 @@ def _place(points, whose, motion, h, start):
     """Arms of all points, and their depths now and a step ago; what was ahead is now before."""
     for j in range(motion.shape[1]):
         motion[1, j] = motion[2, j]
+    j, c, s = -1, 1.0, 0.0
     for p in range(points.shape[0]):
-        j = 3 * whose[p, 0]
-        c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+        if 3 * whose[p, 0] != j:
+            j = 3 * whose[p, 0]
+            c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
         x = points[p, ALONG] * c + points[p, ACROSS] * s
         y = points[p, ACROSS] * c - points[p, ALONG] * s
         depth = -(motion[0, j + 1] + y)
@@ -347,8 +347,9 @@ def _part(point, ahead):
 
 
 @compiled
-def _count(points, whose, motion, active, groups, strikes, number, h, k, part):
-    """Add this step's forces, or the part of them before the end, to the strikes: how many there are."""
+def _count(points, whose, motion, active, groups, strikes, number, h, k, left):
+    """Add this step's forces to the strikes: how many there are. left: steps from now to the end, up to 1."""
+    part = min(max(left + 0.5, 0.0), 1.0)
     for p in active:
         if points[p, NORMAL] <= 0.0:
             continue
@@ -360,6 +361,7 @@ def _count(points, whose, motion, active, groups, strikes, number, h, k, part):
                 if number < strikes.shape[0]:
                     strikes[number, :] = 0.0
                 number += 1
+            group[BEFORE] = group[FORCE] if group[STAMP] == k - 1 else 0.0
             group[LAST], group[FORCE], group[STAMP] = last, 0.0, k
         group[LAST] = max(group[LAST], last)
         group[FORCE] += points[p, NORMAL]
@@ -368,7 +370,7 @@ def _count(points, whose, motion, active, groups, strikes, number, h, k, part):
         strike, j = strikes[int(group[SLOT])], 3 * whose[p, 0]
         impulse, along = part * h * points[p, NORMAL], part * h * points[p, TANGENTIAL]
         strike[0], strike[1], strike[2] = whose[p, 1], group[FIRST], group[LAST]
-        strike[3] = max(strike[3], group[FORCE])
+        strike[3] = max(strike[3], group[FORCE] + min(left, 0.0) * (group[FORCE] - group[BEFORE]))
         strike[4] += impulse
         strike[5] += along
         strike[6] += impulse * points[p, ALONG]

@@ -362,7 +362,7 @@ def impact_case(stiffness: float) -> Numbers:
     front, rear = (next(s for s in found.strikes if s.corner == name) for name in ("front", "rear"))
     again = [s.start for s in found.strikes if s.corner == "front" and s.start > rear.start]
     instants = np.linspace(front.end, rear.start, 101)
-    crush = found.points_at(instants).crush[0]
+    crush = found.corner_depths(instants)[0]
     closing = rear_speed(found, rear.start)
     curves = rigid_answer(found, INTERVAL * np.arange(int(found.t_end / INTERVAL) + 1)).second_strike
     return {
@@ -383,6 +383,7 @@ def impact_case(stiffness: float) -> Numbers:
 
 def rear_speed(found: ImpactMotion, instant: float) -> float:
     """Speed of the rear corner into the wall at an instant [m/s]."""
-    at, along, across = found.at(instant), float(found.points.along[1]), float(found.points.across[1])
+    at, size = found.at(instant), found.vehicle
+    along, across = size.front_distance - size.length, -0.5 * size.width
     ahead = along * math.cos(float(at.theta)) + across * math.sin(float(at.theta))
     return -float(at.v_gy) - float(at.omega) * ahead

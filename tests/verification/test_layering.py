@@ -34,10 +34,14 @@ def graph() -> dict[str, set[str]]:
 
 @pytest.mark.parametrize("package", sorted(PACKAGES - {"tailslap"}))
 def test_a_package_stands_alone(package: str) -> None:
-    """solver, meshes, fem and postprocess import nothing of each other, and nothing of tailslap."""
+    """solver, meshes, fem, postprocess import nothing of each other but what compiles, and nothing of tailslap."""
     for name, imported in graph().items():
         if name.split(".")[0] == package:
             others = {other for other in imported if other.split(".")[0] != package}
+            if name in ("solver.impact.step", "solver.impact.solve"):  # its step is compiled
+                others = {
+                    other for other in others if not other.startswith(("fem.compiled", "fem.machine_code"))
+                }
             assert not others, f"{name} imports {others}"
 
 

@@ -20,6 +20,7 @@ from solver.impact import (
 )
 from tailslap.case.case import WHOLE_IMPACT, Case
 from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.progress import compiling
 from tailslap.scene.schema import Contact, Scene
 
 AFTER_SECOND = 0.1
@@ -76,7 +77,7 @@ class RigidImpact(Case):
         """The impact to another end [s]; None: to 0.1 s after the second strike."""
         with refusals(self.scene):
             return solve_impact(
-                self.vehicle, self.contact, self.touch, end, after_second=AFTER_SECOND, longest=LONGEST
+                self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST, told=compiling
             )
 
     @property
