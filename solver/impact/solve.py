@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.compiled import Told, compile_once, silent
+from fem.machine_code.compiled import Told, compile_once, silent
 from solver.elementary import Array, Number, number
 from solver.errors import Gate, RigidBodyError, Rule
 from solver.impact import rules
@@ -107,7 +107,7 @@ def solve_trains(
     strikes : int
         For how many there is room.
     told : callable
-        Told of compiling, see `fem.compiled.compile_once`.
+        Told of compiling, see `fem.machine_code.compiled.compile_once`.
 
     Returns
     -------
@@ -397,7 +397,7 @@ def solve_impact(
     tolerance : float
         Of peaks, impulses and spin, by which the step is chosen [-].
     told : callable
-        Told of compiling, see `fem.compiled.compile_once`.
+        Told of compiling, see `fem.machine_code.compiled.compile_once`.
 
     Returns
     -------

@@ -39,9 +39,7 @@ def test_a_package_stands_alone(package: str) -> None:
         if name.split(".")[0] == package:
             others = {other for other in imported if other.split(".")[0] != package}
             if name in ("solver.impact.step", "solver.impact.solve"):  # its step is compiled
-                others = {
-                    other for other in others if not other.startswith(("fem.compiled", "fem.machine_code"))
-                }
+                others = {other for other in others if not other.startswith("fem.machine_code")}
             assert not others, f"{name} imports {others}"
 
 
