@@ -484,7 +484,7 @@ def test_many_are_what_each_is_alone(seed: int, steepest: float, roughest: float
         rows = int(motion.t_end / 5e-4)
         impulse = motion.at(5e-4 * np.arange(1, rows + 1)).impulse_normal
         summed = 5e-4 * np.cumsum(found.mean_force[:rows, i])
-        assert summed == pytest.approx(impulse, abs=1e-4 * impulse.max())
+        assert summed == pytest.approx(impulse, abs=1e-3 * impulse.max())
         assert np.all(found.mean_force[rows + 2 :, i] == 0.0)
     exact = alone({key: float(np.asarray(value)) for key, value in GIVEN.items()})
     end = solve_impacts(**GIVEN, interval=exact.strikes[0].end / 100.0).mean_force
