@@ -6,7 +6,7 @@ How they are to be read stands in docs/paper.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -83,28 +83,22 @@ def summary(found: Numbers) -> dict[str, Any]:
 
 def sections(found: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
     """The parts of the paper in its order; the earlier methods, and what its stages assume, last."""
+    known = found["row_b"]
+    shown = {
+        "Table 1. MASH TL-4 (SUT) impact requirements": table_1(found["table_1"]),
+        "Table 3. Comparison of FEA and analytical results": table_3(found["table_3"]),
+        "Figures 10 to 14. The course of the motion": figure_tables(found["figures"]),
+        "Table 4. TL-4 peak lateral impact force, 50 ms average": force_tables(found["table_4"], known[0]),
+        "Table 5. TL-4 peak lateral impact force, SAE-filtered data": force_tables(
+            found["table_5"], known[1], repeated=True
+        ),
+        "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)": earlier_tables(found["earlier"]),
+        "Assumptions. Restitution, the wall's pull, the mass that strikes": assumed(found),
+    }
+    parts = [Section(title, tables=its) for title, its in shown.items()]
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
-    table_4, table_5 = ((found[f"table_{number}"], found["row_b"][number - 4]) for number in (4, 5))
-    return (
-        Section("Table 1. MASH TL-4 (SUT) impact requirements", tables=table_1(found["table_1"])),
-        Section("Table 3. Comparison of FEA and analytical results", tables=table_3(found["table_3"])),
-        Section(
-            "Figures 10 to 14. The course of the motion", PLOTTED, curves, figure_tables(found["figures"])
-        ),
-        Section(
-            "Table 4. TL-4 peak lateral impact force, 50 ms average",
-            tables=(force_table(*table_4), factor_table(*table_4)),
-        ),
-        Section(
-            "Table 5. TL-4 peak lateral impact force, SAE-filtered data",
-            tables=(force_table(*table_5, repeated=True), factor_table(*table_5)),
-        ),
-        Section(
-            "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)",
-            tables=(earlier_table(found["earlier"]),),
-        ),
-        Section("Assumptions. Restitution, the wall's pull, the mass that strikes", tables=assumed(found)),
-    )
+    parts[2] = replace(parts[2], lead=PLOTTED, figures=curves)
+    return tuple(parts)
 
 
 def printed(key: str, form: Form = "g", group: str = "") -> Column:
@@ -242,19 +236,26 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
     )
 
 
-def force_table(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> Table:
-    """Peak forces of Table 4 or 5, and the ratio of those for e = 0 and e = 0.22.
+def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> tuple[Table, Table]:
+    """Peak forces of Table 4 or 5 with the ratio of those for e = 0 and e = 0.22, and adjustment factors.
 
     known: row b with the speed and angle of its test. repeated: the notes are those of the table before.
     """
-    lines, exact = _with_known(rows, known), f"{known['ratio']['computed']:.4f}"
+    source = f"row b, computed with the {data.ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
+    marked = known | {"printed": known["printed"] | {"row": "b*", "source": source}}
+    lines, exact = [*rows[:2], marked, *rows[2:]], f"{known['ratio']['computed']:.4f}"
     _, ratio = computed("ratio", group="ratio", decimals=1)
-    columns = (
+    forces = (
         Column("printed.row", "Row"),
         Column("printed.duration", "Δt", "s", "g"),
         *_pair("peak", scaled(1e3, "g"), scaled(1e3, ".1f")),
         printed("ratio", ".4f", "ratio"),
         replace(ratio, label=f"to {exact[:5]}"),
+    )
+    factors = (
+        Column("printed.row", "Row"),
+        Column("printed.measured", "measured", "kN", scaled(1e3, "g"), style="soft"),
+        *_pair("factor", ".2f", ".3f"),
     )
     notes: tuple[str, ...] = (
         "; ".join(f"{line['printed']['row']}: {line['printed']['source']}" for line in lines) + ".",
@@ -267,41 +268,24 @@ def force_table(rows: Sequence[Numbers], known: Numbers, repeated: bool = False)
         notes = (
             "Rows and computation as in Table 4, whose analytical columns the paper repeats in rows a to e.",
         )
-    return Table(columns, lines, "Peak lateral force in kN", notes)
-
-
-def factor_table(rows: Sequence[Numbers], known: Numbers) -> Table:
-    """Adjustment factors of Table 4 or 5."""
-    columns = (
-        Column("printed.row", "Row"),
-        Column("printed.measured", "measured", "kN", scaled(1e3, "g"), style="soft"),
-        *_pair("factor", ".2f", ".3f"),
-    )
-    notes = ["φ_a is the analytical force over that of the crash test or simulation."]
+    note = "φ_a is the analytical force over that of the crash test or simulation."
     projected = ", ".join(line["printed"]["row"] for line in rows if line["printed"]["projected"])
-    if projected:
-        notes.append(
-            f"Measured forces of rows {projected}: projected by the authors, 1.33 times the 50 ms average."
-        )
-    return Table(columns, _with_known(rows, known), "Adjustment factor φ_a", tuple(notes))
-
-
-def _pair(key: str, first: Form, second: Form) -> tuple[Column, ...]:
-    groups = {f"{key}.{i}": f"e = {e:g}" for i, e in enumerate(data.RESTITUTIONS)}
-    return tuple(
-        column
-        for cell, group in groups.items()
-        for column in (printed(cell, first, group), *computed(cell, second, group, 1))
+    by_authors = (
+        f"Measured forces of rows {projected}: projected by the authors, 1.33 times the 50 ms average."
+    )
+    return (
+        Table(forces, lines, "Peak lateral force in kN", notes),
+        Table(factors, lines, "Adjustment factor φ_a", (note, by_authors) if projected else (note,)),
     )
 
 
-def _with_known(rows: Sequence[Numbers], known: Numbers) -> list[Numbers]:
-    source = f"row b, computed with the {data.ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
-    marked = known | {"printed": known["printed"] | {"row": "b*", "source": source}}
-    return [*rows[:2], marked, *rows[2:]]
+def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
+    for i, e in enumerate(data.RESTITUTIONS):
+        yield printed(f"{key}.{i}", first, f"e = {e:g}")
+        yield from computed(f"{key}.{i}", second, f"e = {e:g}", 1)
 
 
-def earlier_table(found: Numbers) -> Table:
+def earlier_tables(found: Numbers) -> tuple[Table]:
     """The four methods on the vehicle of Table 1."""
     columns = (
         Column("method", "Method"),
@@ -328,7 +312,7 @@ def earlier_table(found: Numbers) -> Table:
         f"gives {found['olson_first_member'] / 1e3:.1f} kN, the last, which is Olson's and is used here, "
         f"{found['olson'] / 1e3:.1f} kN.",
     )
-    return Table(columns, rows, "Lateral force", notes)
+    return (Table(columns, rows, "Lateral force", notes),)
 
 
 def assumed(found: Numbers) -> tuple[Table, ...]:

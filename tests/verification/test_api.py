@@ -146,6 +146,28 @@ def test_a_study_has_the_bits_of_the_command(tmp_path: Path, capsys: pytest.Capt
     assert tailslap.load(saved).command == "study uncertainty"
 
 
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"samples": 1000.5}, "1000.5 is not a whole number"),
+        ({"samples": 3}, "3 is not in the range"),
+        ({"colour": "red"}, "allowed are samples, range, fix"),
+    ],
+)
+def test_options_of_a_study_have_the_bounds_of_the_command(options: dict[str, Any], why: str) -> None:
+    with pytest.raises(InputError, match=why):
+        tailslap.study("uncertainty", "mash-tl4-sut", **options)
+
+
+def test_changes_may_be_texts_as_a_command_takes_them() -> None:
+    texts = ["impact.speed=50 mph", "impact.friction="]
+    with pytest.raises(InputError, match=r"^impact.friction: "):
+        tailslap.rigid("mash-tl4-sut", texts)
+    found = tailslap.rigid("mash-tl4-sut", texts[:1], units="us")
+    assert found.summary == tailslap.rigid("mash-tl4-sut", {"impact.speed": "50 mph"}).summary
+    assert "mph" in found.text
+
+
 def test_a_sweep_has_a_row_a_run(tmp_path: Path) -> None:
     values = {"corner.friction": [0.2, 0.47]}
     found = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
