@@ -17,10 +17,10 @@ from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 from postprocess.report.table import pairs
 from postprocess.report.terminal import printed
+from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
-from tailslap.impact.checks import energy_error
-from tailslap.impact.outcome import COMPARED
-from tailslap.impact.run import make_fe_plan_timed, plain_run
+from tailslap.case.impact.checks import energy_error
+from tailslap.case.impact.run import attempt
 from tailslap.scene.read import read_scene
 
 SCENE, LAWS = "impact-mash-tl4-sut", ("penalty", "exact")
@@ -128,7 +128,7 @@ def against_rigid() -> Iterator[Row]:
     outcomes = []
     for modulus in ("2e11", "8e11", "3.2e12"):
         plan = ImpactCase(*read_scene(SCENE, (f"plate.youngs_modulus={modulus}",)))
-        outcomes.append(plain_run(make_fe_plan_timed(plan)))
+        outcomes.append(attempt(plan))
     first, four, sixteen = (outcome.difference for outcome in outcomes)
     for k in (1, 2):
         each = [f"{first[f'strike_{k}.{name}']:+.2e}" for name in COMPARED]
@@ -152,8 +152,7 @@ def against_rigid() -> Iterator[Row]:
 def loop_time() -> Iterator[Row]:
     """FE impact of 0.7 s on 120 elements: the compiled loop with its records, one core."""
     plan = ImpactCase(*read_scene(SCENE, ("time.end=0.7",)))
-    made = make_fe_plan_timed(plan)
-    times = [plain_run(made).run.time_loop_s for _ in range(9)]
+    times = [attempt(plan).run.time_loop_s for _ in range(9)]
     spread = f"{statistics.median(times):.3f} s ({min(times):.3f} to {max(times):.3f}, 9 runs)"
     yield "FE impact of 0.7 s, 120 elements: loop and records", spread
 
@@ -165,7 +164,7 @@ def meshes() -> Iterator[Row]:
         rows = []
         for mesh in ("[20, 6]", "[40, 12]", "[80, 24]"):
             given = (*changes, "contact.patch_length=1", f"plate.elements={mesh}", "time.end=0.46")
-            outcome = plain_run(make_fe_plan_timed(ImpactCase(*read_scene(SCENE, given))))
+            outcome = attempt(ImpactCase(*read_scene(SCENE, given)))
             rows.append([v for s in outcome.fe.strikes[:2] for v in (s.peak_force, s.impulse)])
         coarse, middle, fine = np.array(rows)
         orders = np.log2(np.abs(coarse - middle) / np.abs(middle - fine))

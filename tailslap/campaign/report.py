@@ -20,9 +20,9 @@ from postprocess.report.terminal import place_line, printed
 from postprocess.report.units import SYSTEMS, Units
 from tailslap.campaign.definition import Definition, Variation
 from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep, read_columns
+from tailslap.case.report import footer
 from tailslap.files.manifest import listed_file
 from tailslap.progress import clock
-from tailslap.report.common import footer
 
 REPORT, SUMMARY = "report.html", "summary.json"
 MAX_LISTED = 15

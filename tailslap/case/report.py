@@ -15,7 +15,7 @@ from postprocess.report.numbers import duration, grouped, number
 from postprocess.report.page import Page, Section
 from postprocess.report.table import Column, Table, pairs
 from postprocess.signals.design_forces import design_forces
-from tailslap.case.case import FePlan, Outcome
+from tailslap.case.case import Case, FePlan, Outcome
 from tailslap.case.checks import Check
 from tailslap.case.cost import loop_seconds
 from tailslap.scene.write import resolved_inputs, scene_text
@@ -189,7 +189,7 @@ def run_page(
     headline: str,
     sections: Sequence[Section],
     omitted: Parts,
-    footer: str,
+    about: str,
     drawn: Mapping[str, float] | None = None,
 ) -> Page:
     """The page of a run; its cost, with that of pictures, what was left out and its inputs come after the sections."""
@@ -211,7 +211,7 @@ def run_page(
         title=scene.name,
         headline=headline,
         sections=[*sections, *record],
-        footer=f"tailslap {tailslap.__version__}. {footer}",
+        footer=f"{footer()} {about}",
         scene_text=scene_text(source),
         passed=outcome.passed,
         contents=True,
@@ -247,6 +247,24 @@ def terminal_text(
 def chosen_sentences(fe_plan: FePlan) -> list[str]:
     """What the program chose."""
     return [f"Chosen by the program: {decision.shown}." for decision in fe_plan.decisions]
+
+
+def footer(files: str = "") -> str:
+    """The version, and the files beside the page."""
+    beside = f" The files beside this page: {files}." if files else ""
+    return f"tailslap {tailslap.__version__}.{beside}"
+
+
+def study_page(
+    plan: Any, kicker: str, headline: str, sections: Sequence[Section], files: str, passed: bool | None = None
+) -> Page:
+    """The page of a study of a plan; files: those beside it."""
+    return Page(kicker, plan.scene.name, headline, sections, footer(files), plan.source.text, passed)
+
+
+def study_summary(study: str, plan: Case) -> dict[str, Any]:
+    """How the summary of a study begins."""
+    return {"study": study, "scene": plan.scene.name, "version": tailslap.__version__}
 
 
 def design_table(scene: Scene, peak: float) -> Table:

@@ -17,9 +17,9 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns
 from postprocess.report.units import SI
 from postprocess.svg.chart import Chart
+from tailslap.case.report import footer
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
 from tailslap.errors import InputError, Verbatim
-from tailslap.report.common import footer
 
 USUAL = (
     *("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"),

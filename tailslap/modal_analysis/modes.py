@@ -26,8 +26,8 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.model import plate_density
+from tailslap.case.report import study_page
 from tailslap.errors import InputError
-from tailslap.report.common import study_page
 
 BENDING = ("bending", "shear")
 """Kinds that bend the plate as a beam; they are numbered together, as Timoshenko's frequencies are."""

@@ -22,9 +22,9 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Form, Table, pairs
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Line
+from tailslap.case.report import footer
 from tailslap.paper import data, tables
 from tailslap.paper.tables import FIGURES, Numbers
-from tailslap.report.common import footer
 
 NAMES = {"theta": ComparedQuantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
 CAPTIONS = {

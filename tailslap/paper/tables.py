@@ -27,7 +27,7 @@ from solver import (
     tail_slap,
 )
 from solver.impact import CrushLaw, ImpactMotion, ImpactVehicle, WallContact, first_touch, solve_impact
-from tailslap.impact.answers import rigid_answer
+from tailslap.case.impact.answers import rigid_answer
 from tailslap.paper import data
 from tailslap.paper.data import ABAQUS, ANALYTICAL, ANGLE, FRICTION, LENGTH, MASS, RESTITUTION, WIDTH
 

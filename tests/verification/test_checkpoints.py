@@ -24,7 +24,6 @@ from tailslap.cli import _status
 from tailslap.errors import Interrupted
 from tailslap.files import checkpoints
 from tailslap.files.checkpoints import checkpointed, next_checkpoint
-from tailslap.impact.fe_plan import make_impact_fe_plan
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -85,7 +84,7 @@ WALL_THAT_GIVES = (
 @pytest.mark.parametrize("wall", [(), WALL_THAT_GIVES], ids=["rigid wall", "wall that gives"])
 def test_a_whole_impact_goes_on_with_the_same_bits(wall: tuple[str, ...]) -> None:
     scene = ("time.end=0.4", "plate.elements=[8,3]", *wall)
-    fe_plan = make_impact_fe_plan(ImpactCase(*read_scene("impact-mash-tl4-sut", scene)))
+    fe_plan = ImpactCase(*read_scene("impact-mash-tl4-sut", scene)).plan()
 
     def run(keeper: Any) -> Any:
         return simulate_impact(fe_plan.model, fe_plan.touch, fe_plan.sample, 0.4, checkpoint=keeper)

@@ -14,12 +14,12 @@ from fem.run.corner import simulate
 from fem.run.observers import Arrays, SnapshotKeeper
 from fem.stability.deformed import element_stress
 from postprocess.fields.series import FieldSeries, read_fields, write_fields
+from tailslap.case.corner import run as corner_run
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.run import attempt
+from tailslap.case.impact import run as impact_run
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.report import field_series
 from tailslap.errors import InputError
-from tailslap.impact.run import make_fe_plan_timed, plain_run
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -29,12 +29,12 @@ KEPT = "output.fields=6"
 
 @functools.cache
 def corner(*changes: str) -> Any:
-    return attempt(CornerCase(*read_scene("paper-table-3", changes)))
+    return corner_run.attempt(CornerCase(*read_scene("paper-table-3", changes)))
 
 
 @functools.cache
 def impact(*changes: str) -> Any:
-    return plain_run(make_fe_plan_timed(ImpactCase(*read_scene("impact-mash-tl4-sut", changes))))
+    return impact_run.attempt(ImpactCase(*read_scene("impact-mash-tl4-sut", changes)))
 
 
 class Stopping:

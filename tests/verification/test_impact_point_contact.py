@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tailslap.case.checks import Check, evaluated
-from tailslap.impact.checks import CHECKS, FLOOR, SHARE, WEDGE
+from tailslap.case.impact.checks import CHECKS, FLOOR, SHARE, WEDGE
 
 pytestmark = pytest.mark.verification
 

@@ -14,15 +14,14 @@ import pytest
 
 from tailslap.case.checks import evaluated
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.answers import strike_numbers
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.checks import CHECKS, MESH_CHECKS, energy_error
+from tailslap.case.impact.report import wall_numbers
+from tailslap.case.impact.rigid import paper_method
+from tailslap.case.impact.run import ImpactOutcome, attempt
 from tailslap.cli import main
 from tailslap.errors import InputError
-from tailslap.impact.answers import strike_numbers
-from tailslap.impact.checks import CHECKS, MESH_CHECKS, energy_error
-from tailslap.impact.outcome import ImpactOutcome
-from tailslap.impact.paper_method import paper_method
-from tailslap.impact.run import make_fe_plan_timed, plain_run, run_impact
-from tailslap.impact.summary import wall_numbers
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -37,12 +36,12 @@ def planned(*changes: str, scene: str = SCENE) -> ImpactCase:
 @functools.cache
 def ran(*changes: str) -> ImpactOutcome:
     """One run, without the second one that tells the mesh's error."""
-    return plain_run(make_fe_plan_timed(planned(*changes)))
+    return attempt(planned(*changes))
 
 
 @functools.cache
 def whole() -> ImpactOutcome:
-    return run_impact(planned())
+    return planned().run()
 
 
 def test_the_shipped_impact_passes_its_checks() -> None:
@@ -286,7 +285,7 @@ def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(
 )
 def test_a_contact_too_stiff_for_the_plate_is_caught(changes: tuple[str, ...]) -> None:
     """Quadratic elements change the impulse by 5 to 30 %."""
-    failed = {check.name for check in run_impact(planned(*changes)).checks if not check.passed}
+    failed = {check.name for check in planned(*changes).run().checks if not check.passed}
     assert failed & {"mesh", "point contact"}
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tailslap.impact.vibration import MODAL_SHARE, unknown_by_vibration
+from tailslap.case.impact.checks import MODAL_SHARE, unknown_by_vibration
 
 pytestmark = pytest.mark.verification
 

@@ -16,9 +16,9 @@ from postprocess.report.units import SI, US
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.report import RISK
 from tailslap.cli import _status
 from tailslap.errors import InputError
-from tailslap.impact.report import RISK
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
 from tailslap.studies.flexibility.report import STIFF

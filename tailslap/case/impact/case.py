@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from postprocess.report.units import SI, Units
-from tailslap.case.impact.rigid import RigidImpact
+from solver.impact import Strike
+from tailslap.case.impact.answers import COMPARED, END, ImpactAnswer, strike_numbers
+from tailslap.case.impact.rigid import CURVES, RigidImpact
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -14,9 +16,14 @@ if TYPE_CHECKING:
     import numpy as np
 
     from postprocess.report.report import Report
-    from tailslap.impact.fe_plan import ImpactFePlan
-    from tailslap.impact.outcome import ImpactOutcome
+    from tailslap.case.impact.plan import ImpactPlan
+    from tailslap.case.impact.run import ImpactOutcome
     from tailslap.scene.schema import Scene
+
+
+STRIKES = (1, 2)
+VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
+SPENT = {"cost.steps": int, "cost.time_step": float}
 
 
 @dataclass(frozen=True)
@@ -25,39 +32,22 @@ class ImpactCase(RigidImpact):
 
     least_tolerance = 1e-6
 
-    def rigid_numbers(self) -> dict[str, Any]:
-        """Strikes, peaks and end of the rigid vehicle, SI."""
-        from tailslap.impact.rigid_text import rigid_numbers
-
-        return rigid_numbers(self)
-
-    def rigid_text(self, units: str = "si") -> list[str]:
-        """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
-        from tailslap.impact.rigid_text import rigid_lines
-
-        return rigid_lines(self, units)
-
-    def rigid_history(self) -> dict[str, np.ndarray]:
-        """Columns of the rigid vehicle's impact by name, SI."""
-        from tailslap.impact.rigid_text import rigid_history
-
-        return rigid_history(self)
-
-    def plan(self, more_damping: float = 1.0) -> ImpactFePlan:
+    def plan(self, more_damping: float = 1.0) -> ImpactPlan:
         """Decide what the scene leaves open, mesh and assemble; no damping is chosen."""
-        from tailslap.impact.fe_plan import make_impact_fe_plan
+        from tailslap.case.impact.plan import make_impact_plan
 
-        return make_impact_fe_plan(self)
+        return make_impact_plan(self)
 
     def _check_text(self) -> list[str]:
-        from tailslap.impact.check_text import check_lines
+        from tailslap.case.impact.report import check_text
 
-        return check_lines(self)
+        return check_text(self, self.plan() if self.scene.plate else None)
 
     def _run(self) -> ImpactOutcome:
-        from tailslap.impact.run import run_impact
+        from tailslap.case.impact import checks, run
 
-        return run_impact(self)
+        outcome = run.with_errors(run.attempt(self))
+        return replace(outcome, checks=checks.impact_checks(outcome))
 
     @staticmethod
     def stated_error(outcome: ImpactOutcome) -> float:
@@ -66,31 +56,69 @@ class ImpactCase(RigidImpact):
 
     def summary(self, outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
         """The numbers of a run, SI."""
-        from tailslap.impact.summary import impact_summary
+        from tailslap.case.impact.report import impact_summary
 
         return impact_summary(outcome, pictures)
 
     def histories(self, outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
         """The histories of FE plate and rigid vehicle by the names of their files."""
-        from tailslap.impact.summary import impact_histories
+        from tailslap.case.impact.report import histories
 
-        return impact_histories(outcome)
+        return histories(outcome)
 
     def report(self, outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
         """The report of a run; its fields and animation, in these units, go into the folder."""
-        from tailslap.impact.report import impact_report
+        from tailslap.case.impact.report import impact_report
 
         return impact_report(outcome, folder, pictures, units)
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
-        """Columns that the table of a sweep has whatever its rows."""
-        from tailslap.impact.columns import impact_column_kinds
-
-        return impact_column_kinds(scene)
+        """Columns that the table of a sweep has whatever its rows, and the type of their values."""
+        models = ("rigid",) if scene.plate is None else ("rigid", "fe")
+        kinds: dict[str, type] = {}
+        for model in models:
+            kinds[f"{model}.strikes"] = int
+            for k in STRIKES:
+                kinds[f"{model}.strike_{k}.corner"] = str
+                kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
+            kinds |= {f"{model}.peak.{name}": float for name in CURVES}
+            kinds |= {f"{model}.end.{name}": float for name in END}
+        if scene.plate is None:
+            return kinds
+        names = [f"difference.strike_{k}.{name}" for k in STRIKES for name in COMPARED]
+        return {**kinds, **dict.fromkeys([*names, "numerical_error"], float), **SPENT}
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; without an outcome, the rigid vehicle alone."""
-        from tailslap.impact.columns import impact_row
+        from tailslap.case.checks import check_columns
+        from tailslap.case.report import run_cost
 
-        return impact_row(self, outcome)
+        if outcome is None:
+            return {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}
+        return {
+            **check_columns(outcome.checks),
+            **_answer_columns("rigid", outcome.rigid),
+            **_answer_columns("fe", outcome.fe),
+            **{f"difference.{name}": value for name, value in outcome.difference.items()},
+            "numerical_error": self.stated_error(outcome),
+            **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
+        }
+
+
+def _answer_columns(model: str, answer: ImpactAnswer) -> dict[str, Any]:
+    """Columns of one of the two models, of its first two strikes; what it lacks is missing."""
+    row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes)}
+    for k, strike in zip(STRIKES, answer.strikes, strict=False):
+        row[f"{model}.strike_{k}.corner"] = strike.corner
+        values = {"mean_50ms": _mean_peak(answer, strike), **strike_numbers(strike)}
+        row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
+    row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
+    return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
+
+
+def _mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
+    """Largest 50 ms mean of the lateral force [N] about an instant of the strike."""
+    t, mean = answer.history["t"][1:], answer.lateral["mean_50ms"]
+    during = (t >= strike.start) & (t - answer.interval <= strike.end)
+    return float(mean[during].max())

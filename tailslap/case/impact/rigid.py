@@ -1,11 +1,14 @@
-"""The rigid vehicle of a whole impact: its contact, first touch and motion."""
+"""The rigid vehicle of a whole impact: its contact, first touch and motion, and what `tailslap rigid` says of it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from postprocess.comparison.quantities import STRIKES
 from solver import RigidBodyError
@@ -19,15 +22,55 @@ from solver.impact import (
     solve_impact,
 )
 from tailslap.case.case import WHOLE_IMPACT, Case
+from tailslap.case.impact.answers import ImpactAnswer, rigid_answer
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.progress import compiling
 from tailslap.scene.schema import Contact, Scene
+from tailslap.scene.units import shown, value_line
+from tailslap.scene.vary import Source, vary
 
 AFTER_SECOND = 0.1
 """Time [s] after the second strike at which an impact ends that has no time.end."""
 
 LONGEST = 5.0
 """Time [s] after which an impact without a second strike ends."""
+
+OF_A_WHOLE_IMPACT = (
+    "contact",
+    "plate",
+    "material",
+    "damping",
+    "wall",
+    "time",
+    "vehicle.centre_of_mass",
+    "vehicle.yaw_inertia",
+    "impact.test_level",
+)
+"""What the scene of the paper's method does without."""
+
+SAMPLE = 2e-4
+"""Longest time between rows [s]: 5 kHz, above what CFC 180 asks for."""
+
+ROWS_A_STRIKE, MOST_ROWS = 200, 200_000
+"""Rows in the shorter of the rigid vehicle's first two strikes, and of a history, at most."""
+
+CURVES = {
+    "raw": "raw",
+    "mean_50ms": "50 ms mean",
+    "cfc60": "CFC 60",
+    "cfc180": "CFC 180",
+    "cutoff_60hz": "60 Hz cut-off",
+}
+"""Labels of the force curves."""
+
+ENDS = {
+    "t": ("time", "s"),
+    "theta": ("angle", "rad"),
+    "omega": ("angular velocity", "rad/s"),
+    "v_gx": ("v_GX", "m/s"),
+    "v_gy": ("v_GY", "m/s"),
+}
+"""Labels and units of the end."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +128,46 @@ class RigidImpact(Case):
         """End of the rigid vehicle's impact [s]."""
         return self.motion.t_end
 
+    @cached_property
+    def sample(self) -> float:
+        """Time between rows [s] that resolves both strikes of the rigid vehicle."""
+        motion = self.motion
+        shortest = min((strike.duration for strike in motion.strikes[:2]), default=SAMPLE * ROWS_A_STRIKE)
+        return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
+
+    @cached_property
+    def answer(self) -> ImpactAnswer:
+        """The rigid vehicle's impact, sampled."""
+        rows = max(2, int(np.ceil(self.duration / self.sample)))
+        return rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
+
+    def rigid_history(self) -> dict[str, np.ndarray]:
+        """Columns of the rigid vehicle's impact by name, SI."""
+        return dict(self.answer.history)
+
+    def rigid_numbers(self) -> dict[str, Any]:
+        """Strikes, peaks and end, SI."""
+        beside = paper_method(self.scene, self.answer)
+        return {"scene": self.scene.name, **self.answer.numbers(), "paper_method": beside and asdict(beside)}
+
+    def rigid_text(self, units: str = "si") -> list[str]:
+        """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
+        answer = self.answer
+        lines = [f"{self.scene.name}: whole impact of the rigid vehicle"]
+        lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
+        lines += ["Strikes"] if answer.strikes else ["no strike"]
+        for strike in answer.strikes:
+            peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)
+            lines.append(
+                f"  {strike.corner:<16} from {strike.start:.4f} s for {strike.duration:.4f} s: "
+                f"peak {peak}, impulse {impulse}"
+            )
+        lines += ["", "Lateral force on the wall, peak"]
+        lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
+        lines += ["", "At the end"]
+        lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
+        return lines + _paper_lines(paper_method(self.scene, answer), units)
+
 
 def wall_contact(scene: Scene, contact: Contact) -> WallContact:
     """The rigid vehicle's contact; one that does not crush has the plate's penalty at its corners, elastic."""
@@ -122,3 +205,75 @@ def refusals(scene: Scene) -> Iterator[None]:
         table = KEYS.get(error.key)
         key = f"{table}.{error.key}" if table else "impact"
         raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
+
+
+def _paper_lines(beside: PaperMethod | None, units: str) -> list[str]:
+    """The paper's method beside it."""
+    if beside is None:
+        return []
+    lines = [
+        "",
+        "The paper's method, of the uniform rectangle, whose side stops all at once",
+        f"  tail-slap at {beside.t:.4g} s, impulse {shown(beside.impulse, 'N s', units, digits=4)}, peak force "
+        f"{shown(beside.peak_force, 'N', units, digits=4)} with a duration of {beside.duration:g} s",
+    ]
+    if beside.computed_duration and beside.computed_peak_force:
+        lines.append(
+            f"  {shown(beside.computed_peak_force, 'N', units, digits=4)} with {beside.computed_duration:.3f} s, "
+            "read off the 50 ms mean above by its rule"
+        )
+    return lines
+
+
+@dataclass(frozen=True)
+class PaperMethod:
+    """What the paper's method gives for the same vehicle and impact, of the uniform rectangle.
+
+    Attributes
+    ----------
+    omega : float
+        After Stage 1 [rad/s].
+    t : float
+        Time of the tail-slap [s].
+    impulse : float
+        Of the tail-slap, the whole mass stopped [N s].
+    duration : float
+        That the paper reads off crash tests [s].
+    peak_force : float
+        With it [N].
+    computed_duration, computed_peak_force : float or None
+        With the duration of the second strike as the paper would read it off the computed 50 ms mean [s], [N].
+    """
+
+    omega: float
+    t: float
+    impulse: float
+    duration: float
+    peak_force: float
+    computed_duration: float | None
+    computed_peak_force: float | None
+
+
+def paper_method(scene: Scene, answer: ImpactAnswer) -> PaperMethod | None:
+    """The paper's method beside an impact; None where [impact] does not give its friction and restitution, or where it
+    has no answer."""
+    from tailslap.case.corner.case import CornerCase
+
+    impact = scene.impact
+    if impact is None or impact.friction is None or impact.restitution is None:
+        return None
+    try:
+        plan = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))
+    except InputError:
+        return None
+    read = answer.second_strike.get("mean_50ms", {}).get("duration")
+    force = plan.force
+    return PaperMethod(
+        float(plan.start.omega),
+        float(plan.motion.strike.t),
+        float(force.impulse),
+        float(force.duration),
+        float(force.peak_force),
+        read,
+        2.0 * float(force.impulse) / read if read else None,
+    )

@@ -39,10 +39,10 @@ from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.run import compare
 from tailslap.case.cost import loop_seconds
+from tailslap.case.impact.checks import failed_but_mesh
+from tailslap.case.impact.run import compared, simulated
 from tailslap.case.model import resolved_plate
 from tailslap.errors import InputError
-from tailslap.impact.checks import failed_but_mesh
-from tailslap.impact.run import compared, simulated
 from tailslap.modal_analysis.run import modal_run
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, shown, vary

@@ -15,7 +15,7 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
 from postprocess.svg.scale import power_text
-from tailslap.report.common import study_page, study_summary
+from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute
 from tailslap.studies.cost.compute import (
     FE,

@@ -30,12 +30,10 @@ from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.model import MIN_STEPS
 from tailslap.case.cost import loop_seconds
+from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes, nearest_corner
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.model import plate_density
 from tailslap.errors import InputError
-from tailslap.impact.answers import COLUMNS, both_strikes, nearest_corner
-from tailslap.impact.outcome import COMPARED
-from tailslap.impact.rigid_text import rigid_impact
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import Changes, Source, vary
@@ -44,7 +42,7 @@ from tailslap.studies.study import Call
 if TYPE_CHECKING:
     from tailslap.case.corner.plan import CornerPlan
     from tailslap.case.corner.run import CornerOutcome
-    from tailslap.impact.outcome import ImpactOutcome
+    from tailslap.case.impact.run import ImpactOutcome
 
 Record = dict[str, Any]
 
@@ -90,7 +88,7 @@ ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
 # Order of convergence of linear elements and central differences.
 MAX_ORDER = 2.0
 
-# What is compared of a whole impact, as `tailslap.impact.outcome` names it.
+# What is compared of a whole impact, as `tailslap.case.impact.answers` names it.
 NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
 
 # First frequencies of the plates whose strikes are measured [Hz].
@@ -510,7 +508,7 @@ def impact_flexibility(
         rows = [impact_row(f, journal.records[key]) for f, key in zip(given, sweep, strict=True)]
         soft = [journal.records[key] for key in plates]
     levels = {name: _levels(impact_samples(rows, name), IMPACT_LEVELS) for name in NAMES}
-    rigid = plate_record(math.inf, both_strikes(rigid_impact(case)), {}, ())
+    rigid = plate_record(math.inf, both_strikes(case.answer), {}, ())
     seconds = time.perf_counter() - began
     setup = {"patch_length": patch}
     return Flexibility(case, rows, levels, own.first_frequency, setup, seconds, {}, {}, [*soft, rigid])
@@ -577,15 +575,15 @@ def plate_record(
 
 def _strikes(case: ImpactCase) -> tuple[dict[str, float], tuple[str, ...]]:
     """Values and failed checks of a single run; the filters take the force of the points nearest to each corner."""
-    from tailslap.impact.run import make_fe_plan_timed, plain_run
+    from tailslap.case.impact.run import attempt
 
-    outcome = plain_run(make_fe_plan_timed(case))
+    outcome = attempt(case)
     corner = nearest_corner(outcome.run.points, case.scene.vehicle.length)
     forces = {name: outcome.run.normal[:, corner == n].sum(axis=1) for n, name in enumerate(CORNERS)}
     return both_strikes(outcome.fe, forces), _failed(outcome)
 
 
 def _failed(outcome: ImpactOutcome) -> tuple[str, ...]:
-    from tailslap.impact.checks import failed_but_mesh
+    from tailslap.case.impact.checks import failed_but_mesh
 
     return failed_but_mesh(outcome)

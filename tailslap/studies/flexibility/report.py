@@ -14,9 +14,9 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
 from tailslap.campaign.levels import hertz
-from tailslap.impact.answers import COLUMNS
-from tailslap.impact.answers import QUANTITIES as OF_STRIKES
-from tailslap.report.common import study_page, study_summary
+from tailslap.case.impact.answers import COLUMNS
+from tailslap.case.impact.answers import QUANTITIES as OF_STRIKES
+from tailslap.case.report import study_page, study_summary
 from tailslap.studies.flexibility.compute import (
     IMPACT_LEVELS,
     KEPT,

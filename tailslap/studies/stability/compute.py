@@ -30,10 +30,10 @@ from tailslap.case.corner.checks import OSCILLATES, reaction_checks
 from tailslap.case.corner.error import FLOOR, SHARE, Histories, distance_in_motion
 from tailslap.case.corner.run import CornerOutcome, settled
 from tailslap.case.cost import beam_frequency, expected_effort
+from tailslap.case.impact import run as whole_impact
+from tailslap.case.impact.answers import differences
+from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.errors import InputError
-from tailslap.impact.checks import failed_but_mesh
-from tailslap.impact.outcome import differences
-from tailslap.impact.run import make_fe_plan_timed, plain_run
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
 from tailslap.studies.study import Call
@@ -361,7 +361,7 @@ def refined_run(case: Any, changes: Changes) -> Any:
     impact = case.scene.contact is not None
     try:
         changed = case.varied(changes)
-        refined: Any = plain_run(make_fe_plan_timed(changed)) if impact else changed.run()
+        refined: Any = whole_impact.attempt(changed) if impact else changed.run()
     except InputError:
         return None
     if impact:

@@ -14,7 +14,7 @@ from postprocess.report.table import Column, Table, text_table
 from postprocess.svg.chart import Chart
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
-from tailslap.report.common import study_page, study_summary
+from tailslap.case.report import study_page, study_summary
 from tailslap.scene.vary import changed_tables
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute

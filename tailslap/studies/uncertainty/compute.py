@@ -22,11 +22,10 @@ from solver.impact import solve_impacts
 from tailslap.campaign import sampling
 from tailslap.campaign.sampling import Array, Band, Range
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.answers import COLUMNS, both_strikes, filtered, peaks_within
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, refusals
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.impact.answers import COLUMNS, both_strikes, filtered, peaks_within
-from tailslap.impact.rigid_text import rigid_impact
 from tailslap.paper.data import ROW_B_ANGLE, ROW_B_GIVEN, ROW_B_SPEED, TABLE_4, TABLE_5, ForceRow
 from tailslap.progress import announced, progress_bar
 from tailslap.scene.schema import Scene, Start
@@ -289,7 +288,7 @@ def impact_spread(case: ImpactCase, ranges: tuple[Range, ...], at_least: int) ->
             known = table[:2, np.isfinite(table).all(axis=0)]
             if known.std() > 1e-9 * abs(known.mean()):
                 sources[name] = sampling.index_rows(ranges, table)
-        found = Spread(case, ranges, inputs, tables, sources, both_strikes(rigid_impact(case)), 0.0)
+        found = Spread(case, ranges, inputs, tables, sources, both_strikes(case.answer), 0.0)
         beside = rows_beside(found)
     return replace(found, curves=curves, beside=beside, seconds=time.perf_counter() - began)
 
@@ -396,7 +395,7 @@ def _simulated(found: Spread, known: Mapping[str, float]) -> dict[str, tuple[flo
     """By column S by the solution from event to event, u_num, how far the many impacts' solution is from it, and the
     band of S, with what is known of a row's impact."""
     case = found.case.varied(known) if known else found.case
-    exact, samples = both_strikes(rigid_impact(case)), found.samples
+    exact, samples = both_strikes(case.answer), found.samples
     many = measured(case, {"contact.stiffness": np.array([scene_values(case)["contact.stiffness"]])})
     if known:
         inputs = {item.key: samples[item.key] for item in found.ranges}

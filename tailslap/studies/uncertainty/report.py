@@ -15,8 +15,8 @@ from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
-from tailslap.impact.answers import COLUMNS, QUANTITIES
-from tailslap.report.common import study_page, study_summary
+from tailslap.case.impact.answers import COLUMNS, QUANTITIES
+from tailslap.case.report import study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.uncertainty.compute import LEVEL, TAKEN, Spread, used_keys
 

@@ -1,34 +1,30 @@
-"""What the run of a whole impact reports: page, summary, histories, and what the terminal says."""
+"""What is said of a whole impact: `tailslap check`, page, summary, histories, terminal."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.report.units import SI, Units
+from tailslap.case import report
 from tailslap.case.checks import failed_names
-from tailslap.case.report import (
-    PEAKS,
-    checks_section,
-    chosen_sentences,
-    design_table,
-    failed_section,
-    keep_fields,
-    milliseconds,
-    run_page,
-    short,
-    strikes_table,
-    terminal_text,
-)
-from tailslap.impact.answers import ImpactAnswer
-from tailslap.impact.check_text import contact_words, omitted_parts
-from tailslap.impact.checks import advice
-from tailslap.impact.figures import animation, contact_figures, energy_figure, force_figures, position_strip
-from tailslap.impact.outcome import ImpactOutcome
-from tailslap.impact.rigid_text import CURVES
-from tailslap.impact.summary import impact_histories, impact_summary, wall_numbers
+from tailslap.case.impact import figures
+from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.checks import advice, energy_error
+from tailslap.case.impact.plan import ImpactPlan
+from tailslap.case.impact.rigid import CURVES, RigidImpact
+from tailslap.case.impact.run import ImpactOutcome
+from tailslap.scene.schema import Contact, Scene
+
+FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
+"""Columns in front of all others."""
 
 KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
@@ -41,8 +37,8 @@ FILTERED = (
 )
 DURATIONS = (
     Column("curve", "Read off"),
-    Column("duration", "Valley to valley", "ms", form=milliseconds),
-    Column("triangle", "Equal triangle", "ms", form=milliseconds),
+    Column("duration", "Valley to valley", "ms", form=report.milliseconds),
+    Column("triangle", "Equal triangle", "ms", form=report.milliseconds),
     Column("peak_force", "Its peak", "N", form=".0f"),
 )
 RISK = (
@@ -61,13 +57,13 @@ DURATIONS_NOTE = (
 
 def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units: of it."""
-    keep_fields(outcome, folder)
-    moving, verdict = [animation(outcome, folder, units)] if pictures else [], headline(outcome)
+    report.keep_fields(outcome, folder)
+    moving, verdict = [figures.animation(outcome, folder, units)] if pictures else [], headline(outcome)
     omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
-    page = run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
-    tables = (peak_table(outcome), short(_design(outcome)), _strikes(outcome))
-    said = terminal_text(outcome, verdict, tables, advice)
-    return Report(page, impact_summary(outcome, pictures), said, histories=impact_histories(outcome))
+    page = report.run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
+    tables = (peak_table(outcome), report.short(_design(outcome)), _strikes(outcome))
+    said = report.terminal_text(outcome, verdict, tables, advice)
+    return Report(page, impact_summary(outcome, pictures), said, histories=histories(outcome))
 
 
 def headline(outcome: ImpactOutcome) -> str:
@@ -98,17 +94,17 @@ def peak_table(outcome: ImpactOutcome) -> Table:
         for number, strike in enumerate(fe, 1)
     ]
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
-    return Table(PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
+    return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
 
 def _design(outcome: ImpactOutcome) -> Table:
     """Design forces beside the 50 ms mean."""
-    return design_table(outcome.fe_plan.case.scene, outcome.fe.peaks["mean_50ms"])
+    return report.design_table(outcome.fe_plan.case.scene, outcome.fe.peaks["mean_50ms"])
 
 
 def _strikes(outcome: ImpactOutcome) -> Table:
     answers = {"FE": outcome.fe, "rigid": outcome.rigid}
-    return strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
+    return report.strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
 
 
 def filtered_table(outcome: ImpactOutcome) -> Table:
@@ -135,15 +131,19 @@ def durations_table(answer: ImpactAnswer) -> Table:
 def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
     design = _design(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
-    forces, (loops, along) = force_figures(outcome, levels), contact_figures(outcome)
+    forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome)]),
-        failed_section(outcome.checks, advice, chosen_sentences(outcome.fe_plan)),
+        report.failed_section(outcome.checks, advice, report.chosen_sentences(outcome.fe_plan)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
-        Section("Positions along the wall", figures=[position_strip(outcome)], layout="tall"),
+        Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
-        Section("Energy, and force along the side", figures=[energy_figure(outcome), *along], layout="wide"),
+        Section(
+            "Energy, and force along the side",
+            figures=[figures.energy_figure(outcome), *along],
+            layout="wide",
+        ),
         Section("Force over crush", figures=loops, layout="narrow"),
         Section("Animation", figures=moving, layout="tall"),
         Section("The wall, which gives", tables=_wall(outcome)),
@@ -156,7 +156,7 @@ def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
             is_folded=True,
         ),
         Section("What was run", sentences=_statements(outcome), is_folded=True),
-        checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
+        report.checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
     ]
 
 
@@ -205,5 +205,109 @@ def _statements(outcome: ImpactOutcome) -> list[str]:
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
         "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
         f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
-        *chosen_sentences(outcome.fe_plan),
+        *report.chosen_sentences(outcome.fe_plan),
     ]
+
+
+def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
+    """The whole summary, SI."""
+    plan, beside = outcome.fe_plan.case, outcome.paper_method
+    return {
+        **report.run_summary(outcome, omitted_parts(plan.scene, pictures)),
+        "rigid": outcome.rigid.numbers(),
+        "fe": outcome.fe.numbers(),
+        "paper_method": beside and asdict(beside),
+        "difference": outcome.difference,
+        "numerical_error": {"mesh": outcome.mesh_error, "first_frequency": outcome.frequency_error},
+        "occupant_risk": [
+            asdict(measure) for measure in outcome.fe.occupant_risk(outcome.fe_plan.model.mass)
+        ],
+        "wall": wall_numbers(outcome),
+        "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
+    }
+
+
+def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
+    """Largest deflection of a wall that gives, where and when, and the foundation's largest force beside the contact's;
+    None for a rigid wall."""
+    if outcome.fe_plan.case.scene.wall is None:
+        return None
+    from postprocess.signals.filters import moving_mean
+
+    h = outcome.run.history
+    k = int(np.argmax(h["wall_deflection"]))
+    return {
+        "deflection": float(h["wall_deflection"][k]),
+        "place": float(h["wall_deflection_place"][k]),
+        "t": float(h["t"][k]),
+        "foundation_force": float(h["force_foundation"].max()),
+        "foundation_mean_50ms": float(
+            moving_mean(h["force_foundation"][1:], outcome.fe.interval, 0.05).max()
+        ),
+        "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
+    }
+
+
+def histories(outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
+    """Columns of `history.csv` and `rigid.csv`, SI, shape (rows,) each."""
+    h = outcome.run.history
+    ordered = {name: h[name] for name in FIRST} | h | {"energy_error": energy_error(outcome)}
+    return {"history.csv": ordered, "rigid.csv": dict(outcome.rigid.history)}
+
+
+def contact_words(contact: Contact) -> str:
+    """How the vehicle touches the wall."""
+    friction = f"friction {contact.friction:g}" if contact.friction else "no friction"
+    if contact.stiffness is None:
+        how = "a penalty spring" if contact.enforcement == "penalty" else "an exact constraint"
+        return f"does not crush: {how} at each node of the boundary, which only pushes; {friction}"
+    initial = f"{contact.initial_force / 1e3:g} kN + " if contact.initial_force else ""
+    side = (
+        f", a layer of {contact.side_stiffness / 1e6:g} MN/m^2 along the sides"
+        if contact.side_stiffness
+        else ""
+    )
+    patch = f", spread over {contact.patch_length:g} m" if contact.patch_length else ""
+    return (
+        f"crushes at its corners by {initial}{contact.stiffness / 1e6:g} MN/m times the depth{patch}{side}, "
+        f"restitution {contact.restitution:g}; {friction}; the wall only pushes"
+    )
+
+
+def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
+    """Parts that this scene does without, each with the reason."""
+    contact, parts = scene.needed_contact, []
+    if contact.friction == 0.0:
+        parts.append(("friction", "contact.friction is 0: no friction code in the time loop"))
+    if contact.crushes and not contact.side_stiffness:
+        parts.append(("sides", "no contact.side_stiffness: the four corners alone touch"))
+    if scene.damping is None:
+        parts.append(("damping", "none is asked for: no damping code in the time loop"))
+    if scene.wall is None:
+        parts.append(("wall", "the scene has no [wall] table: the wall is rigid"))
+    if not pictures:
+        parts.append(("pictures", "--no-pictures: no animation"))
+    return parts
+
+
+def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
+    """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
+    motion, touch, vehicle = case.motion, case.touch, case.vehicle
+    strikes = ", ".join(f"{s.corner} at {s.start:.4g} s for {s.duration:.3g} s" for s in motion.strikes)
+    lines = [
+        f"{case.scene.name}: the scene is valid",
+        f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
+        f"{math.hypot(touch.v_gx, touch.v_gy):.5g} m/s",
+        f"vehicle      {vehicle.mass:g} kg, centre of mass {vehicle.front_distance:g} m behind the front, "
+        f"yaw inertia {vehicle.inertia:.6g} kg m^2",
+        f"contact      {contact_words(case.scene.needed_contact)}",
+        f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
+        f"end          {motion.t_end:.4g} s",
+        *report.left_out_text(omitted_parts(case.scene)),
+    ]
+    if fe_plan is None:
+        return lines
+    rows, points = round(case.duration / fe_plan.sample), fe_plan.model.loop.contact.mobility.size
+    contact = [f"points       {points} may touch the wall; their force does not bound the time step"]
+    steps = f", {rows} rows; as many again on richer elements, to tell the mesh's error"
+    return lines + report.fe_text(fe_plan, rows, "", contact, steps)

@@ -17,7 +17,6 @@ from tailslap.case.model import (
     step_properties,
     threads_decision,
 )
-from tailslap.impact.rigid_text import sample_interval
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ ACROSS = 6
 
 
 @dataclass(frozen=True)
-class ImpactFePlan(FePlan):
+class ImpactPlan(FePlan):
     """What a run of a whole impact integrates.
 
     Attributes
@@ -46,17 +45,17 @@ class ImpactFePlan(FePlan):
     sample: float
 
 
-def make_impact_fe_plan(plan: RigidImpact) -> ImpactFePlan:
+def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     """Decide what the scene leaves open, mesh and assemble.
 
     Parameters
     ----------
-    plan : RigidImpact
+    case : RigidImpact
         With [plate].
 
     Returns
     -------
-    ImpactFePlan
+    ImpactPlan
         Ready to be integrated.
 
     Raises
@@ -66,17 +65,16 @@ def make_impact_fe_plan(plan: RigidImpact) -> ImpactFePlan:
     """
     from fem.run.impact import FirstTouch
 
-    plate, decisions = chosen_plate(plan.scene)
-    motion, touch = plan.motion, plan.touch
-    sample = sample_interval(motion)
-    model, plate = impact_model(plan, plate, sample)
-    demand_steps(plan.scene, plan.duration, model)
+    plate, decisions = chosen_plate(case.scene)
+    touch, sample = case.touch, case.sample
+    model, plate = impact_model(case, plate, sample)
+    demand_steps(case.scene, case.duration, model)
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
     decisions = (
         *decisions,
-        *threads_decision(plan.scene.time.threads, 1, "the time loop of a whole impact has one"),
+        *threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact has one"),
     )
-    return ImpactFePlan(plan, plate, decisions, model, first, sample)
+    return ImpactPlan(case, plate, decisions, model, first, sample)
 
 
 def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
@@ -89,31 +87,31 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
     return plate.model_copy(update={"elements": chosen.value}), (chosen,)
 
 
-def impact_model(plan: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
+def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
     from fem.model.impact_model import build_impact_model
     from fem.plate.kinds import Inertia, ModelError
 
-    scene, vehicle = plan.scene, plan.vehicle
+    scene, vehicle = case.scene, case.vehicle
     uniform = scene.vehicle.centre_of_mass is None and scene.vehicle.yaw_inertia is None
     inertia = None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
     mesh = fe_mesh(scene, plate)
     plate = resolved_plate(scene, plate, mesh, inertia)
     contact, step = contact_properties(scene.needed_contact), step_properties(scene, longest_step)
     try:
-        wall = wall_properties(plan, scene.wall) if scene.wall else None
+        wall = wall_properties(case, scene.wall) if scene.wall else None
         model = build_impact_model(mesh, plate_properties(scene, plate, inertia), contact, step, wall)
     except ModelError as error:
         raise refusal(scene, plate, error) from None
     return model, plate
 
 
-def wall_properties(plan: RigidImpact, wall: Wall) -> WallProperties:
+def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
     """A wall that gives, its middle where the rigid vehicle's strikes have theirs."""
     from fem.plate.kinds import WallProperties
     from meshes import wall_mesh
 
-    places = [strike.position for strike in plan.motion.strikes] or [0.0]
+    places = [strike.position for strike in case.motion.strikes] or [0.0]
     start = 0.5 * (min(places) + max(places) - wall.length)
     assert wall.height is not None
     assert wall.foundation_stiffness is not None

@@ -17,6 +17,9 @@ from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 END = ("t", "theta", "omega", "v_gx", "v_gy")
 """What is told of the end of an impact."""
 
+COMPARED = ("impulse", "peak_force", "duration")
+"""What is compared of each of the first two strikes."""
+
 STRIKE = ("corner", "start", "end", "duration", "peak_force", "impulse")
 """What the contract tells of a strike; more follows."""
 
@@ -106,6 +109,17 @@ def strike_numbers(strike: Strike) -> dict[str, Any]:
         name: value for name, value in asdict(strike).items() if value == value
     }  # without what is not known
     return {name: getattr(strike, name) for name in STRIKE} | rest
+
+
+def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
+    """FE/rigid - 1 of the first two strikes; none where the corners do not strike in the same order."""
+    found = {}
+    for k, (one, other) in enumerate(zip(fe.strikes[:2], rigid.strikes[:2], strict=False), 1):
+        if one.corner != other.corner:
+            break
+        for name in COMPARED:
+            found[f"strike_{k}.{name}"] = getattr(one, name) / getattr(other, name) - 1.0
+    return found
 
 
 def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:

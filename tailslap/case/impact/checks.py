@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
+from solver.impact import Strike
 from tailslap.case.checks import FINER, STEP, Check, CheckKind, Evaluation, evaluated, failed_names
-from tailslap.impact.outcome import ImpactOutcome
-from tailslap.impact.vibration import unknown_by_vibration
+from tailslap.case.impact.run import ImpactOutcome
 
 STORED = (
     "kinetic_energy",
@@ -21,6 +21,9 @@ STORED = (
     "wall_energy",
 )
 """Columns of the energy that the model holds, or has taken for good."""
+
+MODAL_SHARE = 0.25
+"""Mass that a free beam's first mode moves as its ends do, over the beam's."""
 
 FLOOR, SHARE, MOST = 2e-3, 0.1, 0.05
 """Mesh error that every run may have, the share of the difference from the rigid vehicle that comes on top, and how
@@ -150,6 +153,39 @@ def _sampling(outcome: ImpactOutcome) -> Evaluation:
     shortest = min((strike.duration for strike in outcome.fe.strikes[:2]), default=math.nan)
     meaning = "time between rows over the shorter of the first two strikes"
     return Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
+
+
+def unknown_by_vibration(outcome: ImpactOutcome) -> float:
+    """Largest relative change of the second strike's impulse by the vibration's phase, as far as it is not known.
+
+    The end of the plate moves with v cos(2 pi f t + phase); over a strike of duration T such a velocity is in the mean
+    at most v/(pi f T) and at most v. Over n cycles between the strikes the phase is off by 2 pi n times the relative
+    error of the frequency; without a second mesh it is unknown. 0 without a second strike, or a flight between the two.
+    """
+    strikes, frequency = outcome.fe.strikes, outcome.fe_plan.first_frequency
+    if len(strikes) < 2 or strikes[1].start <= strikes[0].end:
+        return 0.0
+    first, second = strikes[:2]
+    cycles = frequency * (second.start - first.end)
+    phase = min(1.0, 2.0 * math.pi * cycles * abs(outcome.frequency_error))  # NaN: 1
+    mean = min(1.0, 1.0 / (math.pi * frequency * second.duration))
+    return _velocity(outcome, first, second) / _approach(outcome, second) * mean * phase
+
+
+def _velocity(outcome: ImpactOutcome, first: Strike, second: Strike) -> float:
+    """Of an end, from the energy of the plate in flight, all of it in the first mode [m/s]."""
+    h = outcome.run.history
+    free = (h["t"] > first.end) & (h["t"] < second.start)
+    energy = float(h["strain_energy"][free].max(initial=0.0))
+    return math.sqrt(2.0 * energy / (MODAL_SHARE * outcome.fe_plan.model.mass))
+
+
+def _approach(outcome: ImpactOutcome, second: Strike) -> float:
+    """Speed towards the wall of the corner that strikes, as of a rigid vehicle [m/s]."""
+    h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
+    k = int(np.searchsorted(h["t"], second.start)) - 1
+    ahead = vehicle.front_distance - (vehicle.length if second.corner.startswith("rear") else 0.0)
+    return abs(float(h["v_gy"][k] + h["omega"][k] * ahead * math.cos(h["theta"][k])))
 
 
 FAULT = "please report it: a run does not fail this by its scene"

@@ -10,8 +10,8 @@ import numpy as np
 from postprocess.report.page import Picture
 from postprocess.report.units import SI, Units
 from solver.impact import CORNERS
-from tailslap.impact.answers import ImpactAnswer, nearest_corner
-from tailslap.impact.outcome import ImpactOutcome
+from tailslap.case.impact.answers import ImpactAnswer, nearest_corner
+from tailslap.case.impact.run import ImpactOutcome
 from tailslap.progress import announced
 
 if TYPE_CHECKING:

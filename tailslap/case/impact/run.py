@@ -1,20 +1,21 @@
-"""A run of a whole impact: the FE plate, the rigid vehicle at the same instants, checks."""
+"""A run of a whole impact: the FE plate, the rigid vehicle at the same instants, and the same with other elements."""
 
 from __future__ import annotations
 
+import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
+from tailslap.case.case import Outcome
+from tailslap.case.impact.answers import ImpactAnswer, differences, rigid_answer, sampled_answer
+from tailslap.case.impact.plan import ImpactPlan, impact_model, make_impact_plan
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, PaperMethod, RigidImpact, paper_method
 from tailslap.case.model import refusal
 from tailslap.case.refine import refined
 from tailslap.errors import InputError
 from tailslap.files.checkpoints import next_checkpoint
-from tailslap.impact.answers import ImpactAnswer, rigid_answer, sampled_answer
-from tailslap.impact.checks import impact_checks
-from tailslap.impact.fe_plan import ImpactFePlan, impact_model, make_impact_fe_plan
-from tailslap.impact.outcome import ImpactOutcome, differences
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
@@ -25,48 +26,46 @@ BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
 
 
-def run_impact(plan: RigidImpact) -> ImpactOutcome:
-    """Run the plate, the same with richer elements beside it, and set it beside the rigid vehicle; writes nothing.
+@dataclass(frozen=True)
+class ImpactOutcome(Outcome):
+    """A finished run of a whole impact.
 
-    Parameters
+    Attributes
     ----------
-    plan : RigidImpact
-        With [plate].
-
-    Returns
-    -------
-    ImpactOutcome
-        Also where checks failed: see `passed`.
-
-    Raises
-    ------
-    InputError
-        For keys that make no model.
+    rigid, fe : ImpactAnswer
+        What both models answer, at the same instants.
+    mesh_error : dict of float
+        What higher-order elements change in `difference`, by `strike_1.impulse` and so on; empty where there were none.
+    frequency_error : float
+        First frequency over that of the richer elements, less 1; NaN where there were none.
     """
-    outcome = plain_run(make_fe_plan_timed(plan))
-    outcome = _with_errors(outcome)
-    return replace(outcome, checks=impact_checks(outcome))
+
+    fe_plan: ImpactPlan
+    run: ImpactRun
+    rigid: ImpactAnswer
+    fe: ImpactAnswer
+    mesh_error: dict[str, float] = field(default_factory=dict)
+    frequency_error: float = math.nan
+
+    @cached_property
+    def paper_method(self) -> PaperMethod | None:
+        """The paper's method beside the rigid vehicle's impact."""
+        return paper_method(self.fe_plan.case.scene, self.rigid)
 
 
-def make_fe_plan_timed(plan: RigidImpact) -> tuple[ImpactFePlan, float]:
-    """The FE plan with its loop compiled, and the time that took [s]."""
+def attempt(case: RigidImpact) -> ImpactOutcome:
+    """A single run beside the rigid vehicle, without a second run and checks. Raises InputError."""
     began = time.perf_counter()
     with announced("Building the model ..."):
         from fem.run.impact import compile_impact_loop
 
-        fe_plan = make_impact_fe_plan(plan)
+        fe_plan = make_impact_plan(case)
     compile_impact_loop(fe_plan.model, told=compiling)
-    return fe_plan, time.perf_counter() - began
+    setup = time.perf_counter() - began
+    return replace(compared(fe_plan, simulated(fe_plan, case.scene.kept_fields)), setup_s=setup)
 
 
-def plain_run(made: tuple[ImpactFePlan, float]) -> ImpactOutcome:
-    """A single run beside the rigid vehicle, without a second run and checks."""
-    fe_plan, setup = made
-    run = simulated(fe_plan, fe_plan.case.scene.kept_fields)
-    return replace(compared(fe_plan, run), setup_s=setup)
-
-
-def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
+def compared(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactOutcome:
     """A run beside the rigid vehicle at the same instants."""
     fe = _answer(fe_plan, run)
     motion, last = fe_plan.case.motion, float(run.history["t"][-1])
@@ -76,7 +75,7 @@ def compared(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactOutcome:
     return ImpactOutcome(fe_plan, run, differences(fe, rigid), (), 0.0, rigid, fe)
 
 
-def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
+def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
     """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's.
 
     snapshots: instants at which the motion of all nodes is kept.
@@ -111,13 +110,13 @@ def simulated(fe_plan: ImpactFePlan, snapshots: int = 0) -> ImpactRun:
         raise refusal(scene, fe_plan.plate, error) from None
 
 
-def _answer(fe_plan: ImpactFePlan, run: ImpactRun) -> ImpactAnswer:
+def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
     length = fe_plan.case.vehicle.length
     return sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
 
 
-def _with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
-    """With what richer or finer elements change; without, where they make no model."""
+def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
+    """The outcome with what higher-order or finer elements change; without, where they make no model."""
     fe_plan = outcome.fe_plan
     for plate in _higher_order(fe_plan.plate):
         try:

@@ -1,1 +1,0 @@
-"""What a run says: text on the terminal, summary, page."""
