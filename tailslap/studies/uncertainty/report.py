@@ -140,8 +140,8 @@ def corner_report(found: Spread) -> Report:
         refusals = (
             f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations ({part}): they have no "
             "force, and the distribution is that of the others. "
-            f"{grouped(left_out)} of {grouped(found.rows)} rows have one and are left out of the indices, which are then "
-            "approximate, for the inputs of the rest are no longer "
+            f"{grouped(left_out)} of {grouped(found.rows)} rows have one and are left out of the indices, which are "
+            "then approximate, for the inputs of the rest are no longer "
             f"independent. The first: {found.refusal}."
         )
     sentences = [
