@@ -478,7 +478,7 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass() -> None
 
 
 def test_many_impacts_are_the_single_one() -> None:
-    """Against the solution from event to event, with yaw inertia and centre of mass of their own."""
+    """Against the one at a smaller step, with yaw inertia and centre of mass of their own."""
     plan = impact_of(
         "vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2", "contact.initial_force=20 kN"
     )

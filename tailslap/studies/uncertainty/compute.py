@@ -392,7 +392,7 @@ def rows_beside(found: Spread) -> tuple[dict[str, Any], ...]:
 
 
 def _simulated(found: Spread, known: Mapping[str, float]) -> dict[str, tuple[float, float, Band]]:
-    """By column S by the solution from event to event, u_num, how far the many impacts' solution is from it, and the
+    """By column S by the solution at a smaller step, u_num, how far the many impacts' solution is from it, and the
     band of S, with what is known of a row's impact."""
     case = found.case.varied(known) if known else found.case
     exact, samples = both_strikes(case.answer), found.samples

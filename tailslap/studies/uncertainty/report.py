@@ -87,7 +87,7 @@ VERDICT = Column("verdict", "|E| against u_val")
 ROW_NOTES = (
     "D: measured, by crash test or finite elements, as Tables 4 and 5 of the paper have it; * projected by its "
     "authors, 1.33 times the 50 ms mean. S: the second strike of the rigid vehicle. E = S - D; as in ASME V&V 20, "
-    "u_val^2 = u_num^2 + u_input^2 + u_D^2. u_num: the many impacts' solution against the one from event to event. "
+    "u_val^2 = u_num^2 + u_input^2 + u_D^2. u_num: the many impacts' solution against the one at a smaller step. "
     "u_input: the band's standard deviation. u_D: unknown; no source gives it, and the last column says how large it "
     "would have to be for |E| to be within u_val.",
     "Of the rows' impacts only row b's 57.4 mph and 15.4 deg are known, and put in; mass and length of the vehicles, "
