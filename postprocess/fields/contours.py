@@ -16,17 +16,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from postprocess.fields.series import UNITS, FieldSeries
+from postprocess.fields.series import ELEMENTS, UNITS, FieldSeries
 from postprocess.report.units import SI, Units
 from postprocess.svg.scale import round_step, round_ticks
-
-if TYPE_CHECKING:
-    import pyvista
 
 SIZE = (1600, 700)
 SIDE, TOP, BOTTOM = 70, 190, 120
@@ -51,12 +48,13 @@ Mesh = tuple[Floats, NDArray[Any]]
 
 @dataclass(frozen=True)
 class ContourField:
-    """A nodal field: part of the file name ("v_gx"), text of the title, unit, values (n,) in that unit."""
+    """A field: part of the file name ("v_gx"), text of the title, unit, values in that unit, "nodal" or "element"."""
 
     name: str
     title: str
     unit: str
     values: Floats
+    where: Literal["nodal", "element"] = "nodal"
 
 
 @dataclass(frozen=True)
@@ -145,7 +143,7 @@ def _frames(
         sheet.draw_wall(None, length_unit)
         sheet.keep()
         for k in instants:
-            field = ContourField(name, name, unit, values[k])
+            field = ContourField(name, name, unit, values[k], "element" if name in ELEMENTS else "nodal")
             sheet.draw_field((places[k], series.corners), field, scale)
             sheet.write(f"t = {series.t[k]:.4f} s{deformed}", (-24, -44), 20)
             yield sheet.image()
@@ -218,17 +216,18 @@ def _labels(low: float, high: float, steps: int) -> list[str]:
     return [text.replace("-", "−", 1) if float(text) else text.lstrip("-") for text in texts]
 
 
-def range_note(field: ContourField, scale: ColourScale, where: str = "nodal") -> str:
+def range_note(field: ContourField, scale: ColourScale) -> str:
     """The line under the title: smallest and largest value, or that the field as good as does not vary."""
     low, high = float(np.min(field.values)), float(np.max(field.values))
     if scale.uniform:
         spread = (high - low) / (max(abs(low), abs(high)) or 1.0)
-        at, middle = {"nodal": "node"}.get(where, where), f"{0.5 * (low + high):.5g}".replace("-", "−", 1)
+        at = "node" if field.where == "nodal" else "element"
+        middle = f"{0.5 * (low + high):.5g}".replace("-", "−", 1)
         widened = f"the colour range is widened to {100.0 * WIDENING:g} %"
         return f"uniform to {spread:.0e}: {middle} {field.unit} at every {at}; {widened}"
     ends = (end if abs(end) > 1e-5 * (high - low) else 0.0 for end in (low, high))
     least, most = (f"{end:.4g}".replace("-", "−", 1) for end in ends)
-    return f"{where} values from {least} to {most} {field.unit}"
+    return f"{field.where} values from {least} to {most} {field.unit}"
 
 
 def value_at(points: Floats, values: Floats, place: ArrayLike) -> float:
@@ -264,9 +263,8 @@ class Sheet:
 
         self.view = view_of_plate(points)
         self.ends = points.min(axis=0), points.max(axis=0)
-        self.fonts = (
-            Path(mpl.get_data_path()) / "fonts" / "ttf"
-        )  # VTK's own have no Greek letters and no arrows
+        # VTK's own fonts have no Greek letters and no arrows
+        self.fonts = Path(mpl.get_data_path()) / "fonts" / "ttf"
         self.plotter = pyvista.Plotter(
             off_screen=True, window_size=list(SIZE), lighting="none", theme=pyvista.themes.DocumentTheme()
         )
@@ -294,6 +292,8 @@ class Sheet:
 
     def draw_wall(self, wall: Mesh | None, unit: str) -> None:
         """Draw the wall, or its line, with a ruler along it and one beside the plate."""
+        import pyvista
+
         (left, right), caption = (0.0, SIZE[0]), "wall line, Y = 0"
         if wall is not None:
             places, caption = self.view.pixel(wall[0]), "rigid wall, Y ≤ 0"
@@ -310,7 +310,9 @@ class Sheet:
         for y in round_between(0.0, self.ends[1][1], 5)[1:]:
             lines.append([(beside - 14.0, zero + y / length), (beside - 6.0, zero + y / length)])
             self.write(f"{y:g}", (beside - 20.0, zero + y / length - 7.0), 18, "right")
-        self._lines(np.array(lines).reshape(-1, 2))
+        ends = np.array(lines).reshape(-1, 2)
+        lifted = np.column_stack([ends, np.ones(len(ends))])
+        self._add(pyvista.line_segments_from_points(lifted), color=INK, line_width=2)
         self.write(f"Y [{unit}]", (24.0, top + 12.0), 18)
         self.write(caption, (24, 24), 20)
         self.write(f"X [{unit}], driving direction →", (-24, 24), 20)
@@ -321,13 +323,12 @@ class Sheet:
         while self.passing:
             self.plotter.remove_actor(self.passing.pop(), reset_camera=False, render=False)
         (points, cells), count = plate, len(field.values)
-        if count not in (len(points), len(cells)):
-            raise ValueError(f"{count} values for {len(points)} points and {len(cells)} elements")
-        where = "nodal" if count == len(points) else "element"
+        preference, expected = ("point", len(points)) if field.where == "nodal" else ("cell", len(cells))
+        if count != expected:
+            raise ValueError(f"{count} values for {expected} {preference}s")
         style = {"cmap": "viridis", "n_colors": scale.bands, "clim": (scale.low, scale.high)}
         style |= {"interpolate_before_map": True, "show_scalar_bar": False}
         edges = {"show_edges": True, "edge_color": "black", "edge_opacity": 0.35, "line_width": 1}
-        preference = "point" if where == "nodal" else "cell"
         shown = {"scalars": field.values, "preference": preference, **style, **edges}
         self._surface((self.view.pixel(points), cells), 0.0, **shown)
         left, right, bottom, top = BAR
@@ -339,7 +340,7 @@ class Sheet:
         for k, place in enumerate(np.linspace(left, right, len(scale.labels))):
             self.write(scale.labels[k], (place, top + 7), 21, "center")
         self.write(f"{field.title} [{field.unit}]", (24, -46), 28, bold=True)
-        self.write(range_note(field, scale, where), (24, -78), 18)
+        self.write(range_note(field, scale), (24, -78), 18)
 
     def draw_dot(self, place: ArrayLike) -> tuple[float, float]:
         """Draw a dot at a point; returns the pixel where a text beside it starts."""
@@ -380,16 +381,9 @@ class Sheet:
         import pyvista
 
         points = np.column_stack([mesh[0], np.full(len(mesh[0]), height)])
-        surface = pyvista.PolyData.from_regular_faces(points, mesh[1])
-        self._add(surface, **style)
+        self._add(pyvista.PolyData.from_regular_faces(points, mesh[1]), **style)
 
-    def _lines(self, ends: Floats) -> None:
-        import pyvista
-
-        points = np.column_stack([ends, np.ones(len(ends))])
-        self._add(pyvista.line_segments_from_points(points), color=INK, line_width=2)
-
-    def _add(self, data: pyvista.PolyData, **style: Any) -> None:
+    def _add(self, data: Any, **style: Any) -> None:
         given = {"lighting": False, "reset_camera": False, "render": False, "pickable": False, **style}
         self.passing.append(self.plotter.add_mesh(data, **given))
 

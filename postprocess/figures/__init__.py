@@ -1,1 +1,1 @@
-"""Figures of pages as SVG text, written directly (`svg`); plots, animations and pictures by matplotlib."""
+"""Figures of pages as SVG text (`svg`); plots of results in Python and animations by matplotlib."""
