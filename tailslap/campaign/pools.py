@@ -171,14 +171,16 @@ def _begin(lifeline: Connection) -> None:
 def _server_environment() -> Iterator[None]:
     """Processes started here never get a Ctrl-C, which is for us, use one thread, and see our modules."""
     resource_tracker.ensure_running()  # when it starts, it would unblock the signal
-    given = {**os.environ}
+    ours = {**ONE_THREAD, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
+    given = {name: os.environ.get(name) for name in ours}
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    os.environ.update(ONE_THREAD, PYTHONPATH=os.pathsep.join(sys.path), PYTHONSAFEPATH="1")
+    os.environ.update(ours)
     try:
         yield
     finally:
-        os.environ.clear()
-        os.environ.update(given)
+        for name in ours:
+            os.environ.pop(name)
+        os.environ.update({name: value for name, value in given.items() if value is not None})
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
