@@ -326,7 +326,7 @@ def bare_code(fe_plan: CornerPlan) -> MachineCode:
 
 def _assembly(loop: Kernel, *arguments: Any) -> str:
     """Compiled afresh, for Numba shows no assembly of what it loaded from disk, and not called."""
-    fresh = make_dispatcher(loop)
+    fresh = make_dispatcher(loop.py_func, loop.targetoptions)
     compile_for(fresh, arguments)
     (assembly,) = fresh.inspect_asm().values()
     return str(assembly)
