@@ -606,7 +606,7 @@ def _drawn(scene: Scene, choices: Row, dice: Dice, number: int) -> Changes:
     changes |= _plate(scene, choices, dice, number, length, width)
     changes |= _corner(choices, dice, length, changes["plate.elements"] or (10, 1))
     if choices["damping"] == "ratio":
-        changes["damping.ratio"] = dice.even(0.005, 0.3)
+        changes["damping.ratio"] = dice.ratio(0.005, 0.3)
     elif choices["damping"] != "open":
         bulk = choices["damping"] == "bulk"
         changes |= {"damping.bulk_viscosity": 0.06} if bulk else {"damping.kind": "none"}
