@@ -334,7 +334,7 @@ def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right())
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [changed_tables(found.base.given, cell)[0] for cell in found.cells.values()] == DRAWN[:4]
@@ -358,11 +358,11 @@ def all_right(stop_at: str = "") -> Any:
 def test_an_interrupted_campaign_goes_on_with_more_cells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right(stop_at="0002"))
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
     call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     with pytest.raises(Interrupted, match="2 parts are kept"):
         study.compute(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
-    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right())
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [row["steps"] for row in found.rows.values()] == [3, 3, 4, 4]
 
@@ -375,7 +375,7 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(
 def test_map_and_random_cells_have_folders_of_their_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], folder: str, cells: int
 ) -> None:
-    monkeypatch.setattr("tailslap.studies.stability.compute.run_parts", all_right())
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     monkeypatch.chdir(tmp_path)
     assert _status(["study", "stability", "paper-table-3", *arguments]) == 0
     summary = json.loads((tmp_path / "results" / folder / "summary.json").read_text())

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,23 +23,14 @@ from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.run.impact import compile_impact_loop
 from fem.start.rigid_state import RigidStart
-from postprocess.comparison.metrics import (
-    CAUTIOUS_FACTOR,
-    SAFETY_FACTOR,
-    GridConvergence,
-    grid_convergence,
-)
-from postprocess.comparison.quantities import KEYS, largest, largest_relative, relative_difference
+from postprocess.comparison import metrics, quantities
+from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
-from tailslap.campaign.engine import run_parts
-from tailslap.campaign.records import Journal
-from tailslap.case import case_of
+from tailslap.campaign import engine, records
+from tailslap.case import case_of, cost
 from tailslap.case.checks import failed_names
-from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.run import compare
-from tailslap.case.cost import loop_seconds
-from tailslap.case.impact.checks import failed_but_mesh
-from tailslap.case.impact.run import compared, simulated
+from tailslap.case.impact import checks, run
 from tailslap.case.model import resolved_plate
 from tailslap.errors import InputError
 from tailslap.modal_analysis.run import modal_run
@@ -61,11 +51,8 @@ PENALTY, DAMPING, MODES, ELEMENTS = "penalty", "damping", "modal model", "other 
 UNSTRESSED, SINGLE, RIGID = "unstressed start", "single precision", "rigid vehicle"
 
 # Labels and keys of the groups that vary one number.
-KEYS_OF = {
-    STEP: ("safety factor", "time.safety_factor"),
-    PENALTY: ("scale", "corner.penalty_scale"),
-    DAMPING: ("ratio", "damping.ratio"),
-}
+LABELS = {STEP: "safety factor", PENALTY: "scale", DAMPING: "ratio"}
+VARIED = {STEP: "time.safety_factor", PENALTY: "corner.penalty_scale", DAMPING: "damping.ratio"}
 
 # How many times finer than the soft plate's coarsest mesh, by element; all with the exact constraint.
 REFINED = {"quad4": (1, 2, 4, 8), "quad9": (1, 2, 4, 8), "tri3": (1, 2, 4, 8), "tri6": (1, 2, 4)}
@@ -124,7 +111,7 @@ class Limit(NamedTuple):
 
     def error_of(self, values: Mapping[str, float]) -> float:
         """Largest relative distance from the limit, no less than that is known to; NaN where one value is none."""
-        error = largest(relative_difference(values, self.values, tuple(self.values)))
+        error = quantities.largest(quantities.relative_difference(values, self.values, tuple(self.values)))
         return max(error, self.known) if math.isfinite(error) else math.nan
 
 
@@ -143,7 +130,7 @@ class Found(NamedTuple):
     limit: Limit
     seconds: float = 0.0
     mesh_limit: Limit = NO_LIMIT
-    convergence: Mapping[str, Mapping[str, GridConvergence]] = MappingProxyType({})
+    convergence: Mapping[str, Mapping[str, metrics.GridConvergence]] = {}
     soft: tuple[str, ...] = ()
     flexibility: float = math.nan
     patch: float = math.nan
@@ -161,42 +148,41 @@ def compute(call: Call) -> Found:
         todo, changes, patch = impact_settings(case)
     else:
         todo, changes = [*settings(case.scene), *soft_settings(case.scene)], soft_changes(case)
-    scene, varied = vary(case.source, changes)
+    varied = case.varied(changes)
     definition = {"study": "cost", "scene": case.scene.model_dump(), "settings": [s.key for s in todo]}
-    with Journal(call.place, definition) as journal:
-        parts = {s.key: (varied if impact or s.soft else case.source, s) for s in todo}
+    with records.Journal(call.place, definition) as journal:
+        parts = {s.key: ((varied if impact or s.soft else case).source, s) for s in todo}
         # One after the other: they are timed.
-        run_parts(measure, parts, journal, f"{case.scene.name}: {len(todo)} settings", workers=1)
-        records = {s.key: journal.records[s.key] for s in todo}
-    if impact:
-        limit = limit_of([records[s.key] for s in todo if s.group == "quad9"], NAMES)
-        found = Found(case, [row_of(s, records[s.key], limit) for s in todo], limit, patch=patch)
-    else:
-        found = summed_up(case, todo, records, shown(changes), CornerCase(scene, varied).tail_slap)
-    return found._replace(seconds=time.perf_counter() - began)
+        engine.run_parts(measure, parts, journal, f"{case.scene.name}: {len(todo)} settings", workers=1)
+        found = {s.key: journal.records[s.key] for s in todo}
+    seconds = time.perf_counter() - began
+    if not impact:
+        return summed_up(case, todo, found, shown(changes), varied.tail_slap)._replace(seconds=seconds)
+    limit = limit_of([found[s.key] for s in todo if s.group == "quad9"], NAMES)
+    return Found(case, [row_of(s, found[s.key], limit) for s in todo], limit, seconds, patch=patch)
 
 
 def summed_up(
-    case: CornerCase,
+    case: Any,
     todo: list[Setting],
-    records: Mapping[str, Row],
+    noted: Mapping[str, Row],
     soft: tuple[str, ...],
     truth: Mapping[str, float],
 ) -> Found:
-    """What the records of a constrained corner say; truth: the rigid motion of the soft plate's scene."""
+    """What the noted records of a constrained corner say; truth: the rigid motion of the soft plate's scene."""
     meshes = [s for s in todo if s.group == MESH and s.refinement >= 0.5]
     # The scene's own step is that of its own mesh; the others are halves of it.
     steps = [s for s in todo if not s.soft and (s.group == STEP or (s in meshes and s.refinement == 1.0))]
     groups = {MESH: meshes, STEP: steps}
     for name in ("quad4", "quad9", STEP):
         groups[f"soft plate, {name}"] = [s for s in todo if s.soft and s.group == name]
-    found = {group: [records[s.key] for s in chosen] for group, chosen in groups.items()}
+    found = {group: [noted[s.key] for s in chosen] for group, chosen in groups.items()}
     limit, halves = limit_of(found["soft plate, quad9"]), found[f"soft plate, {STEP}"]
     mesh_limit, exact = limit_of(halves if _halved(halves) else []), Limit(case.tail_slap, ROUNDING)
-    rows = [row_of(s, records[s.key], limit if s.soft else exact, mesh_limit) for s in todo]
+    rows = [row_of(s, noted[s.key], limit if s.soft else exact, mesh_limit) for s in todo]
     grids = {group: _grids(its) for group, its in found.items() if STEP not in group or _halved(_finite(its))}
     convergence = {group: each for group, each in grids.items() if each}
-    flexibility = largest_relative(limit.values, truth)
+    flexibility = quantities.largest_relative(limit.values, truth)
     return Found(case, rows, limit, 0.0, mesh_limit, convergence, soft, flexibility)
 
 
@@ -211,13 +197,15 @@ def _halved(records: list[Row]) -> bool:
     return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
 
 
-def _grids(records: Iterable[Row], names: Sequence[str] = KEYS) -> dict[str, GridConvergence]:
+def _grids(records: Iterable[Row], names: Sequence[str] = KEYS) -> dict[str, metrics.GridConvergence]:
     """Grid convergence of each quantity over the three finest, each half the one before; empty for fewer."""
     values = [record["values"] for record in _finite(records)][-3:]
     if len(values) < 3:
         return {}
     coarse, medium, fine = values
-    return {name: grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0)) for name in names}
+    return {
+        name: metrics.grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0)) for name in names
+    }
 
 
 def limit_of(records: Iterable[Row], names: Sequence[str] = KEYS) -> Limit:
@@ -225,10 +213,10 @@ def limit_of(records: Iterable[Row], names: Sequence[str] = KEYS) -> Limit:
     values, known = dict.fromkeys(names, math.nan), [MIN_KNOWN]
     grids = _grids(records, names)
     for name, grid in grids.items():
-        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], CAUTIOUS_FACTOR
+        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], metrics.CAUTIOUS_FACTOR
         values[name] = fine
         if grid.behaviour == "converging":
-            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), SAFETY_FACTOR
+            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), metrics.SAFETY_FACTOR
             values[name] = fine + change
         known.append(safety * abs(change / fine))
     return Limit(values, max(known) if grids else math.nan)
@@ -240,25 +228,16 @@ def row_of(setting: Setting, record: Row, limit: Limit, mesh_limit: Limit = NO_L
     error: from the limit, never below what that is known to; added: what a choice adds to the error of its mesh, else
     NaN. Times [s] in a process that has all it needs compiled and loaded: the fastest of several, and the median.
     """
+    columns = ("kind", "group", "label", "refinement", "soft", "choice")
     values, setups, loops = (record.get(name) for name in ("values", "setup", "loop"))
-    setup, loop = min(setups or [0.0]), min(loops or [0.0])
-    return {
-        "setting": setting.key,
-        **{
-            name: getattr(setting, name)
-            for name in ("kind", "group", "label", "refinement", "soft", "choice")
-        },
-        "error": limit.error_of(values) if values else math.nan,
-        "added": mesh_limit.error_of(values) if values and setting.choice else math.nan,
-        "seconds": setup + loop,
-        "setup_s": setup,
-        "loop_s": loop,
-        "median_s": statistics.median(loops) if loops else 0.0,
-        "compile_s": record.get("compile", 0.0),
-        "steps": record.get("steps", 0),
-        "failed": ", ".join(record.get("failed", ())),
-        "refused": record.get("refused", ""),
-    }
+    error = limit.error_of(values) if values else math.nan
+    added = mesh_limit.error_of(values) if values and setting.choice else math.nan
+    setup, loop, median = min(setups or [0.0]), min(loops or [0.0]), statistics.median(loops or [0.0])
+    times = {"seconds": setup + loop, "setup_s": setup, "loop_s": loop, "median_s": median}
+    found = {"setting": setting.key, **{name: getattr(setting, name) for name in columns}}
+    found |= {"error": error, "added": added, **times, "compile_s": record.get("compile", 0.0)}
+    failed = ", ".join(record.get("failed", ()))
+    return found | {"steps": record.get("steps", 0), "failed": failed, "refused": record.get("refused", "")}
 
 
 def own_error(row: Row) -> float:
@@ -338,14 +317,12 @@ def impact_settings(case: Any) -> tuple[list[Setting], Changes, float]:
     is spread over [m]: no less than an element of the coarsest mesh. The limit is that of quad9."""
     plate, contact = case.plan().plate, case.scene.contact
     own = {"plate.element": "quad4", "plate.elements": plate.counts}
+    others = ("tri3", "tri6", "quad4-reduced")
     todo = [
         Setting(ODE, RIGID, "event-driven"),
         *(_mesh("quad4", factor, "quad4", plate.counts) for factor in (0.5, 1.0, 2.0, 4.0)),
         *(_mesh("quad9", factor, "quad9", plate.counts) for factor in (0.5, 1.0, 2.0)),
-        *(
-            Setting(FE, ELEMENTS, name, {**own, "plate.element": name})
-            for name in ("tri3", "tri6", "quad4-reduced")
-        ),
+        *(Setting(FE, ELEMENTS, name, {**own, "plate.element": name}) for name in others),
         *_values(STEP, (0.45, 0.225), own),
         *_values(DAMPING, (0.01, 0.1), own),
     ]
@@ -368,11 +345,11 @@ def _values(
     group: str, values: tuple[float, ...], own: Changes | None = None, power: int = 0
 ) -> list[Setting]:
     """Values of the group's key, on a mesh of its own; power: of the refinement in the value."""
-    label, key = KEYS_OF[group]
+    label, key = LABELS[group], VARIED[group]
     return [Setting(FE, group, f"{label} {x:g}", {**(own or {}), key: x}, x**power) for x in values]
 
 
-def soft_changes(case: CornerCase) -> dict[str, Any]:
+def soft_changes(case: Any) -> dict[str, Any]:
     """What makes the scene's plate soft.
 
     The modulus that gives a fine mesh the first frequency is found once, so that every mesh is of the same plate.
@@ -458,7 +435,7 @@ def _rigid(case: Any, setting: Setting) -> Row:
     return {"values": values, **times, "steps": 0, "failed": []}
 
 
-def _modal(case: CornerCase, setting: Setting) -> Row:
+def _modal(case: Any, setting: Setting) -> Row:
     """Integration and set-up, of which meshing and assembling are a part; not the runs of its own estimate."""
 
     def once() -> tuple[float, float, Any]:
@@ -474,25 +451,25 @@ def _modal(case: CornerCase, setting: Setting) -> Row:
 def _finite_elements(case: Any, setting: Setting) -> Row:
     """Compiled by a run apart, then repeated."""
     impact = case.scene.contact is not None
-    run: Callable[[Any], Any] = simulated if impact else partial(_simulated, setting=setting)
+    integrate: Callable[[Any], Any] = run.simulated if impact else partial(_simulated, setting=setting)
     fe_plan = case.plan()
     if impact:
         compiled, _ = _clocked(compile_impact_loop, fe_plan.model)
     else:
-        expected = loop_seconds(case.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
+        expected = cost.loop_seconds(case.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
         if expected > TOO_LONG:
             return {"refused": f"left out: the time loop would take about {expected:.0f} s"}
         compiled, _ = _clocked(_simulated, fe_plan, setting, 10, 1e-3)
 
     def once() -> tuple[float, float, Any]:
         planned, fe_plan = _clocked(case.plan)
-        done = run(fe_plan)
+        done = integrate(fe_plan)
         return planned, done.time_loop_s, (fe_plan, done)
 
     (fe_plan, done), times = _repeated(once)
     if impact:
-        outcome: Any = compared(fe_plan, done)
-        values, failed = strike_values(outcome.fe.strikes), failed_but_mesh(outcome)
+        outcome: Any = run.compared(fe_plan, done)
+        values, failed = strike_values(outcome.fe.strikes), checks.failed_but_mesh(outcome)
     else:
         outcome = compare(fe_plan, done, 0.0)
         values, failed = outcome.fe or dict.fromkeys(KEYS, math.nan), failed_names(outcome.checks)

@@ -17,36 +17,22 @@ from postprocess.svg.chart import Chart
 from postprocess.svg.scale import power_text
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute
-from tailslap.studies.cost.compute import (
-    FE,
-    LEVELS,
-    Found,
-    Row,
-    cheapest,
-    front,
-    is_valid,
-    own_error,
-)
+from tailslap.studies.cost.compute import FE, LEVELS, Found, Row, cheapest, front, is_valid, own_error
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
-    Column("setting", "Setting"),
-    Column("checks", "Checks"),
-    Column("error", "Error", form=ERROR),
-    Column("added", "Added", form=ERROR),
-    Column("seconds", "Time", form=duration),
-    Column("loop_s", "Of which loop", form=duration),
+    *columns({"setting": "Setting", "checks": "Checks"}),
+    *columns({"error": "Error", "added": "Added"}, form=ERROR),
+    *columns({"seconds": "Time", "loop_s": "Of which loop"}, form=duration),
     Column("steps", "Steps", form="d"),
 )
 LINES = (
     Column("label", "Line"),
-    Column("coarsest", "Coarsest", form=ERROR),
-    Column("finest", "Finest", form=ERROR),
+    *columns({"coarsest": "Coarsest", "finest": "Finest"}, form=ERROR),
     Column("order", "Order", form=known(".1f")),
 )
 GRIDS = (
-    Column("symbol", "Quantity"),
-    Column("behaviour", "Values"),
+    *columns({"symbol": "Quantity", "behaviour": "Values"}),
     *columns({"values.2": "Coarse", "values.1": "Medium", "values.0": "Fine"}, form=VALUE),
     Column("extrapolated", "Extrapolated", form=VALUE),
     Column("order", "Order", form=known(".2f")),
@@ -71,48 +57,42 @@ class Question(NamedTuple):
     name: str
     title: str
     error: str
-    front: str
-    truth: str
     methods: tuple[str, str]
-    others: str
     lines: dict[str, str]
+    others: str = ""
+    front: str = "Pareto front"
+    truth: str = "limit"
 
 
 RIGID = Question(
     "precision-rigid",
     "(a) How far from the exact rigid motion",
     "error from the exact rigid motion",
-    "Pareto front, exact solution apart",
-    "exact solution",
     (compute.ODE, "SciPy"),
-    "FE, all other settings",
     {"exact": "exact solution", **{name: name for name in (*compute.INTEGRATORS, compute.MODES)}}
     | {compute.MESH: "FE, meshes of quad4", compute.ROWSUM: f"FE, {compute.ROWSUM}"}
     | {compute.UNSTRESSED: f"FE, {compute.UNSTRESSED}", compute.PENALTY: "FE, penalty scales"}
     | {compute.SINGLE: f"FE, {compute.SINGLE}"},
+    "FE, all other settings",
+    "Pareto front, exact solution apart",
+    "exact solution",
 )
+CHOICES = {compute.PENALTY: "penalty scales", compute.DAMPING: "damping", compute.STEP: "time steps"}
 SOFT = Question(
     "precision-flexible",
     "(b) A soft plate: how far from its own limit",
     "error from the soft plate's limit",
-    "Pareto front",
-    "limit",
     (compute.MODAL, "soft plate, modes"),
-    "",
-    {name: name for name in (*compute.REFINED, compute.SPRING)}
-    | {compute.PENALTY: "penalty scales", compute.DAMPING: "damping"}
-    | {compute.STEP: "time steps", compute.MODES: "modes"},
+    {name: name for name in (*compute.REFINED, compute.SPRING)} | CHOICES | {compute.MODES: "modes"},
 )
 IMPACT = Question(
     "precision",
     "How far from the plate's own limit",
     "error of both strikes from the plate's limit",
-    "Pareto front",
-    "limit",
     (compute.ODE, compute.RIGID),
-    compute.ELEMENTS,
     {compute.RIGID: compute.RIGID, "quad4": "meshes of quad4", "quad9": "meshes of quad9"}
     | {compute.STEP: "time steps", compute.DAMPING: "damping"},
+    compute.ELEMENTS,
 )
 
 
@@ -144,18 +124,16 @@ def _corner(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
         f"Dashed lines: what one choice adds to its mesh, known to {mesh_limit:.0e}. What inertia relief leaves over "
         "rings, so that steps have no clean order; linear modes leave as much, however many.",
     )
-    orders = Table(
-        LINES, lines(SOFT, soft, limit, mesh_limit), "Order of the errors well above what is known"
-    )
+    orders = lines(SOFT, soft, limit, mesh_limit)
+    order_table = Table(LINES, orders, "Order of the errors well above what is known")
     grids = []
     for group, each in found.convergence.items():
         rows = [{"symbol": QUANTITIES[name].symbol, **vars(grid)} for name, grid in each.items()]
         grids.append(Table(GRIDS, rows, group[0].upper() + group[1:]))
+    drawn = charts(SOFT, soft, limit, mesh_limit)
     sections = [
         Section("The rigid question", "", charts(RIGID, rigid, compute.ROUNDING), best[:1]),
-        Section(
-            "The flexible question", "", charts(SOFT, soft, limit, mesh_limit), (orders, best[1]), limits
-        ),
+        Section("The flexible question", "", drawn, (order_table, best[1]), limits),
         Section("Grid convergence", tables=grids, sentences=READING),
     ]
     return "every method and setting that the program has", headline, best, (), sections
@@ -179,27 +157,21 @@ def _impact(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
 
 def summary(found: Found) -> dict[str, Any]:
     """The numbers of the study, SI."""
-    begins = {**study_summary("cost", found.case), "points": found.rows}
+    rows, limit = found.rows, found.limit
+    both = {"rigid": found.of(soft=False), "flexible": found.of(soft=True)}
+    numbers: dict[str, Any] = {**study_summary("cost", found.case), "points": rows}
     if found.case.scene.contact:
-        middle = {
-            "front": [row["setting"] for row in front(found.rows)],
-            "cheapest": {level: key for level, key in _by_level(found.rows).items() if key},
-            "known": found.limit.known,
-            "limit": found.limit.values,
-            "patch_length": found.patch,
-        }
+        cheap = {level: key for level, key in _by_level(rows).items() if key}
+        numbers |= {"front": [row["setting"] for row in front(rows)], "cheapest": cheap}
+        numbers |= {"known": limit.known, "limit": limit.values, "patch_length": found.patch}
     else:
-        both = {"rigid": found.of(soft=False), "flexible": found.of(soft=True)}
-        soft = {"changes": found.soft, "flexibility": found.flexibility, "limit": found.limit.values}
-        choices = {"flexible": found.limit.known, "choices": found.mesh_limit.known}
-        middle = {
-            "front": {name: [row["setting"] for row in front(rows)] for name, rows in both.items()},
-            "cheapest": {name: _by_level(rows) for name, rows in both.items()},
-            "known": {"rigid": compute.ROUNDING, **choices},
-            "soft_plate": soft,
-            "convergence": found.convergence,
-        }
-    return {**begins, **middle, "cost": {"seconds": found.seconds}}
+        choices = {"flexible": limit.known, "choices": found.mesh_limit.known}
+        soft = {"changes": found.soft, "flexibility": found.flexibility, "limit": limit.values}
+        numbers["front"] = {name: [row["setting"] for row in front(its)] for name, its in both.items()}
+        numbers["cheapest"] = {name: _by_level(its) for name, its in both.items()}
+        numbers |= {"known": {"rigid": compute.ROUNDING, **choices}, "soft_plate": soft}
+        numbers["convergence"] = found.convergence
+    return numbers | {"cost": {"seconds": found.seconds}}
 
 
 def _by_level(rows: list[Row]) -> dict[str, str | None]:
@@ -243,10 +215,10 @@ def _every(rows: list[Row]) -> Table:
     best = [row["setting"] for soft in (False, True) for row in front(r for r in rows if r["soft"] == soft)]
     shown = [column for column in SETTINGS if column.key != "added" or any(row["choice"] for row in rows)]
     marks = {number: "marked" for number, row in enumerate(rows) if row["setting"] in best}
-    said = [{**row, "checks": "passed"} for row in rows]
-    for row in said:
-        for how in ("failed", "refused"):
-            row["checks"] = f"{how}: {row[how]}" if row[how] else row["checks"]
+    said = []
+    for row in rows:
+        words = [f"{how}: {row[how]}" for how in ("refused", "failed") if row[how]]
+        said.append({**row, "checks": words[0] if words else "passed"})
     return Table(tuple(shown), said, notes=(NOTE,), marks=marks)
 
 

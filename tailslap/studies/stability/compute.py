@@ -20,12 +20,9 @@ import numpy as np
 
 from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.quantities import largest
-from tailslap.campaign.engine import run_parts
-from tailslap.campaign.records import Journal
+from tailslap.campaign import engine, records
 from tailslap.case import case_of
-from tailslap.case.case import Case
 from tailslap.case.checks import failed_names
-from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import OSCILLATES, reaction_checks
 from tailslap.case.corner.error import FLOOR, SHARE, Histories, distance_in_motion
 from tailslap.case.corner.run import CornerOutcome, settled
@@ -121,7 +118,7 @@ class Found(NamedTuple):
     """Cells by key: what each changes in the base, and its row: its place on the axes or all that was drawn, and the
     verdict. axes: of the map; none where cells are drawn. settings: points and tolerance, or the seed."""
 
-    case: Case
+    case: Any
     base: Source
     axes: tuple[Axis, ...]
     settings: Mapping[str, float]
@@ -154,9 +151,9 @@ def compute(
         kinds, verify = MAP_KINDS, partial(against_rigid, tolerance=settings["tolerance"])
         axes = axes_of(scene, settings["points"])
         cells, places = map_cells(scene, axes)
-    with Journal(call.place, {"study": "stability", "scene": base.given, **settings}) as journal:
+    with records.Journal(call.place, {"study": "stability", "scene": base.given, **settings}) as journal:
         parts = {key: (base, changes, verify) for key, changes in cells.items()}
-        run_parts(judge, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
+        engine.run_parts(judge, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
         rows = {key: places[key] | journal.records[key] for key in cells}
     return Found(call.plan, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
 
@@ -177,45 +174,34 @@ class Axis(NamedTuple):
 
 def axes_of(scene: Scene, n: int) -> tuple[Axis, ...]:
     """The axes that mean something for this scene, each with n values."""
-
-    def ratios(low: float, high: float, count: int = n) -> tuple[float, ...]:
-        return tuple(np.geomspace(low, high, count).tolist())
-
-    def even(low: float, high: float) -> tuple[float, ...]:
-        return tuple(np.linspace(low, high, n).tolist())
-
-    def of_key(name: str, key: str, values: tuple[float, ...], unit: str = "") -> Axis:
-        return Axis(name, f"{key}{unit}", values, lambda scene, value: {key: value})
-
-    axes: tuple[Axis, ...]
-    if scene.contact is None:
-        axes = (
-            Axis("stiffness", "E over the scene's", ratios(1e-4, 1e4), _stiffness),
-            of_key("penalty", "corner.penalty_scale", ratios(1e-3, 1e4)),
-            of_key("friction", "corner.friction", even(0.0, 2.0)),
-            Axis("speed", "speeds over the scene's", ratios(1e-2, 1e1), _speed),
-            Axis("angle", "angle [deg]", ratios(1.0, 80.0), _angle),
-            Axis("slenderness", "width over length", ratios(0.01, 1.0), _slenderness),
-            of_key("time step", "time.safety_factor", even(0.5, 1.2)),
-            Axis("damping", "damping.ratio", (0.0, *ratios(3e-3, 1.0, n - 1)), _damping),
-        )
-        absent = {"friction"} if scene.corner.frictionless else set()
-        absent |= {"penalty"} if scene.corner.constraint == "exact" else set()
+    contact, corner = scene.contact, scene.corner
+    if contact is None:
+        absent = {"friction"} if corner.frictionless else set()
+        absent |= {"penalty"} if corner.constraint == "exact" else set()
     else:
-        axes = (
-            of_key("contact stiffness", "contact.stiffness", ratios(1e4, 1e9), " [N/m]"),
-            of_key("restitution", "contact.restitution", even(0.0, 1.0)),
-            of_key("penalty", "contact.penalty_scale", ratios(1e-2, 1e3)),
-            of_key("friction", "contact.friction", even(0.0, 2.0)),
-            Axis("angle", "angle [deg]", ratios(1.0, 85.0), _angle),
-            Axis("speed", "speed over the scene's", ratios(0.1, 3.0), _speed),
-            Axis("modulus", "E over the scene's", ratios(1e-4, 1e2), _stiffness),
-            of_key("time step", "time.safety_factor", even(0.5, 1.2)),
-            Axis("slenderness", "width over length", ratios(0.05, 1.0), _slenderness),
-        )
-        absent = {"penalty"} if scene.contact.crushes else {"contact stiffness", "restitution"}
-        absent |= {"penalty"} if scene.contact.enforcement == "exact" else set()
-    return tuple(axis for axis in axes if axis.name not in absent)
+        absent = {"penalty"} if contact.crushes else {"contact stiffness", "restitution"}
+        absent |= {"penalty"} if contact.enforcement == "exact" else set()
+    return tuple(
+        Axis(name, meaning, values(low, high, n), changes)
+        for name, meaning, values, low, high, changes in (IMPACT_AXES if contact else CORNER_AXES)
+        if name not in absent
+    )
+
+
+def _ratios(low: float, high: float, n: int) -> tuple[float, ...]:
+    return tuple(np.geomspace(low, high, n).tolist())
+
+
+def _even(low: float, high: float, n: int) -> tuple[float, ...]:
+    return tuple(np.linspace(low, high, n).tolist())
+
+
+def _zero_and_ratios(low: float, high: float, n: int) -> tuple[float, ...]:
+    return 0.0, *_ratios(low, high, n - 1)
+
+
+def _of(key: str) -> Callable[[Scene, float], Changes]:
+    return lambda scene, value: {key: value}
 
 
 def _stiffness(scene: Scene, factor: float) -> Changes:
@@ -227,21 +213,22 @@ def _stiffness(scene: Scene, factor: float) -> Changes:
 
 
 def _speed(scene: Scene, factor: float) -> Changes:
-    """All speeds of the start over the scene's."""
-    speeds = ("impact", "speed"), ("start", "omega"), ("start", "corner_speed")
-    given = {f"{table}.{key}": getattr(getattr(scene, table), key, None) for table, key in speeds}
-    return {key: value * factor for key, value in given.items() if value is not None}
+    given = _given(scene, "impact.speed", "start.omega", "start.corner_speed")
+    return {key: value * factor for key, value in given.items()}
 
 
 def _angle(scene: Scene, degrees: float) -> Changes:
-    """The angle at the start [deg]."""
-    angles = {"impact.angle": scene.impact, "start.angle": scene.start}
-    given = [key for key, table in angles.items() if table and table.angle is not None]
-    return dict.fromkeys(given, math.radians(degrees))
+    return dict.fromkeys(_given(scene, "impact.angle", "start.angle"), math.radians(degrees))
+
+
+def _given(scene: Scene, *keys: str) -> dict[str, float]:
+    """Those of these keys that the scene gives."""
+    paths = {key: key.split(".") for key in keys}
+    found = {key: getattr(getattr(scene, table), name, None) for key, (table, name) in paths.items()}
+    return {key: value for key, value in found.items() if value is not None}
 
 
 def _slenderness(scene: Scene, ratio: float) -> Changes:
-    """Width over length."""
     return {"vehicle.width": ratio * scene.vehicle.length}
 
 
@@ -250,6 +237,30 @@ def _damping(scene: Scene, ratio: float) -> Changes:
         return {"damping.ratio": ratio}
     alone = scene.damping is not None and scene.damping.model_fields_set == {"ratio"}
     return {"damping" if alone else "damping.ratio": None}
+
+
+# Name, what its numbers mean, how its values lie between which ends, and what a value changes.
+CORNER_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
+    ("stiffness", "E over the scene's", _ratios, 1e-4, 1e4, _stiffness),
+    ("penalty", "corner.penalty_scale", _ratios, 1e-3, 1e4, _of("corner.penalty_scale")),
+    ("friction", "corner.friction", _even, 0.0, 2.0, _of("corner.friction")),
+    ("speed", "speeds over the scene's", _ratios, 1e-2, 1e1, _speed),
+    ("angle", "angle [deg]", _ratios, 1.0, 80.0, _angle),
+    ("slenderness", "width over length", _ratios, 0.01, 1.0, _slenderness),
+    ("time step", "time.safety_factor", _even, 0.5, 1.2, _of("time.safety_factor")),
+    ("damping", "damping.ratio", _zero_and_ratios, 3e-3, 1.0, _damping),
+)
+IMPACT_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
+    ("contact stiffness", "contact.stiffness [N/m]", _ratios, 1e4, 1e9, _of("contact.stiffness")),
+    ("restitution", "contact.restitution", _even, 0.0, 1.0, _of("contact.restitution")),
+    ("penalty", "contact.penalty_scale", _ratios, 1e-2, 1e3, _of("contact.penalty_scale")),
+    ("friction", "contact.friction", _even, 0.0, 2.0, _of("contact.friction")),
+    ("angle", "angle [deg]", _ratios, 1.0, 85.0, _angle),
+    ("speed", "speed over the scene's", _ratios, 0.1, 3.0, _speed),
+    ("modulus", "E over the scene's", _ratios, 1e-4, 1e2, _stiffness),
+    ("time step", "time.safety_factor", _even, 0.5, 1.2, _of("time.safety_factor")),
+    ("slenderness", "width over length", _ratios, 0.05, 1.0, _slenderness),
+)
 
 
 def map_cells(scene: Scene, axes: Sequence[Axis]) -> tuple[dict[str, Changes], dict[str, Row]]:
@@ -314,13 +325,12 @@ def against_rigid(outcome: Any, tolerance: float) -> Row:
     found = _judged(outcome.difference) if impact else largest(outcome.difference)
     if not outcome.passed:
         return verdict(CAUGHT, failed=", ".join(failed_names(outcome.checks)), difference=found)
-    if found <= tolerance and (not impact or _corners(outcome.fe) == _corners(outcome.rigid)):
+    if found <= tolerance and (not impact or _corners_agree(outcome.fe, outcome.rigid)):
         return verdict(RIGHT, difference=found)
     # Statics bounds error and flexibility alike: with a bound that is wide, both are.
     if not impact and not outcome.error.total <= tolerance + SURVIVES * max(found, outcome.error.flexibility):
-        return verdict(
-            WRONG, reason=f"its own numerical error is {outcome.error.total:.1e}", difference=found
-        )
+        why = f"its own numerical error is {outcome.error.total:.1e}"
+        return verdict(WRONG, reason=why, difference=found)
     return _confirmed(outcome, found, tolerance)
 
 
@@ -335,23 +345,17 @@ def _confirmed(outcome: Any, found: float, tolerance: float) -> Row:
         if refined is None:
             continue
         if impact:
-            name, same = model_name(refined), _corners(outcome.fe) == _corners(refined.fe)
+            name, same = model_name(refined), _corners_agree(outcome.fe, refined.fe)
             moved = _judged(differences(outcome.fe, refined.fe)) if same else math.inf
             its = _judged(refined.difference)
         else:
             moved, its = distance(outcome.difference, refined.difference), largest(refined.difference)
             allowed = tolerance + SURVIVES * its
-        its_verdict = verdict(
-            FLEXIBLE if moved <= allowed else WRONG,
-            reason=name if moved <= allowed else f"{name} changes it by {moved:.1e}",
-            distance=moved,
-            allowed=allowed,
-            difference=found,
-            reference=its,
-            reference_model=name if impact else "",
-            reference_seconds=time.perf_counter() - began,
-        )
-        if impact or its_verdict["kind"] == FLEXIBLE:
+        kind, reason = (FLEXIBLE, name) if moved <= allowed else (WRONG, f"{name} changes it by {moved:.1e}")
+        sizes = {"distance": moved, "allowed": allowed, "difference": found, "reference": its}
+        its_verdict = verdict(kind, reason=reason, reference_model=name if impact else "", **sizes)
+        its_verdict["reference_seconds"] = time.perf_counter() - began
+        if impact or kind == FLEXIBLE:
             break
     return its_verdict
 
@@ -373,17 +377,17 @@ def refined_run(case: Any, changes: Changes) -> Any:
 def refinements(scene: Scene, plate: Plate) -> dict[str, Changes]:
     """Models that a difference must survive, by name: twice the elements each way, half the time step, four times the
     corner's spring; with damping enough to keep that from fluttering; quadratic elements. plate: as it was run."""
-    (along, across), kind = plate.counts, ELEMENT_KINDS[plate.element]
-    half = {"time.safety_factor": 0.5 * scene.time.safety_factor}
-    finer: Row = {"plate.elements": (2 * along, 2 * across), **half}
+    (along, across), higher_order = plate.counts, ELEMENT_KINDS[plate.element].richer
+    finer: Row = {"plate.elements": (2 * along, 2 * across)}
+    finer["time.safety_factor"] = 0.5 * scene.time.safety_factor
     if scene.contact:
-        higher_order = {"plate.elements": plate.counts, "plate.element": kind.richer, **half}
-        return {"richer": higher_order if kind.richer else finer, "finer": finer}
+        richer = {**finer, "plate.elements": plate.counts, "plate.element": higher_order}
+        return {"richer": richer if higher_order else finer, "finer": finer}
     corner, ratio = scene.corner, (scene.damping.ratio if scene.damping else None) or 0.0
     finer["plate.element"] = plate.element
     if corner.constraint == "penalty" and not corner.constraint_is_open:
         finer["corner.penalty_scale"] = 4.0 * corner.penalty_scale
-    times = 1 if kind.richer else 2
+    times = 1 if higher_order else 2
     return {
         "finer": finer,
         "finer_and_damped": {"damping.ratio": max(FLUTTER_DAMPING, ratio), **finer},
@@ -401,9 +405,10 @@ def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
     }
 
 
-def _corners(answer: Any) -> list[str]:
-    """Corners of the first two strikes."""
-    return [strike.corner for strike in answer.strikes[:2]]
+def _corners_agree(*answers: Any) -> bool:
+    """Whether the first two strikes are of the same corners, so that all differences are told."""
+    ours, its = ([strike.corner for strike in answer.strikes[:2]] for answer in answers)
+    return ours == its
 
 
 def _judged(found: Mapping[str, float]) -> float:
@@ -430,22 +435,23 @@ class Reference(NamedTuple):
 def against_reference(outcome: CornerOutcome) -> Row:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     cell, plate = outcome.fe_plan.asked.source, outcome.fe_plan.plate
-    first = next(references(cell, plate, FINER), None) if outcome.fe else None
-
-    def apart(histories: Histories) -> float:
-        return (
-            distance_in_motion(histories, first.histories, outcome.rigid, not plate.relieved)
-            if first
-            else math.nan
-        )
-
-    ours = apart((outcome.fe_history, outcome.rigid_history))
-    found = grade(outcome.difference, failed_names(outcome.checks), first, ours)
-    if first is None or found["kind"] != GOOD:
+    first, failed = None, failed_names(outcome.checks)
+    if outcome.fe:
+        first = next(references(cell, plate, FINER), None)
+    if first is None:
+        return grade(outcome.difference, failed, None, math.nan)
+    apart = partial(
+        distance_in_motion, its=first.histories, rigid=outcome.rigid, oscillates=not plate.relieved
+    )
+    ours = (outcome.fe_history, outcome.rigid_history)
+    found = grade(outcome.difference, failed, first, apart(ours))
+    if found["kind"] != GOOD:
         return found
     others = references(cell, plate, FINEST)
     second = next((other for other in others if other.model != first.model), None)
-    off = max(apart(second.histories), distance(second.difference, first.difference)) if second else math.inf
+    off = math.inf
+    if second:
+        off = max(apart(second.histories), distance(second.difference, first.difference))
     return found if off <= _limit(GOOD_TO, largest(first.difference)) else found | {"kind": CAUGHT}
 
 
@@ -468,16 +474,9 @@ def grade(
         kind = CAUGHT
     else:
         kind = GOOD if set(failed) - reaction_checks() else REACTION_ONLY
-    return verdict(
-        kind,
-        failed=names,
-        distance=moved,
-        allowed=_limit(WRONG_FROM, its),
-        difference=found,
-        reference=its,
-        reference_model=reference.model,
-        reference_seconds=reference.seconds,
-    )
+    sizes = {"distance": moved, "allowed": _limit(WRONG_FROM, its), "difference": found, "reference": its}
+    spent = {"reference_model": reference.model, "reference_seconds": reference.seconds}
+    return verdict(kind, failed=names, **sizes, **spent)
 
 
 def _limit(parts: tuple[float, float], reference: float) -> float:
@@ -491,7 +490,7 @@ def references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference]
     damped = ((FINER, FLUTTER_DAMPING), (0.7, FLUTTER_DAMPING)) if plate.relieved else ()
     for finer, ratio in ((finest, 0.0), (1.0, 0.0), (0.7, 0.0), *damped):
         try:
-            case = CornerCase(*vary(cell, reference_changes(plate, finer, ratio)))
+            case: Any = case_of(*vary(cell, reference_changes(plate, finer, ratio)))
             if expected_effort(case.scene, case.duration).seconds > MAX_REFERENCE_S:
                 continue
             outcome = settled(case)
@@ -586,7 +585,7 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
         choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
         changes = _drawn(scene, choices, dice, number)
         try:
-            case = CornerCase(*vary(base, changes))
+            case: Any = case_of(*vary(base, changes))
             effort = expected_effort(case.scene, case.duration)
         except InputError:
             continue
@@ -634,8 +633,9 @@ def _motion(scene: Scene, choices: Row, dice: Dice) -> Changes:
 def _plate(scene: Scene, choices: Row, dice: Dice, number: int, length: float, width: float) -> Changes:
     """A modulus from 1e-4 to 1e4 times the scene's, for a third of the cells by the frequency that it gives a beam."""
     plate, factor = scene.needed_plate, dice.ratio(1e-4, 1e4)
-    changes: Row = dict.fromkeys(f"plate.{key}" for key in ("elements", "element", "lumping", "distortion"))
-    relieved = ("inertia-relief", "inertia-relief-momenta")
+    element, relieved = choices["element"], ("inertia-relief", "inertia-relief-momenta")
+    changes: Row = {"plate.elements": None, "plate.element": None if element == "open" else element}
+    changes |= {"plate.lumping": "row-sum" if choices["row_sum"] else None, "plate.distortion": None}
     changes["plate.start"] = relieved[number // 3 % 2] if number % 3 else "unstressed"
     changes |= _stiffness(scene, factor)
     if plate.first_frequency is None and dice.happens(1.0 / 3.0):
@@ -643,10 +643,6 @@ def _plate(scene: Scene, choices: Row, dice: Dice, number: int, length: float, w
         changes |= {"plate.youngs_modulus": None, "plate.first_frequency": frequency}
     if not dice.happens(OPEN):
         changes["plate.elements"] = (round(dice.ratio(4.0, 40.0)), round(dice.ratio(2.0, 12.0)))
-    if choices["element"] != "open":
-        changes["plate.element"] = choices["element"]
-    if choices["row_sum"]:
-        changes["plate.lumping"] = "row-sum"
     if choices["distorted"]:
         changes["plate.distortion"] = dice.even(0.0, 0.2)
     return changes

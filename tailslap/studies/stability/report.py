@@ -10,7 +10,7 @@ from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.report.numbers import known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, text_table
+from postprocess.report.table import Column, Table, columns, text_table
 from postprocess.svg.chart import Chart
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
@@ -27,20 +27,15 @@ ADVISED = "what could be changed"
 APART, PART = compute.WRONG_FROM
 RANDOM_LIMIT = f"{APART:g} and {100 * PART:g} % of what the plate's flexibility changes"
 AXES = (
-    Column("name", "Axis"),
-    Column("meaning", "What it is"),
+    *columns({"name": "Axis", "meaning": "What it is"}),
     Column("values", "Range", form=lambda values: f"{values[0]:.3g} to {values[-1]:.3g}"),
 )
 VERDICTS = (Column("kind", "Verdict"), Column("meaning", "Meaning"), Column("cells", "Cells", form="d"))
 SMALL = known(".1e")
 LISTED = (
-    Column("cell", "Cell"),
-    Column("kind", "Verdict"),
-    Column("why", "Failed checks, or why"),
-    Column("distance", "Distance", form=SMALL),
-    Column("allowed", "Allowed", form=SMALL),
-    Column("error", "Own estimate", form=SMALL),
-    Column("reference", "Flexibility", form=SMALL),
+    *columns({"cell": "Cell", "kind": "Verdict", "why": "Failed checks, or why"}),
+    *columns({"distance": "Distance", "allowed": "Allowed"}, form=SMALL),
+    *columns({"error": "Own estimate", "reference": "Flexibility"}, form=SMALL),
 )
 
 
@@ -157,8 +152,8 @@ def _records(found: Found, *kinds: str) -> list[Row]:
     ]
 
 
-def _listed(found: Found, columns: tuple[Column, ...], *kinds: str) -> Table:
-    return Table(columns, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
+def _listed(found: Found, shown: tuple[Column, ...], *kinds: str) -> Table:
+    return Table(shown, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
 
 
 def maps(found: Found) -> tuple[Chart, ...]:
