@@ -326,6 +326,7 @@ def bare_code(fe_plan: CornerPlan) -> MachineCode:
 
 def _assembly(loop: Kernel, *arguments: Any) -> str:
     """Compiled afresh, for Numba shows no assembly of what it loaded from disk, and not called."""
+    _ = loop.dispatcher  # Numba gets to know the functions that it calls
     fresh = make_dispatcher(loop.py_func, loop.targetoptions)
     compile_for(fresh, arguments)
     (assembly,) = fresh.inspect_asm().values()
