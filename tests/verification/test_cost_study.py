@@ -287,7 +287,7 @@ def test_a_study_of_a_whole_impact_on_a_coarse_plate(
     assert "cheapest setting" in capsys.readouterr().out
     found = json.loads((out / "summary.json").read_text())
     error = {point["setting"]: point["error"] for point in found["points"]}
-    rigid = error.pop("rigid vehicle: event-driven")
+    rigid = error.pop("rigid vehicle: fixed step")
     assert rigid > 0.02
     assert max(error.values()) < rigid
     assert error["quad9: 16 x 8"] <= error["quad9: 8 x 4"] <= error["quad9: 4 x 2"]
