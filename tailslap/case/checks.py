@@ -82,3 +82,18 @@ def advice(kinds: Mapping[str, CheckKind], failed: Iterable[str]) -> str:
     """What could be changed in a scene whose run failed these checks, each thing once, in their order."""
     said = [kinds[name].advice for name in failed if name in kinds]
     return "; ".join(dict.fromkeys(part for words in said for part in words.split("; ")))
+
+
+def energy_surplus(history: Mapping[str, np.ndarray], stored: Iterable[str]) -> np.ndarray:
+    """Energy [J] that the balance has too much at each instant, shape (rows,); stored: columns of what is held."""
+    held = np.sum([history[name] for name in stored], axis=0)
+    balance = held - history["friction_work"] - history["damping_work"]
+    return np.asarray(balance - balance[0])
+
+
+def time_step(given: Any) -> Evaluation:
+    """The time step of a run over the stable one."""
+    model, run = given.fe_plan.model, given.run
+    ratio = model.loop.time_step / model.stable_time_step * run.highest_frequency / model.highest_frequency
+    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
+    return Evaluation(ratio, 1.0, meaning)

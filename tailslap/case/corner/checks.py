@@ -35,7 +35,7 @@ import numpy as np
 from fem.registry import Registry
 from postprocess.comparison.metrics import Metrics, compare_histories
 from postprocess.comparison.quantities import largest
-from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation
+from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation, energy_surplus, time_step
 from tailslap.case.corner.error import (
     EXPLAINED,
     FLOOR,
@@ -134,11 +134,9 @@ def history_metrics(history: Columns, rigid: Columns) -> dict[str, Metrics]:
     }
 
 
-def energy_error(history: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Energy [J] that the ledger has too much at each instant, shape (instants,)."""
-    stored = np.sum([history[name] for name in STORED_ENERGIES], axis=0)
-    balance = stored - history["friction_work"] - history["damping_work"]
-    return np.asarray(balance - balance[0])
+def energy_error(history: Columns) -> np.ndarray:
+    """Energy [J] that the balance has too much at each instant, shape (rows,)."""
+    return energy_surplus(history, STORED_ENERGIES)
 
 
 def _reached(given: Evidence) -> Evaluation:
@@ -153,15 +151,6 @@ def _finite(given: Evidence) -> Evaluation:
     results = [*given.history.values(), np.array([*theory, *given.differences.values()], dtype=float)]
     bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
     return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
-
-
-def _time_step(given: Evidence) -> Evaluation:
-    model = given.fe_plan.model
-    share = (
-        model.loop.time_step / model.stable_time_step * given.run.highest_frequency / model.highest_frequency
-    )
-    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
-    return Evaluation(share, 1.0, meaning)
 
 
 def _energy(given: Evidence) -> Evaluation:
@@ -260,7 +249,7 @@ def _agreement(given: Evidence) -> Evaluation | None:
 MECHANICS = (
     CheckKind("tail-slap reached", _reached, f"{MORE_DAMPING}; {SOFT}", shows_ringing=True),
     CheckKind("finite numbers", _finite, f"{STEP}; {MORE_DAMPING}", shows_ringing=True),
-    CheckKind("time step", _time_step, STEP),
+    CheckKind("time step", time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("momentum balance", _momentum, STEP),
     CheckKind("penetration", _penetration, STIFFER),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem.laws.friction import FRICTION_LAWS
@@ -36,22 +35,13 @@ RECTIFIED = 0.1
 with its magnitude. 0.08 to 0.10 where nothing grows, from a tenth to ten times the stiffness of steel."""
 
 
-@dataclass(frozen=True)
-class FeInput:
-    """What a model is made from, in the terms of `fem`."""
-
-    plate: PlateProperties
-    corner: CornerProperties
-    step: StepProperties
-
-
-def fe_input(case: RigidStages, plate: Plate) -> FeInput:
-    """Properties of the plate, which has a modulus, its corner and the time step."""
+def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerProperties, StepProperties]:
+    """Properties of the plate, which has a modulus, its corner and the time step, in the terms of `fem`."""
     from fem.plate.kinds import CornerProperties
 
     scene, corner, angle = case.scene, case.scene.corner, case.start.angle
     friction = scene.corner_friction
-    return FeInput(
+    return (
         plate_properties(scene, plate),
         CornerProperties(
             FRICTION_LAWS[corner.reaction].constants(friction)
@@ -73,9 +63,9 @@ def make_static_model(case: RigidStages, plate: Plate, mesh: meshio.Mesh | None 
     from fem.plate.kinds import ModelError
 
     mesh = mesh or fe_mesh(case.scene, plate)
-    given = fe_input(case, resolved_plate(case.scene, plate, mesh))
+    properties, corner, _ = fe_input(case, resolved_plate(case.scene, plate, mesh))
     try:
-        return static_model(mesh, given.plate, given.corner)
+        return static_model(mesh, properties, corner)
     except ModelError as error:
         raise refusal(case.scene, plate, error) from None
 

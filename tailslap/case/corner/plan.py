@@ -135,7 +135,7 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     damping = open_damping(case, growth, more_damping, harms(case, plate, model, growth, ratio))
     if damping:
         case = case.decided(damping)
-        model = with_elastic_damping(model, fe_input(case, plate).step)
+        model = with_elastic_damping(model, fe_input(case, plate)[2])
         demand_steps(case.scene, case.duration, model)
     _demand_wall(case)
     return CornerPlan(
@@ -157,9 +157,8 @@ def _completed(case: RigidStages, mesh: Mesh) -> tuple[PlateModel, Growth]:
     """The model with the constraint and all that a run needs, and what is predicted to grow in it."""
     from fem.model.plate_model import finished_model, with_constraint
 
-    given = fe_input(case, mesh.plate)
-    model = with_constraint(mesh.model, given.plate, given.corner)
-    model = finished_model(model, given.plate, given.corner, given.step)
+    plate, corner, step = fe_input(case, mesh.plate)
+    model = finished_model(with_constraint(mesh.model, plate, corner), plate, corner, step)
     demand_steps(case.scene, case.duration, model)
     normal = float(case.motion_of_mass(mesh.model.mass).at(0.0).reaction_normal)
     return model, predict_growth(case, mesh.plate, model, normal)

@@ -135,21 +135,29 @@ def flutter_sentence(fe_plan: CornerPlan) -> str:
     )
 
 
-def statements(outcome: CornerOutcome) -> tuple[str, ...]:
-    """What a reader must know beside the numbers."""
-    case = outcome.fe_plan.case
+def statements(outcome: CornerOutcome) -> list[str]:
+    """What a reader must know beside the numbers: what was run, and what it means."""
+    fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
+    law, constraint = FRICTION_LAWS[case.scene.corner.reaction], CONSTRAINTS[case.scene.corner.constraint]
+    normal = outcome.rigid_history["reaction_normal"]
+    first, last = normal[0] / 1e3, normal[normal == normal][-1] / 1e3
     made = [
-        _constraint(case),
-        _material(case),
-        _pull(outcome),
-        _plate_mass(outcome),
-        *_chosen(outcome),
-        _start(outcome),
-        _deflection(outcome),
+        f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
+        f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.',
+        f"The plate's material: {MATERIALS[material.law].text}." if material else "",
+        f"The wall's reaction N is negative throughout, {first:.2f} kN at the start and {last:.2f} kN at the end: "
+        "it pulls the corner back to the wall. Without that pull the corner would leave it.",
+        _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
+        *chosen_sentences(fe_plan),
+        "The first run rang; this one was made with more damping." if outcome.attempts > 1 else "",
+        f"The plate starts {START_KINDS[fe_plan.plate.start].text}.",
+        f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: so much of its way to the wall the reaction "
+        "at the start moves the plate's centre. Differences of that size from the rigid motion are the plate's "
+        "flexibility, in inverse proportion to its stiffness.",
         _error(outcome),
         _convention(case),
     ]
-    return tuple(sentence for sentence in made if sentence)
+    return [sentence for sentence in made if sentence]
 
 
 def diagnosis(outcome: CornerOutcome) -> list[str]:
@@ -175,53 +183,13 @@ def is_paper_case(case: RigidStages) -> bool:
     return all(math.isclose(value, paper, rel_tol=0.0, abs_tol=off) for value, paper, off in pairs)
 
 
-def _constraint(case: RigidStages) -> str:
-    law, constraint = FRICTION_LAWS[case.scene.corner.reaction], CONSTRAINTS[case.scene.corner.constraint]
-    return (
-        f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
-        f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.'
-    )
-
-
-def _material(case: RigidStages) -> str:
-    material = case.scene.material
-    return f"The plate's material: {MATERIALS[material.law].text}." if material else ""
-
-
-def _pull(outcome: CornerOutcome) -> str:
-    normal = outcome.rigid_history["reaction_normal"]
-    first, last = normal[0] / 1e3, normal[normal == normal][-1] / 1e3
-    return (
-        f"The wall's reaction N is negative throughout, {first:.2f} kN at the start and {last:.2f} kN at the end: "
-        "it pulls the corner back to the wall. Without that pull the corner would leave it."
-    )
-
-
-def _plate_mass(outcome: CornerOutcome) -> str:
-    plate, vehicle = outcome.fe_plan.model.mass, outcome.fe_plan.case.scene.vehicle.mass
+def _plate_mass(plate: float, vehicle: float) -> str:
     if abs(plate / vehicle - 1.0) < 1e-9:
         return ""
     return (
         f"The plate weighs {plate:.1f} kg, the vehicle {vehicle:.1f} kg. Rigid motion does not depend on the mass; "
         "reactions and energies do, and those of the rigid solution are given for the plate's mass here. "
         "Stages 1 and 3 use the vehicle's."
-    )
-
-
-def _chosen(outcome: CornerOutcome) -> list[str]:
-    again = "The first run rang; this one was made with more damping."
-    return chosen_sentences(outcome.fe_plan) + ([again] if outcome.attempts > 1 else [])
-
-
-def _start(outcome: CornerOutcome) -> str:
-    return f"The plate starts {START_KINDS[outcome.fe_plan.plate.start].text}."
-
-
-def _deflection(outcome: CornerOutcome) -> str:
-    return (
-        f"Static deflection ratio {outcome.fe_plan.deflection_ratio:.1e}: so much of its way to the wall the reaction "
-        "at the start moves the plate's centre. Differences of that size from the rigid motion are the plate's "
-        "flexibility, in inverse proportion to its stiffness."
     )
 
 

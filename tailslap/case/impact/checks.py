@@ -9,7 +9,17 @@ from functools import partial
 import numpy as np
 
 from solver.impact import Strike
-from tailslap.case.checks import FINER, STEP, Check, CheckKind, Evaluation, evaluated, failed_names
+from tailslap.case.checks import (
+    FINER,
+    STEP,
+    Check,
+    CheckKind,
+    Evaluation,
+    energy_surplus,
+    evaluated,
+    failed_names,
+    time_step,
+)
 from tailslap.case.impact.run import ImpactOutcome
 
 STORED = (
@@ -41,10 +51,8 @@ LOSS = 2e-2
 
 
 def energy_error(outcome: ImpactOutcome) -> np.ndarray:
-    """Energy [J] that the ledger has too much at each instant, shape (rows,)."""
-    h = outcome.run.history
-    balance = np.sum([h[name] for name in STORED], axis=0) - h["friction_work"] - h["damping_work"]
-    return np.asarray(balance - balance[0])
+    """Energy [J] that the balance has too much at each instant, shape (rows,)."""
+    return energy_surplus(outcome.run.history, STORED)
 
 
 def _initial_energy(outcome: ImpactOutcome) -> float:
@@ -56,14 +64,6 @@ def _finite(outcome: ImpactOutcome) -> Evaluation:
     arrays = (*outcome.run.history.values(), outcome.run.normal)
     bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
     return Evaluation(bad, 0, "entries of the histories that are not finite numbers")
-
-
-def _time_step(outcome: ImpactOutcome) -> Evaluation:
-    model = outcome.fe_plan.model
-    share = model.loop.time_step / model.stable_time_step
-    share *= outcome.run.highest_frequency / model.highest_frequency
-    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
-    return Evaluation(share, 1.0, meaning)
 
 
 def _energy(outcome: ImpactOutcome) -> Evaluation:
@@ -192,7 +192,7 @@ FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (
     CheckKind("finite numbers", _finite, STEP),
-    CheckKind("time step", _time_step, STEP),
+    CheckKind("time step", time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("energy gained", _gain, STEP),
     CheckKind("momentum balance", _momentum, FAULT),
