@@ -34,7 +34,7 @@ class InputError(Exception):
 
 
 class Interrupted(KeyboardInterrupt):
-    """An interrupt after which something is kept; the message says what."""
+    """Interrupt after which something is left; the message says what."""
 
 
 class Missing:
@@ -46,14 +46,14 @@ class Verbatim(str):
 
 
 def place_error(place: object, what: str, error: OSError) -> Exception:
-    """What to raise where a result cannot be written: wrong input, or the machine's fault as it is."""
+    """Error to raise where a result cannot be written: wrong input, or the machine's fault as it is."""
     if error.errno in MACHINE_FAULTS:
         return OSError(error.errno, f"{what}: {error.strerror}", str(place))
     return InputError("--out", str(place), f"{what}: {error.strerror or error}")
 
 
 def machine_fault(error: OSError) -> str:
-    """What the machine lacks, as a sentence."""
+    """Fault of the machine, as a sentence."""
     where = f": {shortened(str(error.filename))}" if error.filename else ""
     return f"{error.strerror or error}{where}"
 

@@ -143,7 +143,7 @@ FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of
 
 
 def with_options(*options: click.Parameter) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A decorator that gives a command these options."""
+    """Make a decorator that gives a command these options."""
 
     def decorated(function: Callable[..., Any]) -> Callable[..., Any]:
         given = getattr(function, "__click_params__", [])

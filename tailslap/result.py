@@ -169,7 +169,7 @@ def _library(name: str) -> Any:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Result:
-    """What a command has found.
+    """Result of a command: numbers, tables, histories, fields and files.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class Result:
     fill : callable or None
         Fills a folder with the files that the command leaves: takes the folder, whether with pictures, and units.
     make_fields : callable or None
-        Makes the fields that were kept.
+        Makes the fields of the instants asked for.
     make_ends : callable or None
         Makes the fields at the start and at the tail-slap, of a run that has kept none.
     text : str

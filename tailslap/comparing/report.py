@@ -72,7 +72,7 @@ class Comparison:
 
     @property
     def within(self) -> bool:
-        """Whether all metrics are within their customary limits."""
+        """True where all metrics are within their customary limits."""
         return all(each.within for _, each in self.pairs)
 
 
@@ -129,7 +129,7 @@ def compare_report(found: Comparison) -> Report:
 
 
 def headline(found: Comparison) -> str:
-    """Whether all is within the limits, and what is furthest off."""
+    """Verdict in a sentence, and the column that is furthest off."""
     sizes = [abs(each.largest[0]) for _, each in found.pairs]
     label, worst = found.pairs[
         max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)

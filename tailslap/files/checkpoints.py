@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem.run.observers import Arrays, Checkpoint
 
 SAVE_S, MAX_SHARE = 10.0, 0.02
-"""Seconds between checkpoints, and the share of a run's time that they may take."""
+"""Seconds between checkpoints, and the fraction of a run's time that they may take."""
 
 DEFINITION = "definition"
 
@@ -66,7 +66,7 @@ class FileCheckpoint:
         self._due = time.monotonic() + SAVE_S
 
     def load(self) -> Arrays | None:
-        """What the file has, if it is of the same definition."""
+        """Arrays of the file, if it is of the same definition."""
         if not self._resume:
             return None
         try:

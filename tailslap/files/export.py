@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,6 @@ from tailslap.files.load import load
 from tailslap.result import FE, RIGID, Result
 
 if TYPE_CHECKING:
-    from postprocess.fields.series import FieldSeries
     from postprocess.report.units import Units
 
 FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", "msh": "fields.msh"}
@@ -66,25 +64,38 @@ def export(
     >>> tailslap.export(result, "vtkhdf", "results/paraview")  # doctest: +SKIP
     PosixPath('results/paraview/fields.vtkhdf')
     """
+    from postprocess.fields import contours, formats
     from tailslap.files.folder import result_folder
 
     if to not in FORMATS:
         raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")
     found = result if isinstance(result, Result) else load(result)
-    place = _place(result, found, to) if folder is None else Path(folder)
+    base = Path("results") / found.scene if isinstance(result, Result) else Path(str(result)).resolve()
+    place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields
-    names, shown = _drawn(field), _units(to, units)
+    writers = {
+        "vtkhdf": formats.write_vtkhdf,
+        "xdmf": formats.write_xdmf,
+        "vtu": formats.write_vtu,
+        "msh": formats.write_msh,
+    }
+    names = _drawn_fields(field)
+    system = _units(to, units)
     with result_folder(place) as unfinished:
         if fields is None:
             _write_tables(found, to, unfinished)
         elif to in PICTURES:
-            _draw(fields, to, unfinished, names, magnify, shown)
+            for name in names:
+                if to == "png":
+                    contours.draw_instants(unfinished, fields, name, magnify, units=system)
+                else:
+                    contours.animate(unfinished / f"{name}.gif", fields, name, magnify, system)
         else:
-            _writer(to)(unfinished / FIRST[to], fields)
+            writers[to](unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
 
 
-def _drawn(field: str | None) -> tuple[str, ...]:
+def _drawn_fields(field: str | None) -> tuple[str, ...]:
     """Fields to draw. Raises InputError for one that there is not."""
     from postprocess.fields.series import SCALARS
 
@@ -94,7 +105,7 @@ def _drawn(field: str | None) -> tuple[str, ...]:
 
 
 def _units(to: str, units: str) -> Units:
-    """The units of pictures. Raises InputError for others, and where there are no pictures."""
+    """Units of pictures. Raises InputError for others, and where there are no pictures."""
     from postprocess.report.units import SYSTEMS
 
     if units not in SYSTEMS:
@@ -102,29 +113,6 @@ def _units(to: str, units: str) -> Units:
     if units != "si" and to not in PICTURES:
         raise InputError("--units", units, f"files of {to} are in SI always; leave out one of the two")
     return SYSTEMS[units]
-
-
-def _draw(
-    fields: FieldSeries, to: str, folder: Path, names: tuple[str, ...], magnify: float, units: Units
-) -> None:
-    from postprocess.fields.contours import animate, draw_instants
-
-    for name in names:
-        if to == "png":
-            draw_instants(folder, fields, name, magnify, units=units)
-        else:
-            animate(folder / f"{name}.gif", fields, name, magnify, units)
-
-
-def _place(given: object, found: Result, to: str) -> Path:
-    base = Path("results") / found.scene if isinstance(given, Result) else Path(str(given)).resolve()
-    return base.with_name(f"{base.name}-{to}")
-
-
-def _writer(to: str) -> Callable[[Path, FieldSeries], Path]:
-    from postprocess.fields.formats import write_msh, write_vtkhdf, write_vtu, write_xdmf
-
-    return {"vtkhdf": write_vtkhdf, "xdmf": write_xdmf, "vtu": write_vtu, "msh": write_msh}[to]
 
 
 def _write_tables(found: Result, to: str, folder: Path) -> None:

@@ -126,7 +126,7 @@ def _summary(place: Path) -> dict[str, Any]:
 
 
 def _copies(place: Path) -> Any:
-    """What fills another folder with the files of this one."""
+    """Make a function that fills another folder with the files of this one."""
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         for entry in read_manifest(place) or ():

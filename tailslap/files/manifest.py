@@ -55,7 +55,7 @@ def entry(file: Path) -> Entry | None:
 
 
 def read_manifest(folder: Path) -> frozenset[Entry] | None:
-    """What the folder's manifest lists; None if there is none, or it is not one that the program writes."""
+    """Entries of the folder's manifest; None if there is none, or it is not one that the program writes."""
     if entry(folder / NAME) is None:
         return None
     try:
@@ -154,7 +154,7 @@ def clear_leftovers(place: Path) -> None:
 
 @contextlib.contextmanager
 def _locked(path: Path) -> Iterator[bool]:
-    """Whether this process has the lock, and the path is still there: another one may have cleared it in between."""
+    """Lock the path; yields False where another process has it, or has cleared it in between."""
     try:
         number = os.open(path, os.O_RDONLY)
     except FileNotFoundError:

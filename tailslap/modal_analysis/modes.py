@@ -171,7 +171,7 @@ def _shapes(found: PlateModes) -> Section:
 
 
 def _sentences(found: PlateModes) -> tuple[str, ...]:
-    """What was computed and how to read it."""
+    """Sentences on the computation and how to read it."""
     plate, model, beam = found.fe_plan.plate, found.fe_plan.model, found.beam
     rigid = ", ".join(f"{frequency:.0e}" for frequency in found.found.rigid_frequencies / (2.0 * math.pi))
     return (

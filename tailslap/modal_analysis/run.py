@@ -37,7 +37,7 @@ COLUMNS = (
 
 
 class ModalEstimate(NamedTuple):
-    """How far the five quantities may be from the finite-element run's, relatively, and why.
+    """Estimated relative distance of the five quantities from the finite-element run's, by cause.
 
     modes: how far they move, at any time of the run, with twice as many modes and four more. linear: what the
     geometric non-linearity of the elastic strain leaves out. steps: how far they move with half as many time steps.
@@ -76,7 +76,7 @@ class ModalRun:
 
     @property
     def passed(self) -> bool:
-        """Whether every check passed."""
+        """True where every check passed."""
         return all(check.passed for check in self.checks)
 
 
