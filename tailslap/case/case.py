@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 MOST_ELEMENTS = 20_000
-"""Of the finest mesh that a tolerance is sought with."""
+"""Most elements of a mesh with which a tolerance is sought."""
 
 CORNER, WHOLE_IMPACT = "a constrained corner", "a whole impact"
 """Names of the two kinds, for messages."""
@@ -34,7 +34,7 @@ CORNER, WHOLE_IMPACT = "a constrained corner", "a whole impact"
 
 @dataclass(frozen=True)
 class FePlan:
-    """What a run integrates.
+    """Model of a run, and the scene that it is of.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Outcome:
 
     @property
     def passed(self) -> bool:
-        """Whether every check passed."""
+        """True where every check passed."""
         return all(check.passed for check in self.checks)
 
     def with_tolerance(self, error: float, tolerance: float) -> Self:
@@ -125,7 +125,7 @@ class Case(ABC):
     """Its kind, for messages."""
 
     compared: ClassVar[Compared]
-    """What pictures and pages of many runs show of FE and rigid vehicle."""
+    """Quantities of FE and rigid vehicle that pictures and pages of many runs show."""
 
     @property
     @abstractmethod
@@ -138,11 +138,11 @@ class Case(ABC):
 
     @abstractmethod
     def rigid_numbers(self) -> dict[str, Any]:
-        """What `tailslap rigid` says, as numbers, SI."""
+        """Numbers of `tailslap rigid`, SI."""
 
     @abstractmethod
     def rigid_text(self, units: str = "si") -> list[str]:
-        """The same as a person reads it, in SI or, with units "us", in ft, mph and kip."""
+        """Lines of `tailslap rigid`, in SI or, with units "us", in ft, mph and kip."""
 
     @abstractmethod
     def rigid_history(self) -> dict[str, np.ndarray]:
@@ -150,10 +150,10 @@ class Case(ABC):
 
     @abstractmethod
     def plan(self, more_damping: float = 1.0) -> Any:
-        """What a run integrates: the model, and what was decided of it. Raises InputError for keys that make none."""
+        """Make the model of a run, and decide what the scene leaves open. Raises InputError for keys that make none."""
 
     def check_text(self, allow_large: bool = False) -> list[str]:
-        """What `tailslap check` says; of a large mesh an estimate. Raises InputError."""
+        """Lines of `tailslap check`; of a large mesh an estimate. Raises InputError."""
         from tailslap.case.cost import demand_affordable, estimate_text, is_large
 
         if not allow_large:
@@ -162,7 +162,7 @@ class Case(ABC):
 
     @abstractmethod
     def _check_text(self) -> list[str]:
-        """The same, with the model made."""
+        """Lines of `tailslap check`, for which the model is made."""
 
     def run(self, tolerance: float | None = None) -> Any:
         """Run the plate and check it. Writes nothing.

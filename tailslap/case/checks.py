@@ -37,7 +37,7 @@ def failed_names(checks: Iterable[Check]) -> tuple[str, ...]:
 
 
 def check_columns(checks: Iterable[Check]) -> dict[str, Any]:
-    """What the table of a sweep has of a run's checks: whether all passed, those that failed, and the values of all."""
+    """Columns of a sweep's table on a run's checks: whether all passed, those that failed, and the values of all."""
     failed = failed_names(checks)
     values = {re.sub("[ -]", "_", f"check.{check.name}"): float(check.value) for check in checks}
     return {"status": "failed" if failed else "passed", "reason": ", ".join(failed), **values}
@@ -79,7 +79,7 @@ def evaluated(kinds: Iterable[CheckKind], evidence: Any) -> tuple[Check, ...]:
 
 
 def advice(kinds: Mapping[str, CheckKind], failed: Iterable[str]) -> str:
-    """What could be changed in a scene whose run failed these checks, each thing once, in their order."""
+    """Advise on what could be changed in a scene whose run failed these checks, each thing once, in their order."""
     said = [kinds[name].advice for name in failed if name in kinds]
     return "; ".join(dict.fromkeys(part for words in said for part in words.split("; ")))
 

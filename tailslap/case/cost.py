@@ -24,7 +24,7 @@ POINTS = {"quad4": 4, "quad4-reduced": 1, "quad9": 9, "tri3": 2, "tri6": 6}
 """Quadrature points of a cell of the mesh, at each of which a stress is taken."""
 
 OTHER_NS, OTHER_POINTS = 75.0, 9
-"""The same for an element from outside."""
+"""Those of an element from outside."""
 
 ROW_S = 5e-5
 """Time that a row of the history costs [s], whatever the mesh."""
@@ -58,7 +58,7 @@ STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.
 """Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
 
 OTHER_STEPS = 4.0
-"""The same for an element from outside."""
+"""Those of an element from outside."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ CHECKED_UP_TO = 5_000
 
 
 def is_large(scene: Scene) -> bool:
-    """Whether the model of the scene's own elements is too large to be made for a look."""
+    """Tell whether the model of the scene's own elements is too large to be made for a look."""
     plate = scene.plate
     return bool(plate and plate.elements and math.prod(plate.elements) > CHECKED_UP_TO)
 
@@ -153,7 +153,7 @@ def demand_run(scene: Scene, duration: float, allow_large: bool) -> None:
 
 
 def affordable(scene: Scene, duration: float) -> bool:
-    """Whether this machine can carry a run over this time [s]."""
+    """Tell whether this machine can carry a run over this time [s]."""
     try:
         demand_affordable(scene, duration)
     except InputError:

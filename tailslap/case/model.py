@@ -90,7 +90,7 @@ def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, dist
 
 
 def same_mesh(plate: Plate, other: Plate) -> bool:
-    """Whether two plates of a vehicle have one mesh, whatever nodes their elements add to it."""
+    """Tell whether two plates of a vehicle have one mesh, whatever nodes their elements add to it."""
     cells = (ELEMENT_KINDS[each.element].cells for each in (plate, other))
     return plate.counts == other.counts and plate.distortion == other.distortion and len(set(cells)) == 1
 
@@ -125,7 +125,7 @@ def plate_density(scene: Scene, plate: Plate) -> float:
 
 
 def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None) -> PlateProperties:
-    """What the plate is made of; inertia: that its masses carry, where it is not the plate's own."""
+    """Make the properties of the plate; inertia: that its masses carry, where it is not the plate's own."""
     from fem.plate.kinds import PlateProperties
 
     return PlateProperties(

@@ -1,4 +1,4 @@
-"""The same plate on another mesh, or of higher-order elements: what a run's error is told by."""
+"""A plate on another mesh, or of higher-order elements, by which the error of a run is told."""
 
 from __future__ import annotations
 

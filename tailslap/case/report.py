@@ -32,7 +32,7 @@ Parts = Sequence[tuple[str, str]]
 """Parts that a scene does without, each with the reason."""
 
 Cure = Callable[[str], str]
-"""What to do against a failed check, by its name."""
+"""Advice against a failed check, by its name."""
 
 
 CELL_TYPES = {
@@ -142,7 +142,7 @@ def left_out_text(omitted: Parts) -> list[str]:
 
 
 def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:
-    """What the lines say, by their labels: lists of texts."""
+    """Collect the texts of the lines by their labels."""
     said: dict[str, Any] = {"scene": scene, "valid": True}
     for line in lines[1:]:
         said.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
@@ -150,7 +150,7 @@ def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:
 
 
 def run_summary(outcome: Outcome, omitted: Parts) -> dict[str, Any]:
-    """What the summaries of both kinds' runs have alike, SI."""
+    """Make the part of a summary that runs of both kinds have, SI."""
     fe_plan, model = outcome.fe_plan, outcome.fe_plan.model
     return {
         "scene": fe_plan.case.scene.name,
@@ -226,7 +226,7 @@ def terminal_text(
     diagnosis: Sequence[str] = (),
     drawn: str = "",
 ) -> tuple[Table | str, ...]:
-    """What a run says on the terminal: the verdict, its tables, what was chosen, what failed, and what it cost.
+    """Compose what the terminal says of a run: the verdict, its tables, what was chosen, what failed, and what it cost.
 
     diagnosis: what is known of the cause of a failure; drawn: what pictures cost.
     """
@@ -245,7 +245,7 @@ def terminal_text(
 
 
 def chosen_sentences(fe_plan: FePlan) -> list[str]:
-    """What the program chose."""
+    """List the choices of the program as sentences."""
     return [f"Chosen by the program: {decision.shown}." for decision in fe_plan.decisions]
 
 

@@ -82,8 +82,8 @@ ELEMENTS = 'plate.element = "quad4", or more elements'
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a run is judged by: plan and run, the rigid histories at the run's instants, differences of the five
-    quantities, empty where it came to no result, and a second run on another mesh, if there was one."""
+    """Evidence that a run is judged by: plan and run, the rigid histories at the run's instants, differences of the
+    five quantities, empty where it came to no result, and a second run on another mesh, if there was one."""
 
     fe_plan: CornerPlan
     run: Run
@@ -98,7 +98,7 @@ class Evidence:
 
     @property
     def relieved(self) -> bool:
-        """Whether the plate starts by inertia relief."""
+        """True where the plate starts by inertia relief."""
         return self.fe_plan.plate.relieved
 
     @property
@@ -191,7 +191,7 @@ def _reaction(given: Evidence) -> Evaluation | None:
 
 
 def _mesh(given: Evidence) -> Evaluation | None:
-    """What richer elements would change: a mesh that is too coarse is too stiff, and looks rigid without being so."""
+    """Change by higher-order elements: a mesh that is too coarse is too stiff, and looks rigid without being so."""
     if given.second or not given.relieved:
         return None
     ratio, other = given.fe_plan.deflection_ratio, given.fe_plan.other_deflection_ratio
@@ -203,7 +203,7 @@ def _mesh(given: Evidence) -> Evaluation | None:
 
 
 def _contact_spring(given: Evidence) -> Evaluation | None:
-    share = given.fe_plan.spring_share
+    share = given.fe_plan.spring_ratio
     if given.second or not given.relieved or not share:
         return None
     meaning = (
@@ -265,7 +265,7 @@ MECHANICS = (
 
 
 def _contact_work(given: Evidence) -> Evaluation:
-    """What the spring lost, against the work of its force; an exact constraint stores nothing."""
+    """Energy that the spring lost, against the work of its force; an exact constraint stores nothing."""
     history, corner = given.history, given.fe_plan.model.loop.corner
     if corner.is_exact:
         share = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]

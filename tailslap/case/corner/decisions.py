@@ -79,11 +79,11 @@ class Mesh:
     model: PlateModel
     deflection_ratio: float
     other_deflection_ratio: float
-    spring_share: float
+    spring_ratio: float
 
     @property
     def fine_enough(self) -> bool:
-        """Whether what the mesh does to the plate's flexibility is of no account."""
+        """True where what the mesh does to the plate's flexibility is of no account."""
         allowed = max(MESH_FLOOR, MESH_SHARE * max(self.deflection_ratio, self.other_deflection_ratio))
         return abs(self.deflection_ratio - self.other_deflection_ratio) <= allowed
 
@@ -165,23 +165,23 @@ def open_threads(case: RigidStages, plate: Plate) -> tuple[Decision, ...]:
     return threads_decision(case.scene.time.threads, max(1, elements // ELEMENTS_A_THREAD), why)
 
 
-def open_constraint(case: RigidStages, plate: Plate, spring_share: float) -> tuple[Decision, ...]:
+def open_constraint(case: RigidStages, plate: Plate, spring_ratio: float) -> tuple[Decision, ...]:
     """The exact constraint where a spring would ring, or be seen beside the plate's flexibility."""
     if not case.scene.corner.constraint_is_open:
         return ()
     if not plate.relieved:
         why = "the plate starts unstressed, and a spring would ring with it"
-    elif spring_share > UNSEEN:
-        why = f"a spring would deflect by {spring_share:.1e} of the way, which is seen beside the plate's flexibility"
+    elif spring_ratio > UNSEEN:
+        why = f"a spring would deflect by {spring_ratio:.1e} of the way, which is seen beside the plate's flexibility"
     else:
         return ()
     return (Decision("corner.constraint", "exact", why),)
 
 
-def softer_constraint(case: RigidStages, spring_share: float) -> tuple[Decision, ...]:
+def softer_constraint(case: RigidStages, spring_ratio: float) -> tuple[Decision, ...]:
     """The softest spring that is not seen: friction then feeds high modes less. None where the scene gives the
     constraint, or there is none much softer."""
-    scale = max(SOFTEST, spring_share / UNSEEN)
+    scale = max(SOFTEST, spring_ratio / UNSEEN)
     if not case.scene.corner.constraint_is_open or scale > 0.5:
         return ()
     why = "friction would make the plate flutter too fast to be damped without harm; a softer spring feeds it less"
@@ -190,10 +190,10 @@ def softer_constraint(case: RigidStages, spring_share: float) -> tuple[Decision,
 
 @dataclass(frozen=True)
 class Growth:
-    """What the linearised model predicts of friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh
-    could be analysed; its exponent over the run; the exponent that counts; whether coarser meshes stood in; the lowest
-    elastic frequency [rad/s]. And of rounding: the ripple at the end of the run over the reaction at the start, and
-    the rate of damping that keeps it unheard, 0 where it is."""
+    """Growth by friction that the linearised model predicts: the fastest rate [1/s], 0 where none counts, NaN where no
+    mesh could be analysed; its exponent over the run; the exponent that counts; whether coarser meshes stood in; the
+    lowest elastic frequency [rad/s]. And of rounding: the ripple at the end of the run over the reaction at the start,
+    and the rate of damping that keeps it unheard, 0 where it is."""
 
     rate: float
     exponent: float
@@ -205,12 +205,12 @@ class Growth:
 
     @property
     def overdamps(self) -> bool:
-        """Whether the damping that suppresses it would keep the plate from following its loads."""
+        """True where the damping that suppresses it would keep the plate from following its loads."""
         return REQUIRED_DAMPING * self.rate > OVERDAMPS * self.lowest
 
     @property
     def counts(self) -> bool:
-        """Whether there is friction, by which anything could grow."""
+        """True where there is friction, by which anything could grow."""
         return self.harmless > 0.0
 
 
@@ -251,7 +251,7 @@ def _by_stand_ins(found: list[Flutter], harmless: float) -> Growth:
 
 
 def _growth(found: Flutter, harmless: float) -> Growth:
-    """What was found; no more than half the exponent that counts is harmless whatever the rate is for a moment."""
+    """Growth as it was found; no more than half the exponent that counts is harmless whatever the rate may be."""
     rate = found.rate if found.growth > 0.5 * harmless else 0.0
     return Growth(rate, found.growth, harmless, lowest=found.lowest)
 
@@ -281,15 +281,15 @@ def suppressing_rate(growth: Growth) -> float:
 
 
 def damping_is_open(scene: Scene) -> bool:
-    """Whether the program may choose the damping."""
+    """True where the program may choose the damping."""
     return scene.damping is None or scene.damping.kind is None
 
 
 def harms(
     case: RigidStages, plate: Plate, model: PlateModel, growth: Growth, deflection_ratio: float
 ) -> bool:
-    """Whether damping against this growth would be seen in the result: it keeps a soft plate from following its loads,
-    and takes an unstressed one's oscillation off."""
+    """Tell whether damping against this growth would be seen in the result: it keeps a soft plate from following its
+    loads, and takes an unstressed one's oscillation off."""
     from fem.start.inertia_relief import elastic_energy
 
     if not growth.rate > 0.0:

@@ -93,7 +93,7 @@ class NumericalError:
 
 
 def needs_second_run(fe_plan: CornerPlan, differences: Mapping[str, float], error: NumericalError) -> bool:
-    """Whether statics does not tell, or not sharply, how far the run may be off."""
+    """True where statics does not tell, or not sharply, how far the run may be off."""
     explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.deflection_ratio
     sharp = error.total <= max(FLOOR, SHARP * largest(differences))
     by_statics = fe_plan.plate.relieved and not LUMPINGS[fe_plan.plate.lumping].fault
@@ -109,7 +109,7 @@ def numerical_error(
     return NumericalError(
         time_step=(1.0 / fe_plan.expected_steps) ** 2,
         mesh=factor * abs(fe_plan.deflection_ratio - fe_plan.other_deflection_ratio),
-        contact_spring=factor * fe_plan.spring_share,
+        contact_spring=factor * fe_plan.spring_ratio,
         damping=factor * _lag_error(fe_plan) if relieved else _oscillation_lost(fe_plan),
         ringing=ringing
         if relieved
@@ -126,8 +126,8 @@ def _lag_error(fe_plan: CornerPlan) -> float:
 
 
 def _oscillation_lost(fe_plan: CornerPlan) -> float:
-    """What the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the friction
-    that goes with an oscillation that does not grow is not known."""
+    """Part that the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the
+    friction that goes with an oscillation that does not grow is not known."""
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
@@ -176,7 +176,7 @@ def _deviation(histories: Histories, name: str, t: np.ndarray) -> np.ndarray:
 
 
 def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Whether the rigid motion has not ended yet."""
+    """True at instants before the end of the rigid motion."""
     return np.isfinite(rigid["v_gx"])
 
 

@@ -76,8 +76,9 @@ def sensitivity(angle: float) -> float:
 
 
 def oscillation_lost(case: RigidStages, energy: float, mass: float, rate: float) -> float:
-    """What damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share of the
-    speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts without."""
+    """Estimate what damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share
+    of the speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts
+    without."""
     swing = math.sqrt(2.0 * energy / mass) / abs(case.motion.strike.v_gy)
     return SWINGS * swing * _decayed(case, rate)
 
@@ -100,7 +101,7 @@ def _decayed(case: RigidStages, rate: float) -> float:
 
 
 def rigid_start(case: RigidStages) -> RigidStart:
-    """What the plate starts from."""
+    """Rigid state at the start of Stage 2."""
     from fem.start.rigid_state import RigidStart
 
     return RigidStart(case.start.angle, float(case.start.omega), float(case.start.corner_speed))

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CornerPlan(FePlan):
-    """What the run integrates, and how far it may be from a rigid plate; the scene of its case has no open ends.
+    """Model of a run, and how far it may be from a rigid plate; the scene of its case has no open ends.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class CornerPlan(FePlan):
 
     @cached_property
     def damping_lag(self) -> float:
-        """What the damping of elastic velocities holds the corner back by, over the centre's way to the wall."""
+        """Distance by which the damping of elastic velocities holds the corner back, over the centre's travel."""
         from fem.start.inertia_relief import damping_lag
 
         return damping_lag(self.model, self.start) / self.travel
@@ -91,7 +91,7 @@ class CornerPlan(FePlan):
         return elastic_energy(self.model, self.start)
 
     @cached_property
-    def spring_share(self) -> float:
+    def spring_ratio(self) -> float:
         """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
         stiffness = self.model.loop.corner.stiffness
         normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
@@ -125,10 +125,10 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     plate = mesh.plate
     case = case.with_changes({"plate.elements": plate.elements, "plate.element": plate.element})
     threads = open_threads(case, plate)
-    constraint = open_constraint(case, plate, mesh.spring_share)
+    constraint = open_constraint(case, plate, mesh.spring_ratio)
     case = case.decided(threads + constraint)
     model, growth = _completed(case, mesh)
-    if growth.overdamps and not constraint and (constraint := softer_constraint(case, mesh.spring_share)):
+    if growth.overdamps and not constraint and (constraint := softer_constraint(case, mesh.spring_ratio)):
         case = case.decided(constraint)
         model, growth = _completed(case, mesh)
     ratio = deflection_ratio(case, model) if constraint else mesh.deflection_ratio

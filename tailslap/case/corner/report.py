@@ -103,7 +103,7 @@ def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
 
 
 def corner_summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
-    """What `summary.json` holds, SI; what was not reached is NaN, which is written as null."""
+    """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
     alike = report.run_summary(outcome, omitted_parts(fe_plan.case.scene, pictures))
     nothing = dict.fromkeys(KEYS, float("nan"))

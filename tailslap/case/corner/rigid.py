@@ -55,7 +55,7 @@ LABELS = {
 
 @dataclass(frozen=True)
 class StageTwoStart:
-    """What Stage 2 starts from.
+    """Start of Stage 2.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class RigidStages(Case):
 
     @cached_property
     def start(self) -> StageTwoStart:
-        """What the scene gives, else what Stage 1 computes."""
+        """Start of Stage 2 as the scene gives it, else as Stage 1 computes it."""
         given: dict[str, Any] = self.scene.start.model_dump() if self.scene.start else {}
         found: dict[str, Any] = {}
         if self.stage1 is not None and self.scene.impact is not None:
@@ -139,7 +139,7 @@ class RigidStages(Case):
         return {name: float(getattr(self.motion.strike, name)) for name in KEYS}
 
     def motion_of_mass(self, mass: float) -> PlaneMotion:
-        """The same motion of a body of this mass [kg]: forces and energies change with it, nothing else."""
+        """Stage 2 of a body of this mass [kg]: forces and energies change with it, nothing else."""
         return self._motion(replace(self.body, mass=mass))
 
     def _motion(self, body: RectangularBody[float]) -> PlaneMotion:

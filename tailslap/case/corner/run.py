@@ -140,7 +140,7 @@ def _simulated(fe_plan: CornerPlan) -> Run:
 
 
 def rings(outcome: CornerOutcome) -> bool:
-    """Whether a check says that the reaction rang, or the run came to no answer."""
+    """True where a check says that the reaction rang, or the run came to no answer."""
     ringing = ringing_checks()
     return any(check.name in ringing and not check.passed for check in outcome.checks)
 

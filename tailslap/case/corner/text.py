@@ -112,7 +112,7 @@ def _comparison(outcome: CornerOutcome) -> str:
 
 
 def flutter_sentence(fe_plan: CornerPlan) -> str:
-    """What is predicted of a plate that rings, by friction or by rounding, and what is done against it."""
+    """Say what is predicted of a plate that rings, by friction or by rounding, and what is done against it."""
     growth, damping = fe_plan.growth, fe_plan.case.scene.damping
     judged = ", judged on coarser meshes" if growth.stand_in else ""
     needed = suppressing_rate(growth)
@@ -136,7 +136,7 @@ def flutter_sentence(fe_plan: CornerPlan) -> str:
 
 
 def statements(outcome: CornerOutcome) -> list[str]:
-    """What a reader must know beside the numbers: what was run, and what it means."""
+    """Sentences that a reader needs beside the numbers: what was run, and what it means."""
     fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
     law, constraint = FRICTION_LAWS[case.scene.corner.reaction], CONSTRAINTS[case.scene.corner.constraint]
     normal = outcome.rigid_history["reaction_normal"]
@@ -161,17 +161,17 @@ def statements(outcome: CornerOutcome) -> list[str]:
 
 
 def diagnosis(outcome: CornerOutcome) -> list[str]:
-    """What is known of why a run failed: what the program chose, and what it predicted of ringing."""
+    """Sentences on why a run failed: choices of the program, and its prediction of ringing."""
     return [*chosen_sentences(outcome.fe_plan), prediction(outcome)]
 
 
 def prediction(outcome: CornerOutcome) -> str:
-    """What was predicted of ringing."""
+    """Sentence on the ringing that was predicted."""
     return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
 
 def is_paper_case(case: RigidStages) -> bool:
-    """Whether vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
+    """True where vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
     pairs = (
         (case.body.length, 10.0, 0.0),
         (case.body.width, 2.438, 0.0),

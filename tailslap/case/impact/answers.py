@@ -1,4 +1,4 @@
-"""What an impact is read for: strikes, filtered forces and their peaks, the second strike's duration, occupant risk."""
+"""Answers that an impact is read for: strikes, filtered forces, their peaks, the second strike's duration, risk."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from postprocess.signals.occupant_risk import RiskMeasure, VehicleMotion, occupa
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
-"""What is told of the end of an impact."""
+"""Columns that are told of the end of an impact."""
 
 COMPARED = ("impulse", "peak_force", "duration")
-"""What is compared of each of the first two strikes."""
+"""Quantities of the first two strikes that are compared."""
 
 STRIKE = ("corner", "start", "end", "duration", "peak_force", "impulse")
-"""What the contract tells of a strike; more follows."""
+"""First quantities of a strike in a summary; more follow."""
 
 Columns = Mapping[str, np.ndarray]
 
@@ -94,7 +94,7 @@ class ImpactAnswer:
         return occupant_risk(VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
 
     def numbers(self) -> dict[str, Any]:
-        """What `summary.json` holds."""
+        """Part of `summary.json` on one of the two models."""
         return {
             "strikes": [strike_numbers(strike) for strike in self.strikes],
             "peaks": self.peaks,
@@ -190,8 +190,8 @@ QUANTITIES = {
     "impulse": ("impulse", "kN s", 1e3),
     "duration": ("duration", "ms", 1e-3),
 }
-"""Of each of both strikes: words, the unit that it is shown in, and what of SI makes one of that. Raw is the peak of
-the corner's own force, the next two those of the filtered total force in the strike."""
+"""Quantities of each of both strikes: words, the unit that it is shown in, and what of SI makes one of that. Raw is the
+peak of the corner's own force, the next two those of the filtered total force in the strike."""
 
 COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
 

@@ -173,7 +173,7 @@ def unknown_by_vibration(outcome: ImpactOutcome) -> float:
 
 
 def _velocity(outcome: ImpactOutcome, first: Strike, second: Strike) -> float:
-    """Of an end, from the energy of the plate in flight, all of it in the first mode [m/s]."""
+    """Velocity of an end, from the energy of the plate in flight, all of it in the first mode [m/s]."""
     h = outcome.run.history
     free = (h["t"] > first.end) & (h["t"] < second.start)
     energy = float(h["strain_energy"][free].max(initial=0.0))
@@ -223,5 +223,5 @@ def failed_but_mesh(outcome: ImpactOutcome) -> tuple[str, ...]:
 
 
 def advice(name: str) -> str:
-    """What to do where a check fails."""
+    """Advice where a check fails."""
     return next((kind.advice for kind in CHECKS if kind.name == name), FAULT)

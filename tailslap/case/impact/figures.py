@@ -27,7 +27,7 @@ PARTS = {
     "hourglass_energy": "hourglass control",
     "wall_energy": "wall",
 }
-"""What the motion's energy goes into, by column; works are done on the plate, and count with the other sign."""
+"""Places where the motion's energy goes, by column; works are done on the plate, and count with the other sign."""
 
 INSTANTS = 9
 """Positions of the vehicle that the strip shows, beside those of the strikes."""
@@ -91,7 +91,7 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
 
 
 def energy_figure(outcome: ImpactOutcome) -> Chart:
-    """What becomes of the kinetic energy."""
+    """Draw what becomes of the kinetic energy."""
     from postprocess.figures.impact import draw_energies
 
     h = outcome.run.history

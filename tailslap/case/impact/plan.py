@@ -30,7 +30,7 @@ ACROSS = 6
 
 @dataclass(frozen=True)
 class ImpactPlan(FePlan):
-    """What a run of a whole impact integrates.
+    """Model of a run of a whole impact.
 
     Attributes
     ----------

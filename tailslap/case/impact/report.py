@@ -1,4 +1,4 @@
-"""What is said of a whole impact: `tailslap check`, page, summary, histories, terminal."""
+"""Texts on a whole impact: `tailslap check`, page, summary, histories, terminal."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
 
 
 def _wall(outcome: ImpactOutcome) -> list[Table]:
-    """What the wall does; nothing for a rigid one."""
+    """Table of what a deformable wall does; none for a rigid one."""
     found = wall_numbers(outcome)
     if found is None:
         return []

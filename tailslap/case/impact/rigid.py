@@ -46,7 +46,7 @@ OF_A_WHOLE_IMPACT = (
     "vehicle.yaw_inertia",
     "impact.test_level",
 )
-"""What the scene of the paper's method does without."""
+"""Tables and keys that the scene of the paper's method does without."""
 
 SAMPLE = 2e-4
 """Longest time between rows [s]: 5 kHz, above what CFC 180 asks for."""
@@ -227,7 +227,7 @@ def _paper_lines(beside: PaperMethod | None, units: str) -> list[str]:
 
 @dataclass(frozen=True)
 class PaperMethod:
-    """What the paper's method gives for the same vehicle and impact, of the uniform rectangle.
+    """Results of the paper's method for the same vehicle and impact, of the uniform rectangle.
 
     Attributes
     ----------
