@@ -37,7 +37,7 @@ class ImpactOutcome(Outcome):
     mesh_error : dict of float
         What higher-order elements change in `difference`, by `strike_1.impulse` and so on; empty where there were none.
     frequency_error : float
-        First frequency over that of the richer elements, less 1; NaN where there were none.
+        First frequency over that of higher-order elements, less 1; NaN where there were none.
     """
 
     fe_plan: ImpactPlan
@@ -126,9 +126,9 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
         from fem.run.impact import compile_impact_loop
 
         compile_impact_loop(model, told=compiling)
-        richer = replace(fe_plan, model=model, plate=plate)
-        error = differences(outcome.fe, _answer(fe_plan, simulated(richer)))
-        frequency = fe_plan.first_frequency / richer.first_frequency - 1.0
+        finer = replace(fe_plan, model=model, plate=plate)
+        error = differences(outcome.fe, _answer(fe_plan, simulated(finer)))
+        frequency = fe_plan.first_frequency / finer.first_frequency - 1.0
         return replace(outcome, mesh_error=error, frequency_error=frequency)
     return outcome
 
