@@ -209,7 +209,7 @@ def check(
 
     case = _case(scene, changes)
     lines = case.check_text(allow_large)
-    said = lines if units == "si" else [US.said(line) for line in lines]
+    said = lines if units == "si" else [US.rendered(line) for line in lines]
     return Result(
         "check", case.scene.name, as_numbers(case.scene.name, lines), text=labelled_text(said, LABEL)
     )

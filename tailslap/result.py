@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.report.table import Table
+from postprocess.report.units import measure
 from tailslap.errors import InputError, Missing, Verbatim
 
 if TYPE_CHECKING:
@@ -385,6 +386,6 @@ def run_headline(summary: Mapping[str, Any]) -> str:
     if "verdict" in summary:
         return str(summary["verdict"])
     peaks = [summary[model]["peaks"]["mean_50ms"] for model in ("fe", "rigid")]
-    fe, rigid = ("unknown" if force is None else f"{force / 1e3:.0f} kN" for force in peaks)
+    fe, rigid = ("unknown" if force is None else measure(force, "N", ".0f") for force in peaks)
     count = len(summary["fe"]["strikes"])
     return f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures.histories import STRETCHES, TIME, thinned
+from postprocess.report.units import measure
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Shades, Span, Words
@@ -217,7 +218,10 @@ def draw_side_force(
         np.stack([edges[row], edges[row + 1]], axis=-1),
         shades.colours(pressed),
         [f"{value:.4g} {unit}" for value in pressed],
-        [f"{time:.4g} s; {place:.4g} m" for time, place in zip(times[column], distances[row], strict=True)],
+        [
+            f"{time:.4g} s; {measure(place, 'm', '.4g')}"
+            for time, place in zip(times[column], distances[row], strict=True)
+        ],
     )
     x = replace(START, high=float(t[-1]))
     y = Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))

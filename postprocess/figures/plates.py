@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.report.units import measure
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Line, Swatch, cells_about
@@ -110,7 +111,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
             deformed[nodes, 1],
             width=0.0,
             values=sizes[nodes].tolist(),
-            at=[f"{x:.3g} m; {y:.3g} m" for x, y in positions[nodes]],
+            at=[f"{measure(x, 'm', '.3g')}; {measure(y, 'm', '.3g')}" for x, y in positions[nodes]],
         ),
     )
     (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach

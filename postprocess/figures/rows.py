@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from postprocess.report.units import measure
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Line, Mark, Span, Words, key
@@ -142,7 +143,10 @@ def draw_bands(bars: Sequence[BandBar]) -> Chart:
         rows = np.array([row for row, bar in placed if bar.strike == strike])
         of = [bar for bar in bars if bar.strike == strike]
         low, middle, high = np.array([bar.ends for bar in of]).T
-        said = [f"{a:.0f} to {c:.0f} kN, median {b:.0f} kN" for a, b, c in (bar.ends for bar in of)]
+        said = [
+            f"{measure(a, 'kN', '.0f', named=False)} to {measure(c, 'kN', '.0f')}, median {measure(b, 'kN', '.0f')}"
+            for a, b, c in (bar.ends for bar in of)
+        ]
         ends, strokes = np.stack([low, high], axis=-1), np.array([-0.18, 0.18, np.nan]) + rows[:, None]
         marks += [
             Boxes(name, ends, _across(rows), colour, said, [bar.label for bar in of], 0.4),
@@ -164,7 +168,7 @@ def draw_bands(bars: Sequence[BandBar]) -> Chart:
 def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:
     """Dots below the bars, each with its row's letter; letters stand above and below in turns."""
     x, y = (np.array(values) for values in list(zip(*dots, strict=True))[:2])
-    said, at = [f"{force:.0f} kN" for force, _, _ in dots], [f"row {letter}" for _, _, letter in dots]
+    said, at = [measure(force, "kN", ".0f") for force, _, _ in dots], [f"row {row}" for _, _, row in dots]
     letters = [
         Words(letter, force, row, (5.0, -1.0 if number % 2 else 9.0), colour=colour)
         for number, (force, row, letter) in enumerate(dots)

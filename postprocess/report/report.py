@@ -54,20 +54,20 @@ def page_in_units(page: Page, units: Units) -> Page:
     sections = [shown_in(section, units) for section in page.sections]
     said = "SI units" if units is SI else f"{units.name.upper()} units, files in SI"
     footer = page.footer.replace("SI units", said)
-    return replace(page, headline=units.said(page.headline), sections=sections, footer=footer)
+    return replace(page, headline=units.rendered(page.headline), sections=sections, footer=footer)
 
 
 def shown_in(part: Any, units: Units) -> Any:
     """A text, a table, a chart or a section alike; what else there is stays as it is."""
     if isinstance(part, str):
-        return units.said(part)
+        return units.rendered(part)
     if isinstance(part, Table | Chart):
         return part.in_units(units)
     if isinstance(part, Section):
         parts: dict[str, Any] = {
             name: [shown_in(each, units) for each in getattr(part, name)] for name in SHOWN
         }
-        return replace(part, title=units.said(part.title), lead=units.said(part.lead), **parts)
+        return replace(part, title=units.rendered(part.title), lead=units.rendered(part.lead), **parts)
     return part
 
 

@@ -72,7 +72,7 @@ class Column:
     def text(self, record: Any) -> str:
         """The entry as people read it."""
         text = self._text(record)
-        return self.units.rendered(text) if self.units is SI else self.units.said(text)
+        return self.units.rendered(text)
 
     def _text(self, record: Any) -> str:
         value = self.value(record)
@@ -138,8 +138,8 @@ class Table:
             replace(column, units=units, below=column.below and replace(column.below, units=units))
             for column in self.columns
         ]
-        notes = tuple(units.said(note) for note in self.notes)
-        return replace(self, columns=tuple(columns), title=units.said(self.title), notes=notes)
+        notes = tuple(units.rendered(note) for note in self.notes)
+        return replace(self, columns=tuple(columns), title=units.rendered(self.title), notes=notes)
 
     def records(self) -> list[dict[str, Any]]:
         """The entries as they are, by key: what JSON and other files hold."""

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 
 OPEN, SEPARATOR, CLOSE = "\x02", "\x1f", "\x03"
 MEASURE = re.compile(f"{OPEN}([^{SEPARATOR}]*){SEPARATOR}([^{SEPARATOR}]*){SEPARATOR}([^{CLOSE}]*){CLOSE}")
@@ -15,10 +14,6 @@ MEASURE = re.compile(f"{OPEN}([^{SEPARATOR}]*){SEPARATOR}([^{SEPARATOR}]*){SEPAR
 FOOT, POUND, KIP = 0.3048, 0.45359237, 4448.2216152605
 """[m], [kg], [N]; 1 kip is 1000 lbf."""
 
-NO_BREAK = "\N{NO-BREAK SPACE}"
-NUMBER = rf"[+\-−]?(?:\d{{1,3}}(?:[ {NO_BREAK}]\d{{3}})+|\d+(?:\.\d+)?(?:e[+\-]?\d+)?)"
-ANOTHER = rf"(?:,|,?[ {NO_BREAK}](?:to|and|by))[ {NO_BREAK}]{NUMBER}"
-CODE = re.compile(r"(`[^`]+`)")
 POWER = re.compile(r"^(10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) (.*)$")
 
 
@@ -36,7 +31,7 @@ def measure(value: float, unit: str, form: str = ".4g", named: bool = True) -> s
     named : bool
         Whether the unit stands behind the number; False for all but the last of a list.
     """
-    return f"{OPEN}{value!r}{SEPARATOR}{unit if named else '!' + unit}{SEPARATOR}{form}{CLOSE}"
+    return f"{OPEN}{float(value)!r}{SEPARATOR}{unit if named else '!' + unit}{SEPARATOR}{form}{CLOSE}"
 
 
 @dataclass(frozen=True)
@@ -56,11 +51,11 @@ class Units:
             return factor, f"{power[1]} {name}"
         return 1.0, unit
 
-    def rendered(self, text: str) -> str:
-        """A text with its measures in these units."""
-        return MEASURE.sub(self._measure, text) if OPEN in text else text
+    def rendered(self, text: str, gap: str = " ") -> str:
+        """Return a text with its measures in these units; gap: between number and unit."""
+        return MEASURE.sub(lambda found: self._measure(found, gap), text) if OPEN in text else text
 
-    def _measure(self, found: re.Match[str]) -> str:
+    def _measure(self, found: re.Match[str], gap: str) -> str:
         value, unit, form = float(found[1]), found[2].removeprefix("!"), found[3]
         factor, name = SI.of(unit)
         text = format(factor * value, form)
@@ -69,39 +64,7 @@ class Units:
             digits = len(re.sub(r"\D", "", text.split("e")[0]).lstrip("0"))
             text = f"{factor_here * value:.{max(3, digits)}g}"
             text = f"{float(text):.0f}" if "e+" in text else text
-        return text if found[2].startswith("!") else f"{text} {name_here}"
-
-    def said(self, text: str) -> str:
-        """A text with its values in these units, and of as many digits, but three at least; `keys` stay as they are."""
-        parts = CODE.split(self.rendered(text))
-        parts[::2] = [_values(tuple(self.others)).sub(self._value, part) for part in parts[::2]]
-        return "".join(parts)
-
-    def _value(self, found: re.Match[str]) -> str:
-        """One or several numbers with their unit."""
-        factor, name = self.others[found["unit"].replace(NO_BREAK, " ")]
-        numbers = re.sub(NUMBER, lambda number: _scaled(number[0], factor), found["numbers"])
-        return f"{numbers}{found['gap']}{name}"
-
-
-@cache
-def _values(units: tuple[str, ...]) -> re.Pattern[str]:
-    """Numbers with one of these units, the longest that fits."""
-    names = "|".join(re.escape(unit) for unit in sorted(units, key=len, reverse=True))
-    return re.compile(
-        rf"(?<![\w.\-−])(?P<numbers>{NUMBER}(?:{ANOTHER})*)(?P<gap>[ {NO_BREAK}])(?P<unit>{names})(?![\w/^])"
-    )
-
-
-def _scaled(text: str, factor: float) -> str:
-    """A number in another unit, with as many digits, but three at least."""
-    digits = re.sub(r"\D", "", text.split("e")[0]).lstrip("0")
-    value = factor * float(text.replace("−", "-").replace(" ", "").replace(NO_BREAK, ""))
-    shown = f"{value:.{max(3, len(digits))}g}"
-    between = re.sub(r"[^\s]", "", text)[:1]
-    if abs(value) >= 1e3 and (between or "e" in shown):
-        shown = f"{float(shown):,.0f}".replace(",", between)
-    return shown.replace("-", "−", 1) if "−" in text else shown
+        return text if found[2].startswith("!") else f"{text}{gap}{name_here}"
 
 
 SI = Units(

@@ -229,8 +229,9 @@ class Chart:
             marks = tuple(mark.scaled(along, up) for mark in plot.marks)
             plots.append(replace(plot, marks=marks, y=plot.y.scaled(up, unit)))
         across = self.x.scaled(along, x_unit)
-        made = draw_chart(self.name, units.said(self.caption), plots, across, self.group, self.width, units)
-        return replace(made, svg=units.said(made.svg))
+        return draw_chart(
+            self.name, units.rendered(self.caption), plots, across, self.group, self.width, units
+        )
 
 
 def draw_chart(
@@ -254,7 +255,7 @@ def draw_chart(
         f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
         '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
     )
-    svg = units.rendered(head + "".join(parts) + "</svg>")
+    svg = units.rendered(head + "".join(parts) + "</svg>", "\N{NO-BREAK SPACE}")
     return Chart(name, group, caption, svg, width, tuple(plots), x)
 
 

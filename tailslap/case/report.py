@@ -14,6 +14,7 @@ from postprocess.fields.series import FILE, FieldSeries, write_fields
 from postprocess.report.numbers import duration, grouped, number
 from postprocess.report.page import Page, Section
 from postprocess.report.table import Column, Table, pairs
+from postprocess.report.units import measure
 from postprocess.signals.design_forces import design_forces
 from tailslap.case.case import Case, FePlan, Outcome
 from tailslap.case.checks import Check
@@ -124,10 +125,10 @@ def fe_text(
     elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
     seconds = loop_seconds(fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows)
     return [
-        f"plate        {elements} elements, {model.loop.mass.size} nodes, {model.mass:.1f} kg, {plate.element}, "
-        f"{plate.lumping} masses{start}",
-        f"stiffness    Young's modulus {plate.youngs_modulus:.6g} Pa, first frequency of the free plate in its plane "
-        f"{fe_plan.first_frequency:.4g} Hz",
+        f"plate        {elements} elements, {model.loop.mass.size} nodes, {measure(model.mass, 'kg', '.1f')}, "
+        f"{plate.element}, {plate.lumping} masses{start}",
+        f"stiffness    Young's modulus {measure(plate.modulus, 'Pa', '.6g')}, first frequency of the "
+        f"free plate in its plane {fe_plan.first_frequency:.4g} Hz",
         *contact,
         f"time step    {step:.4g} s, {step / model.stable_time_step:.2f} of the stable {model.stable_time_step:.4g} s",
         f"steps        {fe_plan.expected_steps}, about {seconds:.2g} s in the time loop{steps}",

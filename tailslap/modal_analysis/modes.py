@@ -24,6 +24,7 @@ from postprocess.report.numbers import percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
+from postprocess.report.units import measure
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.model import plate_density
 from tailslap.case.report import study_page
@@ -181,8 +182,10 @@ def _sentences(found: PlateModes) -> tuple[str, ...]:
         "kinetic energy; longitudinal ones move along the length with more than half of it. The others bend the plate: "
         "shear where more than half of the strain energy is that of shear strain, else bending; both are numbered "
         "together.",
-        f"Beam theory: a free beam of length {beam.length:g} m and depth {beam.depth:g} m. For bending it is "
+        f"Beam theory: a free beam of length {measure(beam.length, 'm', 'g')} and depth "
+        f"{measure(beam.depth, 'm', 'g')}. For bending it is "
         "Timoshenko's, with shear and rotary inertia; the slender beam is Euler and Bernoulli's, without them. For "
-        f"longitudinal modes it is n c / (2 L) with c = {beam.wave_speed:.5g} m/s, which leaves out that the plate "
+        f"longitudinal modes it is n c / (2 L) with c = {measure(beam.wave_speed, 'm/s', '.5g')}, "
+        "which leaves out that the plate "
         "grows thinner where it is stretched. A plate this deep leaves both with the higher modes.",
     )

@@ -12,7 +12,7 @@ import pytest
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table
-from postprocess.report.units import SI, US
+from postprocess.report.units import SI, US, measure
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from tailslap.case.corner.case import CornerCase
@@ -114,38 +114,55 @@ def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"),
+    ("text", "si", "us"),
     [
-        ("a peak of 445 kN.", "a peak of 100 kip."),
-        ("between 339 and 850 kN", "between 76.2 and 191 kip"),
-        ("4.5 to 5.5 m, 10 by 2.4 m", "14.8 to 18 ft, 32.8 by 7.87 ft"),
-        ("10 000 kg at 25.034 m/s", "22 046 lb at 82.133 ft/s"),
-        ("20 GPa; 2e+06 N/m", "2900 ksi; 137 kip/ft"),
-        ("−1.25 kN s, -2 mm", "−0.281 kip s, -0.0787 in."),
-        ("1.33 times the 50 ms mean of 8 Hz", "1.33 times the 50 ms mean of 8 Hz"),
-        ("as `impact.speed = 25 m/s` has it", "as `impact.speed = 25 m/s` has it"),
-        ("54.0 kip; x1 m; 3 m^2; TL-4 m", "54.0 kip; x1 m; 3 m^2; TL-4 m"),
+        (f"a peak of {measure(445e3, 'N', '.0f')}.", "a peak of 445 kN.", "a peak of 100 kip."),
+        (
+            f"between {measure(339, 'kN', 'g', named=False)} and {measure(850, 'kN', 'g')}",
+            "between 339 and 850 kN",
+            "between 76.2 and 191 kip",
+        ),
+        (measure(4.5, "m", "g"), "4.5 m", "14.8 ft"),
+        (measure(10000.0, "kg", ".0f"), "10000 kg", "22046 lb"),
+        (measure(25.034, "m/s", ".5g"), "25.034 m/s", "82.133 ft/s"),
+        (measure(20.0, "GPa", "g"), "20 GPa", "2900 ksi"),
+        (measure(2e6, "N/m", ".4g"), "2e+06 N/m", "137 kip/ft"),
+        (measure(-1250.0, "N s", ".3g"), "-1.25 kN s", "-0.281 kip s"),
+        (measure(np.float64(-2), "mm", "g"), "-2 mm", "-0.0787 in."),
+        (measure(np.pi / 12.0, "rad", ".3g"), "15 deg", "15 deg"),
+        (measure(8.0, "Hz", "g"), "8 Hz", "8 Hz"),
+        (
+            "as `impact.speed = 25 m/s` has it",
+            "as `impact.speed = 25 m/s` has it",
+            "as `impact.speed = 25 m/s` has it",
+        ),
     ],
 )
-def test_sentences_say_american_units(text: str, expected: str) -> None:
-    """Values by the units' definitions, to as many digits, but three at least; `keys` as they are."""
-    assert US.said(text) == expected
-    assert US.said(text.replace(" ", "\N{NO-BREAK SPACE}")) == expected.replace(" ", "\N{NO-BREAK SPACE}")
+def test_measures_are_rendered_in_the_units_of_the_reader(text: str, si: str, us: str) -> None:
+    """Values by the units' definitions, to as many digits, but three at least; texts without a measure as they are."""
+    assert (SI.rendered(text), US.rendered(text)) == (si, us)
+
+
+def test_a_measure_is_converted_before_it_is_rounded() -> None:
+    """10.4778 kN s are 2.3555 kip s; rounded to 10.5 kN s first they would be 2.3605."""
+    assert US.rendered(measure(10477.8, "N s", ".1f")) == "2.36 kip s"
+    assert US.rendered(measure(10477.8, "N s", ".3f")) == f"{10477.8 / KIP:.5g} kip s"
 
 
 def test_a_report_is_in_american_units_everywhere() -> None:
     """Headline, lead, sentences, captions, cells, axes, ticks, and what charts say at the pointer."""
-    line = Line("445 kN", np.array([0.0, 445.0]), np.zeros(2), values=["445 kN"] * 2, at=["2 m", "3 m"])
-    chart = draw_chart("c", "2 m", (Plot((line, Level("", 445.0)), Axis("y [kN]")),), Axis("x [kN]"))
+    two, three, force = measure(2.0, "m", "g"), measure(3.0, "m", "g"), measure(445.0, "kN", "g")
+    line = Line(force, np.array([0.0, 445.0]), np.zeros(2), values=[force] * 2, at=[two, three])
+    chart = draw_chart("c", two, (Plot((line, Level("", 445.0)), Axis("y [kN]")),), Axis("x [kN]"))
     columns = (
         Column("a", "a", form=str),
         Column("b", "b", "N", form=".1f"),
         Column("c", "c", form="`{}`".format),
     )
-    table = Table(columns, [{"a": "2 m", "b": 445e3, "c": "2 m"}], "of 2 m", ("2 m",))
-    section = Section("2 m", "2 m", (chart,), (table,), ("2 m",))
-    page = Page("", "", "2 m", (section,), "SI units; x along")
-    shown = in_units(Report(page, {}, ("2 m", table)), US)
+    table = Table(columns, [{"a": two, "b": 445e3, "c": "2 m"}], f"of {two}", (two,))
+    section = Section(two, two, (chart,), (table,), (two,))
+    page = Page("", "", two, (section,), "SI units; x along")
+    shown = in_units(Report(page, {}, (two, table)), US)
     (part,) = shown.page.sections
     (made,), (figure,) = part.tables, part.figures
     assert {shown.page.headline, part.title, part.lead, *part.sentences, *made.notes} == {"6.56 ft"}
@@ -154,7 +171,7 @@ def test_a_report_is_in_american_units_everywhere() -> None:
     assert isinstance(figure, Chart)
     for text in (
         ">x [kip]<",
-        ">100 kip<",
+        ">100\xa0kip<",
         ">100<",
         'data-at="6.56\xa0ft 9.84\xa0ft"',
         'data-values="100\xa0kip ',
@@ -162,7 +179,7 @@ def test_a_report_is_in_american_units_everywhere() -> None:
         assert text in figure.svg
     assert "kN" not in figure.svg
     assert shown.page.footer == "US units, files in SI; x along"
-    assert in_units(Report(page, {}, ()), SI).page.headline == "2 m"
+    assert in_units(Report(page, {}, ()), SI).page.headline == SI.rendered(two) == "2 m"
     assert in_units(Report(page, {}, ()), SI).page.footer == page.footer
 
 

@@ -10,6 +10,7 @@ from fem.laws.materials import MATERIALS
 from fem.plate.kinds import LUMPINGS
 from fem.start.start_kinds import START_KINDS
 from postprocess.comparison.quantities import largest
+from postprocess.report.units import measure
 from tailslap.case.checks import failed_names
 from tailslap.case.corner.checks import reaction_checks
 from tailslap.case.corner.decisions import damping_is_open, suppressing_rate
@@ -57,9 +58,9 @@ def rigid_text(case: RigidStages) -> list[str]:
     return [
         f"{case.scene.name}: the scene is valid",
         f"start        angle {start.angle:.6g} rad, omega {start.omega:.6g} rad/s, "
-        f"corner speed {start.corner_speed:.6g} m/s{computed}",
+        f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}",
         f"reaction     {reaction}, friction {case.scene.corner_friction:g}: {FRICTION_LAWS[reaction].text}",
-        f"tail-slap    expected at {strike.t:.6g} s after {strike.slide:.5g} m of sliding",
+        f"tail-slap    expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding",
         *left_out_text(omitted_parts(case.scene)),
     ]
 
@@ -68,7 +69,7 @@ def check_text(fe_plan: CornerPlan) -> list[str]:
     """All lines of `tailslap check`."""
     model, corner = fe_plan.model, fe_plan.model.loop.corner
     where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
-    stiffness = "" if corner.is_exact else f" of {corner.stiffness:.4g} N/m"
+    stiffness = "" if corner.is_exact else f" of {measure(corner.stiffness, 'N/m', '.4g')}"
     contact = [
         f"corner       {where}, {CONSTRAINTS.of(corner.constraint).text}{stiffness}",
         f"frequency    {model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint",
@@ -145,7 +146,8 @@ def statements(outcome: CornerOutcome) -> list[str]:
         f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
         f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.',
         f"The plate's material: {MATERIALS[material.law].text}." if material else "",
-        f"The wall's reaction N is negative throughout, {first:.2f} kN at the start and {last:.2f} kN at the end: "
+        f"The wall's reaction N is negative throughout, {measure(first, 'kN', '.2f')} at the start and "
+        f"{measure(last, 'kN', '.2f')} at the end: "
         "it pulls the corner back to the wall. Without that pull the corner would leave it.",
         _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
         *chosen_sentences(fe_plan),
@@ -187,7 +189,8 @@ def _plate_mass(plate: float, vehicle: float) -> str:
     if abs(plate / vehicle - 1.0) < 1e-9:
         return ""
     return (
-        f"The plate weighs {plate:.1f} kg, the vehicle {vehicle:.1f} kg. Rigid motion does not depend on the mass; "
+        f"The plate weighs {measure(plate, 'kg', '.1f')}, the vehicle {measure(vehicle, 'kg', '.1f')}. "
+        "Rigid motion does not depend on the mass; "
         "reactions and energies do, and those of the rigid solution are given for the plate's mass here. "
         "Stages 1 and 3 use the vehicle's."
     )
@@ -218,5 +221,6 @@ def _convention(case: RigidStages) -> str:
     return (
         f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '
         f"impact would be {its.start.omega:.4f} instead of {case.start.omega:.4f} rad/s and the peak force "
-        f"{its.force.peak_force / 1e3:.0f} instead of {case.force.peak_force / 1e3:.0f} kN."
+        f"{measure(its.force.peak_force, 'N', '.0f', named=False)} instead of "
+        f"{measure(case.force.peak_force, 'N', '.0f')}."
     )

@@ -12,7 +12,7 @@ import numpy as np
 from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from postprocess.report.units import SI, Units
+from postprocess.report.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.checks import failed_names
 from tailslap.case.impact import figures
@@ -261,15 +261,16 @@ def contact_words(contact: Contact) -> str:
     if contact.stiffness is None:
         how = "a penalty spring" if contact.enforcement == "penalty" else "an exact constraint"
         return f"does not crush: {how} at each node of the boundary, which only pushes; {friction}"
-    initial = f"{contact.initial_force / 1e3:g} kN + " if contact.initial_force else ""
+    initial = f"{measure(contact.initial_force / 1e3, 'kN', 'g')} + " if contact.initial_force else ""
     side = (
-        f", a layer of {contact.side_stiffness / 1e6:g} MN/m^2 along the sides"
+        f", a layer of {measure(contact.side_stiffness / 1e6, 'MN/m^2', 'g')} along the sides"
         if contact.side_stiffness
         else ""
     )
-    patch = f", spread over {contact.patch_length:g} m" if contact.patch_length else ""
+    patch = f", spread over {measure(contact.patch_length, 'm', 'g')}" if contact.patch_length else ""
     return (
-        f"crushes at its corners by {initial}{contact.stiffness / 1e6:g} MN/m times the depth{patch}{side}, "
+        f"crushes at its corners by {initial}{measure(contact.stiffness / 1e6, 'MN/m', 'g')} times the depth"
+        f"{patch}{side}, "
         f"restitution {contact.restitution:g}; {friction}; the wall only pushes"
     )
 
@@ -297,9 +298,10 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
     lines = [
         f"{case.scene.name}: the scene is valid",
         f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
-        f"{math.hypot(touch.v_gx, touch.v_gy):.5g} m/s",
-        f"vehicle      {vehicle.mass:g} kg, centre of mass {vehicle.front_distance:g} m behind the front, "
-        f"yaw inertia {vehicle.inertia:.6g} kg m^2",
+        + measure(math.hypot(touch.v_gx, touch.v_gy), "m/s", ".5g"),
+        f"vehicle      {measure(vehicle.mass, 'kg', 'g')}, centre of mass "
+        f"{measure(vehicle.front_distance, 'm', 'g')} behind the front, "
+        f"yaw inertia {measure(vehicle.inertia, 'kg m^2', '.6g')}",
         f"contact      {contact_words(case.scene.needed_contact)}",
         f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
         f"end          {motion.t_end:.4g} s",

@@ -13,6 +13,7 @@ from postprocess.report.numbers import duration, known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
+from postprocess.report.units import measure
 from postprocess.svg.chart import Chart
 from postprocess.svg.scale import power_text
 from tailslap.case.report import study_page, study_summary
@@ -117,7 +118,8 @@ def _corner(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
     frequency, patch, _ = compute.soft_plate(found.case.scene)
     meshes = [row["label"] for row in soft if row["group"] == "quad9"]
     limits = (
-        f"The soft plate: {frequency:g} Hz first frequency, the corner held over {patch:g} m, no friction, no damping, "
+        f"The soft plate: {frequency:g} Hz first frequency, the corner held over {measure(patch, 'm', 'g')}, "
+        "no friction, no damping, "
         "one modulus on all meshes: what is left of its error falls with refinement.",
         f"Full lines: the error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
         f"{limit:.0e}, the largest GCI; smaller errors are shown as that.",
@@ -149,7 +151,7 @@ def _impact(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
     reading = (
         f"Error: largest of impulse, peak and duration of the first two strikes, from Richardson's extrapolation of "
         f"quad9, known to {known_to:.0e}; smaller ones are shown as that. A corner's crush is spread over "
-        f"{found.patch:g} m of its side. Times: the fastest of several, all compiled and loaded."
+        f"{measure(found.patch, 'm', 'g')} of its side. Times: the fastest of several, all compiled and loaded."
     )
     section = Section("Error against run time", "", charts(IMPACT, rows, known_to), best, (reading,))
     return "settings of a whole impact", headline, best, (reading,), [section]

@@ -12,6 +12,7 @@ from postprocess.report.numbers import known, percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
+from postprocess.report.units import measure
 from postprocess.svg.chart import Chart
 from tailslap.campaign.levels import hertz
 from tailslap.case.impact.answers import COLUMNS
@@ -196,7 +197,7 @@ def _modelled(found: Flexibility) -> str:
     added = "" if support["own_patch"] else ", which the study adds"
     return (
         f"Numbers are those of {along} x {across} elements, the corner with the {support['constraint']} constraint "
-        f"over {support['patch']:g} m{added}. Failed: {failed or 'none'}."
+        f"over {measure(support['patch'], 'm', 'g')}{added}. Failed: {failed or 'none'}."
     )
 
 
@@ -268,7 +269,7 @@ def impact_report(found: Flexibility) -> Report:
     heads = (F1, *STRIKE_POINTS, Column("failed", "Checks failed"))
     failed = "; ".join(f"{hertz(row['frequency'])}: {row['failed']}" for row in found.rows if row["failed"])
     said = (
-        f"A corner's crush is spread over {found.setup['patch_length']:g} m of its side. "
+        f"A corner's crush is spread over {measure(found.setup['patch_length'], 'm', 'g')} of its side. "
         f"Failed: {failed or 'none'}."
     )
     why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from postprocess.report.units import measure
 from solver import RectangularBody, corner_impulse, strike_force, tail_slap
 from solver.impact import solve_impacts
 from tailslap.campaign import sampling
@@ -427,7 +428,7 @@ def beside(
         "error": error,
         "within": within,
         "u_d_needed": needed,
-        "verdict": "within u_val" if within else f"beyond, unless u_D is {needed / 1e3:.0f} kN",
+        "verdict": "within u_val" if within else f"beyond, unless u_D is {measure(needed, 'N', '.0f')}",
         "share_below": band.fraction_below(printed.measured),
         "u_d": None,
         "band": band.percentiles,

@@ -14,6 +14,7 @@ from postprocess.report.numbers import grouped, known
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
+from postprocess.report.units import measure
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
 from tailslap.case.impact.answers import COLUMNS, QUANTITIES
 from tailslap.case.report import study_page, study_summary
@@ -129,9 +130,10 @@ def corner_report(found: Spread) -> Report:
     refusals = "The theory refuses none of the combinations."
     low, _, high = (force / 1e3 for force in band.percentiles)
     said = (
-        f"Mean {band.mean / 1e3:.0f} kN, standard deviation {band.standard_deviation / 1e3:.0f} kN; nine in ten "
-        f"combinations lie between {low:.0f} and {high:.0f} kN. The scene's own values give "
-        f"{own / 1e3:.0f} kN, more than {100.0 * band.fraction_below(own):.0f} % of them. The largest part of the "
+        f"Mean {measure(band.mean, 'N', '.0f')}, standard deviation {measure(band.standard_deviation, 'N', '.0f')}; "
+        f"nine in ten combinations lie between {measure(low, 'kN', '.0f', named=False)} and "
+        f"{measure(high, 'kN', '.0f')}. The scene's own values give {measure(own, 'N', '.0f')}, more than "
+        f"{100.0 * band.fraction_below(own):.0f} % of them. The largest part of the "
         f"variance comes from {inputs[0]['key']}, with an index of {inputs[0]['first_order']:.2f}."
     )
     if refused:
@@ -242,8 +244,9 @@ def _impact_headline(found: Spread) -> str:
     """The second strike's force, where its spread comes from, and the rows."""
     low, _, high = (force / 1e3 for force in found.band(MAIN).percentiles)
     said = [
-        f"The second strike's 50 ms mean is {found.own[MAIN] / 1e3:.0f} kN with the scene's own values; nine in ten "
-        f"combinations lie between {low:.0f} and {high:.0f} kN."
+        f"The second strike's 50 ms mean is {measure(found.own[MAIN], 'N', '.0f')} with the scene's own values; "
+        f"nine in ten combinations lie between {measure(low, 'kN', '.0f', named=False)} and "
+        f"{measure(high, 'kN', '.0f')}."
     ]
     if sources := found.sources_of(MAIN):
         first = sources[0]
