@@ -13,7 +13,7 @@ from postprocess.comparison.quantities import largest
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.error import CORRUPTED
 from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate, rings
-from tailslap.case.refine import comparable_plate, second_plates
+from tailslap.case.refine import comparable_plate, refined, second_plates
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -67,6 +67,17 @@ def test_large_meshes_are_judged_by_a_coarser_one() -> None:
     assert comparable_plate(plate.model_copy(update={"elements": (1600, 625)})).elements == (200, 78)
     quadratic = plate.model_copy(update={"elements": (8, 4), "element": "tri6"})
     assert comparable_plate(quadratic).elements == (16, 8)
+
+
+def test_a_refined_plate_keeps_all_but_counts_and_kind() -> None:
+    """Counts are floored, or rounded as asked, and no less than the least."""
+    plate = read_scene("paper-abaqus", ("plate.elements=[21,5]", "plate.distortion=0.1"))[0].plate
+    assert plate is not None
+    assert refined(plate).counts == (42, 10)
+    assert refined(plate, 0.5).counts == (10, 2)
+    assert refined(plate, 1.0 / 1.5, least=4, whole=round).counts == (14, 4)
+    other = refined(plate, 1.0, "quad9")
+    assert other == plate.model_copy(update={"element": "quad9"})
 
 
 def test_corrupted_run_is_given_up(outcome: Callable[..., Any]) -> None:

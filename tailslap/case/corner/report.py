@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fem.explicit.columns import COLUMNS
 from postprocess.comparison.quantities import KEYS, PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
@@ -29,9 +29,6 @@ from tailslap.case.corner.text import (
     verdict_sentence,
 )
 from tailslap.progress import announced
-
-if TYPE_CHECKING:
-    import numpy as np
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
@@ -94,12 +91,9 @@ def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
         [prediction(outcome)],
         f", pictures {outcome.pictures_s:.2f} s",
     )
-    return Report(page, corner_summary(outcome, pictures), said, histories=histories(outcome))
-
-
-def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
-    """Both histories by the names of their files."""
-    return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
+    return Report(
+        page, corner_summary(outcome, pictures), said, histories=outcome.fe_plan.case.histories(outcome)
+    )
 
 
 def corner_summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
