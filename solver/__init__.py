@@ -4,14 +4,19 @@ B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307; equation numbers a
 SI units and radians. NumPy alone is imported; `integrate_odes` imports SciPy when it is called.
 """
 
-from solver.body import RectangularBody
-from solver.earlier_methods import OlsonForce, RitterForce, hirsch_force, olson_force, ritter_force
-from solver.errors import RigidBodyError
-from solver.impulse import CONVENTIONS, ImpulseResult, corner_impulse
-from solver.motion import PlaneMotion, plane_motion, tail_slap
-from solver.odes import OdeMotion, integrate_odes
-from solver.state import REACTIONS, MotionState
-from solver.strike import StrikeForce, strike_force
+from solver.body import REACTIONS, MotionState, RectangularBody
+from solver.motion import OdeMotion, PlaneMotion, integrate_odes, plane_motion, tail_slap
+from solver.rules import RigidBodyError
+from solver.stage_1 import CONVENTIONS, ImpulseResult, corner_impulse
+from solver.stage_3 import (
+    OlsonForce,
+    RitterForce,
+    StrikeForce,
+    hirsch_force,
+    olson_force,
+    ritter_force,
+    strike_force,
+)
 
 __all__ = [
     "CONVENTIONS",

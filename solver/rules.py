@@ -1,11 +1,145 @@
-"""What the inputs must meet, in words: the key, why a value cannot be, and what is allowed instead."""
+"""Inputs of the rigid-body theory: conversion, the rules that they must meet, and the error that refuses them.
+
+One scalar solution must cost microseconds, and 100 000 of them must be one call. So the formulas are written once, for
+floats and arrays alike, with the functions of `functions(...)`: those of `math` for floats, of NumPy for arrays.
+"""
 
 from __future__ import annotations
 
-from solver.errors import Rule
+import math
+from dataclasses import fields
+from types import SimpleNamespace
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class RigidBodyError(ValueError):
+    """An input for which the rigid-body equations have no answer; `str()` is a sentence made of all attributes.
+
+    Attributes
+    ----------
+    key : str
+        Name of the input to change.
+    given : object
+        Its value.
+    why : str
+        Why it cannot have that value.
+    allowed : str
+        What it may be.
+    """
+
+    def __init__(self, key: str, given: Any, why: str, allowed: str) -> None:
+        super().__init__(key, given, why, allowed)
+        self.key, self.given, self.why, self.allowed = key, given, why, allowed
+
+    def __str__(self) -> str:
+        return f"{self.key} is {self.given}, but {self.why}; allowed: {self.allowed}."
+
+
+class Rule(NamedTuple):
+    """A condition in words; `why` and `allowed` are templates for the details of the row that fails."""
+
+    key: str
+    why: str
+    allowed: str
+
+
+def choose(key: str, given: str, options: tuple[str, ...]) -> str:
+    """`given`, if it is one of `options`; raises RigidBodyError if not."""
+    if given in options:
+        return given
+    names = ", ".join(f'"{option}"' for option in options)
+    raise RigidBodyError(key, repr(given), "there is no such choice", f"one of {names}")
+
+
+def holds(met: Any) -> bool:
+    """Whether a condition, a bool or an array of them, is met throughout."""
+    return met is True or (met is not False and bool(np.all(met)))
+
+
+class Gate:
+    """The conditions that inputs must meet, checked in turn; each is a bool or an array of them.
+
+    With invalid="raise" the first condition that fails raises RigidBodyError for the first row where it
+    does. With invalid="nan" the rows are noted in `ok`, and `filled` puts NaN there.
+    """
+
+    def __init__(self, invalid: str = "raise") -> None:
+        self.fill = choose("invalid", invalid, ("raise", "nan")) == "nan"
+        self.ok: Any = True
+
+    def demand(self, rule: Rule, met: Any, given: Any, **details: Any) -> None:
+        """Require that `met` holds for the value `given`."""
+        if holds(met):
+            return
+        if not self.fill:
+            raise refusal(rule, given, met, **details)
+        self.ok = self.ok & met
+
+    def positive(self, rule: Rule, value: Any) -> None:
+        """Require that `value` is positive and finite."""
+        self.demand(rule, (value > 0.0) & (value < math.inf), value)
+
+    def not_negative(self, rule: Rule, value: Any) -> None:
+        """Require that `value` is 0 or more, and finite."""
+        self.demand(rule, (value >= 0.0) & (value < math.inf), value)
+
+    def safe(self, *values: Any) -> tuple[Any, ...]:
+        """The values, with a harmless number in the rows that have failed."""
+        return values if self.ok is True else tuple(np.where(self.ok, value, 0.5)[()] for value in values)
+
+    def filled(self, record: Any) -> Any:
+        """The record, with NaN in the rows that have failed."""
+        if self.ok is True:
+            return record
+        values = (getattr(record, field.name) for field in fields(record))
+        return type(record)(*(np.where(self.ok, value, np.nan)[()] for value in values))
+
+
+def refusal(rule: Rule, given: Any, met: Any = False, **details: Any) -> RigidBodyError:
+    """The error of a rule for the first of the values given for which it is not met."""
+    met, given, *arrays = np.broadcast_arrays(met, given, *details.values())
+    index = tuple(int(i) for i in np.argwhere(~met)[0])
+    value = given[index].item()
+    values = {name: array[index] for name, array in zip(details, arrays, strict=True)}
+    why = rule.why.format(**values) if np.isfinite(value) else "it is not a finite number"
+    place = f" at index {index if len(index) > 1 else index[0]}" if index else ""
+    return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**values))
+
+
+Array = NDArray[np.float64]
+Number = float | Array
+V = TypeVar("V", bound=Number)
+
+
+_SCALAR = SimpleNamespace(
+    **vars(math), maximum=max, minimum=min, where=lambda condition, yes, no: yes if condition else no
+)
+
+
+def functions(*values: Any) -> Any:
+    """The elementary functions for these values: those of `math` if all are floats, of NumPy if not."""
+    for value in values:
+        if not isinstance(value, float):
+            return np
+    return _SCALAR
+
+
+def number(key: str, value: ArrayLike) -> Any:
+    """`value` as a float, or as an array of floats; raises RigidBodyError under the name `key`."""
+    if type(value) is float:
+        return value
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        allowed = "a number, or an array of numbers"
+        raise RigidBodyError(key, repr(value), "it is not a number", allowed) from error
+    return array if array.ndim else array.item()
+
 
 POSITIVE = "positive and finite"
-_ABRUPT = "the angular velocity changes too abruptly on the path for double precision"
 
 LENGTH = Rule("length", "a body without extent has no corner to turn about", f"{POSITIVE}, m")
 WIDTH = Rule("width", "a body without extent has no corner to turn about", f"{POSITIVE}, m")
@@ -44,7 +178,11 @@ SOLVABLE = Rule(
     "falls to {least:.6g} on the path",
     _PATH,
 )
-GROWTH = Rule("friction", _ABRUPT, "less, or another reaction model")
+GROWTH = Rule(
+    "friction",
+    "the angular velocity changes too abruptly on the path for double precision",
+    "less, or another reaction model",
+)
 STOP = Rule(
     "corner_speed",
     "the corner stops before the strike, at the angle {angle:.6g} rad and the time {time:.6g} s, and there "
@@ -75,3 +213,56 @@ TRAVEL = Rule(
     "positive: front_distance sin(angle) + deflection > half_width (1 - cos(angle)), m",
 )
 AVERAGE_FORCE = Rule("average_force", "there is no peak without an average", f"{POSITIVE}, N")
+
+STIFFNESS = Rule("stiffness", "a law without stiffness never stops the vehicle", f"{POSITIVE}, N/m")
+INITIAL_FORCE = Rule("initial_force", "the wall only pushes", "0 or more, and finite, N")
+RETURNED = Rule("restitution", "unloading gives back its square of the energy taken up", "from 0 to 1")
+LINE = Rule(
+    "restitution",
+    "with an initial force an unloading line that gives back more than half of the energy ends in front of the wall",
+    "at most sqrt(1/2) = 0.707107 with an initial force, or no initial force",
+)
+CENTRE = Rule(
+    "centre_of_mass", "the centre of mass is in the vehicle", "between 0 and the length, {length:.6g} m"
+)
+MIN_INERTIA = 1e-3
+"""Of the greatest that there can be: nearly all mass at one point is no vehicle, and turns too often to be followed."""
+INERTIA = Rule(
+    "yaw_inertia",
+    "no vehicle of that mass, size and centre of mass has it",
+    "from a thousandth of m (a (L - a) + B^2/4) to at most m (a (L - a) + B^2/4) = {most:.6g} kg m^2",
+)
+UNIFORM = Rule(
+    "centre_of_mass",
+    "no body with its centre of mass there has the uniform rectangle's inertia, {inertia:.6g} kg m^2",
+    "nearer to the middle, or a yaw_inertia of at most {most:.6g} kg m^2",
+)
+TOUCH_ANGLE = Rule("angle", "the front corner must come first", "between 0 and pi/2 rad")
+STATE = Rule("state", "the motion starts from it", "six finite numbers")
+INSIDE = Rule(
+    "state", "{name} is {depth:.6g} m inside the wall at the start", "outside the wall, or touching it"
+)
+NEVER = Rule("state", "the vehicle never touches the wall", "a motion towards the wall")
+END = Rule("end", "the motion must go on for some time", f"{POSITIVE}, s")
+IMPACT_TIME = Rule("time", "the motion is not followed that far", "from 0 to {end:.10g} s")
+POINTS = Rule("side_points", "a layer is taken at points along each side", "1 or more")
+
+
+def one(key: str, value: Any) -> float:
+    """`value` as a float; raises RigidBodyError for arrays."""
+    given = number(key, value)
+    if not isinstance(given, float):
+        raise RigidBodyError(key, f"of shape {given.shape}", "this is one impact", "a number")
+    return given
+
+
+def within(rule: Rule, value: Any, least: float, most: float, **details: Any) -> float:
+    """`value` as a float between the bounds, without them; raises RigidBodyError by the rule."""
+    given = one(rule.key, value)
+    Gate().demand(rule, least < given < most, given, **details)
+    return given
+
+
+def positive(rule: Rule, value: Any) -> float:
+    """`value` as a positive, finite float; raises RigidBodyError by the rule."""
+    return within(rule, value, 0.0, math.inf)

@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem.machine_code.compiled import Told, compile_once, silent
-from solver.elementary import Array, Number, number
-from solver.errors import Gate, RigidBodyError, Rule
-from solver.impact import rules
+from solver import rules
 from solver.impact.step import STRIKE, SUMS, UNIT, Clock, Train, advance, workspace
 from solver.impact.strikes import Strike
 from solver.impact.train import CORNERS, ImpactState, ImpactVehicle, WallContact, train_of
-from solver.rules import LENGTH, MASS, WIDTH
+from solver.rules import Array, Gate, Number, RigidBodyError, number
 
 TOLERANCE = 1e-5
 """Of peaks, impulses and spin of one impact."""
@@ -293,7 +291,7 @@ class ImpactMotion:
     interval : float
         Between rows [s].
     rows : ndarray, shape (rows, columns)
-        Every step, or as many as there is room for; columns as of `COLUMNS`.
+        Every step, or as many as there is room for [SI]; columns as of `COLUMNS`.
     """
 
     vehicle: ImpactVehicle
@@ -325,7 +323,7 @@ class ImpactMotion:
             For an instant outside that range.
         """
         t = np.asarray(number("time", times), dtype=np.float64)
-        Gate().demand(rules.TIME, (t >= 0.0) & (t <= self.t_end), t, end=self.t_end)
+        Gate().demand(rules.IMPACT_TIME, (t >= 0.0) & (t <= self.t_end), t, end=self.t_end)
         k = np.minimum((t / self.interval).astype(np.int64), len(self.rows) - 2)
         s, before, after = (t / self.interval - k)[..., None], self.rows[k], self.rows[k + 1]
         value = before + s * (after - before)
@@ -597,17 +595,13 @@ def _gathered(given: dict[str, Any], centre: Any, inertia: Any) -> tuple[tuple[i
 
 def _demand(given: bool, **v: Array) -> None:
     gate, e, a = Gate(), v["restitution"], v["centre"]
-    positive = (LENGTH, WIDTH, MASS, rules.SPEED, rules.STIFFNESS)
-    limits: list[tuple[Rule, Any, Any]] = [
-        *((rule, (v[rule.key] > 0.0) & (v[rule.key] < math.inf), v[rule.key]) for rule in positive),
-        (rules.TOUCH_ANGLE, (v["angle"] > 0.0) & (v["angle"] < math.pi / 2.0), v["angle"]),
-        (rules.RESTITUTION, (e >= 0.0) & (e <= 1.0), e),
-        (rules.LINE, (v["initial_force"] == 0.0) | (2.0 * e * e <= 1.0 + 1e-12), e),
-    ]
+    for rule in (rules.LENGTH, rules.WIDTH, rules.MASS, rules.SPEED, rules.STIFFNESS):
+        gate.positive(rule, v[rule.key])
+    gate.demand(rules.TOUCH_ANGLE, (v["angle"] > 0.0) & (v["angle"] < math.pi / 2.0), v["angle"])
+    gate.demand(rules.RETURNED, (e >= 0.0) & (e <= 1.0), e)
+    gate.demand(rules.LINE, (v["initial_force"] == 0.0) | (2.0 * e * e <= 1.0 + 1e-12), e)
     for rule in (rules.FRICTION, rules.INITIAL_FORCE):
-        limits.append((rule, (v[rule.key] >= 0.0) & (v[rule.key] < math.inf), v[rule.key]))
-    for rule, met, value in limits:
-        gate.demand(rule, met, value)
+        gate.not_negative(rule, v[rule.key])
     gate.demand(rules.CENTRE, (a > 0.0) & (a < v["length"]), a, length=v["length"])
     most, inertia = v["mass"] * (a * (v["length"] - a) + v["width"] ** 2 / 4.0), v["inertia"]
     rule, value = (rules.INERTIA, inertia) if given else (rules.UNIFORM, a)

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from solver.elementary import Array
 from solver.impact.step import SHORTEST
+from solver.rules import Array
 
 
 @dataclass(frozen=True)

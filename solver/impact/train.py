@@ -12,11 +12,9 @@ from dataclasses import astuple, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.elementary import Array
-from solver.errors import Gate
-from solver.impact import rules
+from solver import rules
 from solver.impact.step import Train
-from solver.rules import LENGTH, MASS, WIDTH
+from solver.rules import Array, Gate
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
@@ -54,7 +52,7 @@ class ImpactVehicle:
     yaw_inertia: float | None = None
 
     def __post_init__(self) -> None:
-        for rule in (LENGTH, WIDTH, MASS):
+        for rule in (rules.LENGTH, rules.WIDTH, rules.MASS):
             rules.positive(rule, getattr(self, rule.key))
         rules.within(rules.CENTRE, self.front_distance, 0.0, self.length, length=self.length)
         inertia, most = rules.one("yaw_inertia", self.inertia), self.greatest_inertia
@@ -179,8 +177,8 @@ class CrushLaw:
         gate, e = Gate(), rules.one("restitution", self.restitution)
         rules.positive(rules.STIFFNESS, self.stiffness)
         force = rules.one("initial_force", self.initial_force)
-        gate.demand(rules.INITIAL_FORCE, 0.0 <= force < math.inf, force)
-        gate.demand(rules.RESTITUTION, 0.0 <= e <= 1.0, e)
+        gate.not_negative(rules.INITIAL_FORCE, force)
+        gate.demand(rules.RETURNED, 0.0 <= e <= 1.0, e)
         gate.demand(rules.LINE, force == 0.0 or 2.0 * e * e <= 1.0 + 1e-12, e)
 
 
@@ -212,7 +210,7 @@ class WallContact:
 
     def __post_init__(self) -> None:
         friction = rules.one("friction", self.friction)
-        Gate().demand(rules.FRICTION, 0.0 <= friction < math.inf, friction)
+        Gate().not_negative(rules.FRICTION, friction)
         Gate().demand(rules.POINTS, self.side_points >= 1, self.side_points)
 
 

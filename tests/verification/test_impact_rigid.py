@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from solver import RectangularBody, RigidBodyError, corner_impulse
-from solver.elementary import Array
 from solver.impact import (
     CORNERS,
     CrushLaw,
@@ -27,6 +26,7 @@ from solver.impact import (
     train_of,
 )
 from solver.impact.solve import COLUMNS
+from solver.rules import Array
 
 pytestmark = pytest.mark.verification
 

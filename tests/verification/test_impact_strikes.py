@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from solver.elementary import Array
 from solver.impact import (
     CrushLaw,
     ImpactMotion,
@@ -17,6 +16,7 @@ from solver.impact import (
     solve_impact,
     strikes_of,
 )
+from solver.rules import Array
 
 pytestmark = pytest.mark.verification
 

@@ -18,8 +18,8 @@ from solver import (
     RectangularBody,
     RigidBodyError,
     corner_impulse,
-    elapsed,
     plane_motion,
+    stage_2,
     strike_force,
     tail_slap,
 )
@@ -198,7 +198,7 @@ def test_nan_rows_of_stage_1_pass_through_stage_2() -> None:
 
 
 def test_a_time_that_does_not_converge_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(elapsed, "BISECTIONS", 2)
+    monkeypatch.setattr(stage_2, "BISECTIONS", 2)
     hard = {"angle": 1.3, "friction": 1.32, "reaction": "signed"}
     with pytest.raises(RigidBodyError, match="changes too abruptly"):
         motion(**hard)
@@ -211,7 +211,7 @@ def test_a_time_that_does_not_converge_is_refused(monkeypatch: pytest.MonkeyPatc
 def test_a_clock_that_does_not_converge_is_refused(
     monkeypatch: pytest.MonkeyPatch, limit: str, value: float
 ) -> None:
-    monkeypatch.setattr(elapsed, limit, value)
+    monkeypatch.setattr(stage_2, limit, value)
     hard = motion(angle=1.3, friction=1.3, reaction="signed")
     with pytest.raises(RigidBodyError, match="changes too abruptly"):
         hard.at(0.1)

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver import REACTIONS, MotionState, RectangularBody, RigidBodyError, integrate_odes, odes, plane_motion
+from solver import REACTIONS, MotionState, RectangularBody, RigidBodyError, integrate_odes, plane_motion
 
 pytestmark = pytest.mark.verification
 
@@ -127,7 +127,7 @@ def test_the_integrator_refuses_what_has_no_answer(monkeypatch: pytest.MonkeyPat
         RigidBodyError, match=r"time is 1 at index 1, but .*; allowed: from 0 to 0.3839597401 s"
     ):
         integrate_odes(TRUCK, *START).at([0.0, 1.0])
-    monkeypatch.setattr(odes, "_LONGEST", 0.1)
+    monkeypatch.setattr("solver.motion._LONGEST", 0.1)
     with pytest.raises(
         RigidBodyError, match=r"friction is 0.47, but the angular velocity changes too abruptly"
     ):

@@ -15,7 +15,7 @@ from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.report.units import SI, Units
-from solver.strike import strike_force
+from solver.stage_3 import strike_force
 from tailslap.case import report
 from tailslap.case.checks import advice, failed_names
 from tailslap.case.corner.checks import CHECKS, CONTACT, ENERGY_RATIO, MECHANICS, PRACTICE

@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, Generic
 
+from solver import rules
 from solver.body import RectangularBody
-from solver.elementary import Number, V, functions, number
-from solver.errors import Gate, choose
-from solver.rules import ANGLE, FRICTION, RESTITUTION, SPEED, TURNING
+from solver.rules import Gate, Number, V, choose, functions, number
 
 CONVENTIONS = ("paper", "newton")
 
@@ -89,28 +88,19 @@ def corner_impulse(
     choose("convention", convention, CONVENTIONS)
     v_0, theta = number("speed", speed), number("angle", angle)
     mu, e = number("friction", friction), number("restitution", restitution)
-    gate = Gate(invalid)
-    _admit_inputs(gate, body, v_0, theta, mu, e)
+    gate, gamma = Gate(invalid), body.corner_angle
+    gate.positive(rules.SPEED, v_0)
+    open_ = (theta > 0.0) & (theta + gamma < math.pi / 2.0)
+    gate.demand(rules.ANGLE, open_, theta, most=math.pi / 2.0 - gamma)
+    gate.not_negative(rules.FRICTION, mu)
+    gate.demand(rules.RESTITUTION, (e >= 0.0) & (e <= 1.0), e)
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
-    _admit_turning(gate, theta + body.corner_angle, mu)
+    phi, f = theta + gamma, functions(theta + gamma, mu)
+    limit = f.cos(phi) / f.sin(phi)
+    gate.demand(rules.TURNING, mu < limit, mu, phi=phi, limit=limit)  # beta > phi
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
     result: ImpulseResult[Any] = _solve(body, v_0, theta, mu, 1.0 - e if convention == "paper" else 1.0 + e)
     return gate.filled(result)
-
-
-def _admit_inputs(gate: Gate, body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, e: Any) -> None:
-    most = math.pi / 2.0 - body.corner_angle
-    gate.demand(SPEED, (v_0 > 0.0) & (v_0 < math.inf), v_0)
-    gate.demand(ANGLE, (theta > 0.0) & (theta + body.corner_angle < math.pi / 2.0), theta, most=most)
-    gate.demand(FRICTION, (mu >= 0.0) & (mu < math.inf), mu)
-    gate.demand(RESTITUTION, (e >= 0.0) & (e <= 1.0), e)
-
-
-def _admit_turning(gate: Gate, phi: Any, mu: Any) -> None:
-    """beta > phi, that is mu < cot(phi)."""
-    f = functions(phi, mu)
-    limit = f.cos(phi) / f.sin(phi)
-    gate.demand(TURNING, mu < limit, mu, phi=phi, limit=limit)
 
 
 def _solve(body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:

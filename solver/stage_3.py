@@ -1,7 +1,7 @@
-"""Three earlier estimates of the lateral force, which the paper sets its own against (section 2.1, Eqs 1-5).
+"""Stage 3: the lateral force of the tail-slap (Eqs 72-73), and three earlier estimates of it (section 2.1, Eqs 1-5).
 
-All three stop the centre of mass within the way it has to go until the vehicle is parallel to the wall, and
-leave rotation and friction out. Arguments broadcast; forces push the wall outwards, and are positive.
+The earlier methods stop the centre of mass within the distance it has to go until the vehicle is parallel to the wall,
+and leave rotation and friction out. Arguments broadcast; forces push the wall outwards, and are positive.
 """
 
 from __future__ import annotations
@@ -10,19 +10,67 @@ import math
 from dataclasses import dataclass
 from typing import Any, Generic
 
-from solver.elementary import Number, V, functions, number
-from solver.errors import Gate
-from solver.rules import (
-    AVERAGE_FORCE,
-    DEFLECTION,
-    FRONT_DISTANCE,
-    GRAVITY,
-    HALF_WIDTH,
-    IMPACT_ANGLE,
-    MASS,
-    SPEED,
-    TRAVEL,
-)
+from solver import rules
+from solver.rules import Gate, Number, V, functions, number
+
+
+@dataclass(frozen=True)
+class StrikeForce(Generic[V]):
+    """Lateral force of the tail-slap: floats, or arrays of one shape.
+
+    Attributes
+    ----------
+    impulse : float or ndarray
+        F_imp2 [N s] (Eq 72 [1]_).
+    duration : float or ndarray
+        Of the pulse [s].
+    peak_force : float or ndarray
+        Of a triangular pulse [N] (Eq 73).
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307.
+    """
+
+    impulse: V
+    duration: V
+    peak_force: V
+
+
+def strike_force(mass: Number, lateral_speed: Number, duration: Number) -> StrikeForce[Any]:
+    """Impulse and peak force of the strike that stops the lateral motion (Stage 3); arguments broadcast.
+
+    Parameters
+    ----------
+    mass : float or array_like
+        Of the vehicle [kg].
+    lateral_speed : float or array_like
+        v_GY at the strike [m/s], of either sign: only its magnitude counts.
+    duration : float or array_like
+        Of the triangular pulse [s].
+
+    Returns
+    -------
+    StrikeForce
+        The force is positive, and pushes the wall outwards.
+
+    Raises
+    ------
+    RigidBodyError
+        For mass <= 0, duration <= 0 and whatever is not finite.
+
+    References
+    ----------
+    .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 72-73.
+    """
+    m, v, dt = number("mass", mass), number("lateral_speed", lateral_speed), number("duration", duration)
+    gate = Gate()
+    gate.positive(rules.MASS, m)
+    gate.demand(rules.LATERAL_SPEED, abs(v) < math.inf, v)
+    gate.positive(rules.DURATION, dt)
+    impulse, peak = m * abs(v), 2.0 * m * abs(v) / dt
+    return StrikeForce(impulse + 0.0 * dt, dt + 0.0 * peak, peak)
+
 
 STANDARD_GRAVITY = 9.80665  # m/s^2
 
@@ -113,7 +161,7 @@ def olson_force(
     ------
     RigidBodyError
         Unless mass, speed, front_distance, half_width and gravity are positive, the angle is between 0 and pi/2,
-        the deflection is 0 or more, and the centre of mass has a way to go.
+        the deflection is 0 or more, and the centre of mass comes closer to the wall.
 
     References
     ----------
@@ -122,23 +170,23 @@ def olson_force(
     m, v, theta = number("mass", mass), number("speed", speed), number("angle", angle)
     a, b = number("front_distance", front_distance), number("half_width", half_width)
     d, g = number("deflection", deflection), number("gravity", gravity)
-    _admit(m, v, theta, a, b, d, g)
-    f = functions(theta, v)
+    gate, f = Gate(), functions(theta, v)
+    for rule, value in (
+        (rules.MASS, m),
+        (rules.SPEED, v),
+        (rules.FRONT_DISTANCE, a),
+        (rules.HALF_WIDTH, b),
+        (rules.GRAVITY, g),
+    ):
+        gate.positive(rule, value)
+    gate.demand(rules.IMPACT_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
+    gate.not_negative(rules.DEFLECTION, d)
     travel = a * f.sin(theta) - b * (1.0 - f.cos(theta)) + d
-    Gate().demand(TRAVEL, travel > 0.0, travel)
+    gate.demand(rules.TRAVEL, travel > 0.0, travel)
     lateral_speed = v * f.sin(theta)
     time = travel / (0.5 * lateral_speed)
     deceleration = lateral_speed / (g * time)  # Eq 1, its last member; the one before it is half of that
     return OlsonForce(travel, time, deceleration, deceleration * m * g)
-
-
-def _admit(m: Any, v: Any, theta: Any, a: Any, b: Any, d: Any, g: Any) -> None:
-    gate = Gate()
-    positive = ((MASS, m), (SPEED, v), (FRONT_DISTANCE, a), (HALF_WIDTH, b), (GRAVITY, g))
-    for rule, value in positive:
-        gate.demand(rule, (value > 0.0) & (value < math.inf), value)
-    gate.demand(IMPACT_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
-    gate.demand(DEFLECTION, (d >= 0.0) & (d < math.inf), d)
 
 
 def hirsch_force(average_force: Number) -> Any:
@@ -164,7 +212,7 @@ def hirsch_force(average_force: Number) -> Any:
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eq 3.
     """
     average = number("average_force", average_force)
-    Gate().demand(AVERAGE_FORCE, (average > 0.0) & (average < math.inf), average)
+    Gate().positive(rules.AVERAGE_FORCE, average)
     return math.pi / 2.0 * average
 
 
