@@ -156,13 +156,13 @@ def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None
 
 def test_only_meshes_that_can_be_analysed_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the coarser meshes of a large one."""
-    made, plain = [], decisions.make_static_model
+    made, plain = [], decisions.static_models
 
-    def counted(plan: Any, plate: Any) -> Any:
-        made.append(plate.elements)
-        return plain(plan, plate)
+    def counted(plan: Any, plates: Any, meshes: Any) -> Any:
+        made.extend(plate.elements for plate in plates)
+        return plain(plan, plates, meshes)
 
-    monkeypatch.setattr(decisions, "make_static_model", counted)
+    monkeypatch.setattr(decisions, "static_models", counted)
     plan = CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
     models = list(decisions._coarser_models(plan, plan.scene.needed_plate, MAX_UNKNOWNS))
     assert [2 * model.loop.mass.size <= MAX_UNKNOWNS for model in models] == [True, True]

@@ -11,9 +11,9 @@ from fem.plate.kinds import LUMPINGS
 from tailslap.case.corner.model import (
     centre_travel,
     friction_lost,
-    make_static_model,
     oscillation_lost,
     rigid_start,
+    static_models,
 )
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.cost import ELEMENTS
@@ -69,7 +69,7 @@ HEARD = 0.005
 
 @dataclass(frozen=True)
 class Mesh:
-    """A plate with all its elements chosen and its modulus resolved, and its static model.
+    """A plate with all its elements chosen and its modulus resolved, its static model and mass [kg].
 
     Over the centre's travel to the wall: static deflection of this model and of the comparable one, and deflection of
     the corner's constraint.
@@ -77,6 +77,7 @@ class Mesh:
 
     plate: Plate
     model: PlateModel
+    mass: float
     deflection_ratio: float
     other_deflection_ratio: float
     spring_ratio: float
@@ -122,11 +123,11 @@ def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
     mesh = fe_mesh(scene, plate)
     plate = resolved_plate(scene, plate, mesh)
     other = comparable_plate(plate)
-    model = make_static_model(case, plate, mesh)
-    comparable = make_static_model(case, other, mesh if same_mesh(plate, other) else None)
+    meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(scene, other))
+    model, comparable = static_models(case, (plate, other), meshes)
     mine, its = statics(model, start), statics(comparable, start)
     ratios = (abs(mine.deflection) / travel, abs(its.deflection) / travel)
-    return Mesh(plate, model, *ratios, abs(mine.gap) / travel)
+    return Mesh(plate, model, model.mass, *ratios, abs(mine.gap) / travel)
 
 
 def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
@@ -265,7 +266,7 @@ def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iter
         if 2 * (along + 1) * (across + 1) > most_unknowns:  # without other nodes than the elements' corners
             continue
         try:
-            model = make_static_model(case, plate)
+            (model,) = static_models(case, [plate], [fe_mesh(case.scene, plate)])
         except InputError:
             continue
         if 2 * model.loop.mass.size <= most_unknowns:

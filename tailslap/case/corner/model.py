@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fem.laws.friction import FRICTION_LAWS
 from postprocess.comparison.quantities import largest, relative_difference
 from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.model import fe_mesh, plate_properties, refusal, resolved_plate, step_properties
+from tailslap.case.model import plate_properties, refusal, resolved_plate, step_properties
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate
 
@@ -57,17 +58,21 @@ def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerPr
     )
 
 
-def make_static_model(case: RigidStages, plate: Plate, mesh: meshio.Mesh | None = None) -> PlateModel:
-    """The model without what needs its frequencies, on this mesh or its own. Raises InputError."""
+def static_models(
+    case: RigidStages, plates: Sequence[Plate], meshes: Sequence[meshio.Mesh]
+) -> list[PlateModel]:
+    """The models of plates, without what needs their frequencies, on these meshes. Raises InputError."""
     from fem.model.plate_model import static_model
     from fem.plate.kinds import ModelError
 
-    mesh = mesh or fe_mesh(case.scene, plate)
-    properties, corner, _ = fe_input(case, resolved_plate(case.scene, plate, mesh))
-    try:
-        return static_model(mesh, properties, corner)
-    except ModelError as error:
-        raise refusal(case.scene, plate, error) from None
+    resolved = [resolved_plate(case.scene, *each) for each in zip(plates, meshes, strict=True)]
+    inputs, models = [fe_input(case, plate) for plate in resolved], []
+    for plate, mesh, (properties, corner, _) in zip(resolved, meshes, inputs, strict=True):
+        try:
+            models.append(static_model(mesh, properties, corner))
+        except ModelError as error:
+            raise refusal(case.scene, plate, error) from None
+    return models
 
 
 def sensitivity(angle: float) -> float:

@@ -127,10 +127,11 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     threads = open_threads(case, plate)
     constraint = open_constraint(case, plate, mesh.spring_ratio)
     case = case.decided(threads + constraint)
-    model, growth = _completed(case, mesh)
+    normal = float(case.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
+    model, growth = _completed(case, mesh, normal)
     if growth.overdamps and not constraint and (constraint := softer_constraint(case, mesh.spring_ratio)):
         case = case.decided(constraint)
-        model, growth = _completed(case, mesh)
+        model, growth = _completed(case, mesh, normal)
     ratio = deflection_ratio(case, model) if constraint else mesh.deflection_ratio
     damping = open_damping(case, growth, more_damping, harms(case, plate, model, growth, ratio))
     if damping:
@@ -153,14 +154,13 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     )
 
 
-def _completed(case: RigidStages, mesh: Mesh) -> tuple[PlateModel, Growth]:
+def _completed(case: RigidStages, mesh: Mesh, normal: float) -> tuple[PlateModel, Growth]:
     """The model with the constraint and all that a run needs, and what is predicted to grow in it."""
     from fem.model.plate_model import finished_model, with_constraint
 
     plate, corner, step = fe_input(case, mesh.plate)
     model = finished_model(with_constraint(mesh.model, plate, corner), plate, corner, step)
     demand_steps(case.scene, case.duration, model)
-    normal = float(case.motion_of_mass(mesh.model.mass).at(0.0).reaction_normal)
     return model, predict_growth(case, mesh.plate, model, normal)
 
 

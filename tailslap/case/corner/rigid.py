@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
@@ -150,8 +151,10 @@ class RigidStages(Case):
         return motion
 
     def with_changes(self, changes: Changes) -> Self:
-        """The case with keys changed on which the rigid motion does not depend; its source stays as given."""
-        return replace(self, scene=varied(self.scene, changes))
+        """The case with keys changed on which the rigid motion does not depend: that, and the source, stay as given."""
+        changed = copy(self)
+        object.__setattr__(changed, "scene", varied(self.scene, changes))
+        return changed
 
     def decided(self, decisions: Iterable[Decision]) -> Self:
         """The case with what the program chose."""
@@ -165,7 +168,7 @@ class RigidStages(Case):
             return None
         (other,) = (name for name in CONVENTIONS if name != impact.convention)
         try:
-            return other, self.with_changes({"impact.convention": other})
+            return other, replace(self, scene=varied(self.scene, {"impact.convention": other}))
         except InputError:
             return None
 
