@@ -32,6 +32,13 @@ def pytest_configure() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A test's folder is its marker: verification, validation or regression."""
+    for item in items:
+        item.add_marker(item.path.parent.name)
+
+
 @functools.cache
 def _outcome(name: str, changes: tuple[str, ...]) -> CornerOutcome:
     return CornerCase(*read_scene(name, changes)).run()

@@ -1,7 +1,5 @@
 """A constraint from outside: a spring that hardens, N = -k y (1 + (y / h)^2)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from fem import CONSTRAINTS, Constraint

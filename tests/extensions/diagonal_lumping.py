@@ -1,7 +1,5 @@
 """A mass lumping from outside: the diagonal of the consistent matrix, scaled to the mass."""
 
-from __future__ import annotations
-
 from fem import LUMPINGS, Lumping
 from fem.plate.kinds import scaled_diagonal_masses
 

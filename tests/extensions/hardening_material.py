@@ -1,7 +1,5 @@
 """A material from outside: W = U + U^2 / c, with U the energy of linear plane stress and c its first modulus."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from fem import MATERIALS, Material

@@ -1,7 +1,5 @@
 """A column from outside: the mean height of the plate's nodes above the wall's line."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from fem import COLUMNS, Column

@@ -1,7 +1,5 @@
 """A start from outside: unstrained, but with the corner pressed into its constraint as the reaction asks."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

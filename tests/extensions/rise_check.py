@@ -1,7 +1,5 @@
 """A check from outside: the plate comes down, its nodes never rise in the mean."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tailslap.case.checks import CheckKind, Evaluation

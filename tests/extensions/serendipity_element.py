@@ -1,7 +1,5 @@
 """An element from outside: the serendipity quadrilateral of eight nodes."""
 
-from __future__ import annotations
-
 from fem import ELEMENT_KINDS, ElementKind
 
 ELEMENT = ElementKind("quad8", "ElementQuadS2", order=4, cells="quad", row_sums=False)

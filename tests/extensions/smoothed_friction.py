@@ -1,7 +1,5 @@
 """A friction law from outside: Coulomb friction whose limit has no corner at N = 0, mu sqrt(N^2 + n^2)."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

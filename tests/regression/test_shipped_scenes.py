@@ -3,14 +3,10 @@
 They were printed by the program; nothing here says that they are right.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-pytestmark = pytest.mark.regression
 
 
 @pytest.mark.long

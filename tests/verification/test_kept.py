@@ -1,8 +1,5 @@
 """Verification: parts that rows of a sweep share are made once, and change nothing but time."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,8 +11,6 @@ from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
 from tailslap.campaign.table import CIRCUMSTANCES, REUSED, compute_row
 from tailslap.scene.read import read_scene
-
-pytestmark = pytest.mark.verification
 
 SMALL = ("plate.elements=[6, 2]",)
 START = RigidStart(0.26, 0.707, 25.053)
@@ -41,9 +36,7 @@ def row(*changes: tuple[str, Any]) -> dict[str, Any]:
         ("plate.elements", ([6, 2], [7, 2]), set()),
     ],
 )
-def test_rows_share_what_they_have_in_common_and_are_the_same_alone(
-    key: str, values: tuple[Any, Any], shared: set[str]
-) -> None:
+def test_rows_share_what_they_have_in_common_and_are_the_same_alone(key, values, shared):
     lazy.forget()
     row((key, values[0]))
     after_another = row((key, values[1]))
@@ -56,7 +49,7 @@ def test_rows_share_what_they_have_in_common_and_are_the_same_alone(
         assert alone[name] == after_another[name], name
 
 
-def test_large_parts_and_many_parts_are_let_go() -> None:
+def test_large_parts_and_many_parts_are_let_go():
     calls = []
 
     @lazy.cached("a part of this test")
@@ -77,7 +70,7 @@ def test_large_parts_and_many_parts_are_let_go() -> None:
     lazy._PARTS.pop("a part of this test")
 
 
-def test_rows_of_compiled_code_are_those_of_single_steps(plate_model: Callable[..., Any]) -> None:
+def test_rows_of_compiled_code_are_those_of_single_steps(plate_model):
     """Recorded many at once, or each by itself in Python, as columns from outside need it: the same history."""
     model = plate_model(reaction="drag", elements=(6, 2))
     plain = simulate(model, START, 0.384)
@@ -93,7 +86,7 @@ def test_rows_of_compiled_code_are_those_of_single_steps(plate_model: Callable[.
         np.testing.assert_allclose(single.history[name], column, rtol=0.0, atol=1e-9 * scale, err_msg=name)
 
 
-def test_recording_ends_at_the_wall_with_the_state_before(plate_model: Callable[..., Any]) -> None:
+def test_recording_ends_at_the_wall_with_the_state_before(plate_model):
     model = plate_model(elements=(6, 2))
     stepper = Stepper(model)
     state = stepper.start(START, "unstressed")

@@ -8,8 +8,6 @@ from types import ModuleType
 
 import pytest
 
-pytestmark = pytest.mark.verification
-
 ROOT = Path(__file__).parents[2]
 PACKAGES = {"solver", "meshes", "fem", "postprocess", "tailslap"}
 MOST = 15
@@ -33,7 +31,7 @@ def graph() -> dict[str, set[str]]:
 
 
 @pytest.mark.parametrize("package", sorted(PACKAGES - {"tailslap"}))
-def test_a_package_stands_alone(package: str) -> None:
+def test_a_package_stands_alone(package):
     """solver, meshes, fem, postprocess import nothing of each other but what compiles, and nothing of tailslap."""
     for name, imported in graph().items():
         if name.split(".")[0] == package:
@@ -43,7 +41,7 @@ def test_a_package_stands_alone(package: str) -> None:
             assert not others, f"{name} imports {others}"
 
 
-def test_folders_of_fem_import_downward() -> None:
+def test_folders_of_fem_import_downward():
     order = ("machine_code", "laws", "plate", "explicit", "model", "start", "stability", "run")
     level = {folder: height for height, folder in enumerate(order)} | {"modal": order.index("stability")}
     for name, imported in graph().items():
@@ -52,7 +50,7 @@ def test_folders_of_fem_import_downward() -> None:
             assert all(level.get(other, 0) <= level[own] for other in others), f"{name}: {sorted(others)}"
 
 
-def test_a_corner_run_loads_no_impact() -> None:
+def test_a_corner_run_loads_no_impact():
     code = "import sys, fem.run.corner; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert "fem.explicit.time_loop" in run.stdout
@@ -60,22 +58,22 @@ def test_a_corner_run_loads_no_impact() -> None:
     assert "fem.laws.wall_contact" not in run.stdout
 
 
-def test_nothing_imports_the_command_line() -> None:
+def test_nothing_imports_the_command_line():
     importing = [name for name, imported in graph().items() if "tailslap.cli" in imported]
     assert importing == ["tailslap.__main__"]
 
 
-def test_no_import_circle() -> None:
+def test_no_import_circle():
     """Not within functions, and not for types either."""
     assert structure().circles() == []
 
 
-def test_no_folder_lists_more_modules_than_one_reads() -> None:
+def test_no_folder_lists_more_modules_than_one_reads():
     found = {folder: count for folder, count in structure().flat().items() if count > MOST}
     assert not found
 
 
-def test_importing_postprocess_loads_nothing_heavy() -> None:
+def test_importing_postprocess_loads_nothing_heavy():
     modules = sorted(name for name in graph() if name.split(".")[0] == "postprocess")
     code = f"import sys, {', '.join(modules)}; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
@@ -84,7 +82,7 @@ def test_importing_postprocess_loads_nothing_heavy() -> None:
     assert not loaded & HEAVY
 
 
-def test_every_package_says_what_is_in_it() -> None:
+def test_every_package_says_what_is_in_it():
     tool = structure()
     silent = [
         str(path.relative_to(ROOT))
@@ -94,7 +92,7 @@ def test_every_package_says_what_is_in_it() -> None:
     assert not silent
 
 
-def test_data_walks_one_way() -> None:
+def test_data_walks_one_way():
     """Up to the time loop the calls of a run return from `fem` to `tailslap` at its four decisions alone."""
     _, climbs, meshes = structure().trace()
     assert climbs <= MAX_CLIMBS

@@ -1,16 +1,10 @@
 """Verification: each line of error against time has a plot of its own over the same axes; failed points are marked."""
 
-from __future__ import annotations
-
 import math
 import re
 
-import pytest
-
 from postprocess.figures.loglog import Series, draw_precision
 from postprocess.svg.chart import Chart
-
-pytestmark = pytest.mark.verification
 
 
 def crowded(lines: int = 9) -> list[Chart]:
@@ -28,7 +22,7 @@ def crowded(lines: int = 9) -> list[Chart]:
     return draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
 
 
-def test_each_line_has_a_plot_over_the_same_axes() -> None:
+def test_each_line_has_a_plot_over_the_same_axes():
     charts = crowded()
     assert [chart.name for chart in charts] == [f"test-{n}" for n in range(1, 10)]
     for number, chart in enumerate(charts):
@@ -41,14 +35,14 @@ def test_each_line_has_a_plot_over_the_same_axes() -> None:
     assert len({re.findall('data-x="[^"]+"', chart.svg)[0] for chart in charts}) == 1
 
 
-def test_ticks_are_powers_of_ten() -> None:
+def test_ticks_are_powers_of_ten():
     first, *_ = crowded()
     said = [re.sub("<[^>]+>", "", text) for text in re.findall("<text.*?</text>", first.svg)]
     assert {"10⁻³", "10⁻²", "10⁻⁵", "10⁻⁴"} & set(said)
     assert not [word for word in said if re.fullmatch(r"\d+e-?\d+", word)]
 
 
-def test_a_diagram_without_points_is_none() -> None:
+def test_a_diagram_without_points_is_none():
     """A scene may refuse every setting of a panel."""
     empty = [Series("quad4", [], [], [])]
     assert draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []

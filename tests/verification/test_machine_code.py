@@ -1,7 +1,5 @@
 """Verification: machine code kept on disk is called with the right arguments, without Numba."""
 
-from __future__ import annotations
-
 import fcntl
 import gc
 import os
@@ -9,7 +7,6 @@ import re
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,11 +18,8 @@ from fem.machine_code import folder, object_code
 from fem.machine_code.arguments import Prepared, UnknownTypeError, flattened
 from fem.machine_code.compiled import compile_once, compiled
 from fem.machine_code.folder import USUAL_S, one_process_compiles
-from fem.machine_code.kernel import Kernel
 from fem.machine_code.object_code import read_code
 from fem.run.corner import Stepper
-
-pytestmark = pytest.mark.verification
 
 
 class Inner(NamedTuple):
@@ -76,14 +70,14 @@ def arguments(factor: float | None, step: int) -> tuple[Any, ...]:
 
 
 @pytest.fixture
-def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Kernel:
+def kernel(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
     return compiled(add)
 
 
 @pytest.mark.parametrize("factor", [None, 0.25])
 @pytest.mark.parametrize("step", [1, 2])
-def test_the_same_as_in_python(kernel: Kernel, factor: float | None, step: int) -> None:
+def test_the_same_as_in_python(kernel, factor, step):
     """Exact: contiguous and strided arrays, several sizes of numbers, tuples in tuples, a tuple in a result."""
     in_python, in_code = arguments(factor, step), arguments(factor, step)
     found = kernel(*in_code)
@@ -94,7 +88,7 @@ def test_the_same_as_in_python(kernel: Kernel, factor: float | None, step: int) 
     assert kernel.has_code(*in_code)
 
 
-def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel: Kernel) -> None:
+def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
     given = arguments(None, 1)
     assert not kernel.path(*given).exists()
     kernel(*given)
@@ -112,9 +106,7 @@ def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel: Kernel) -> None:
 
 
 @pytest.mark.parametrize("missing", ["to compile", "to load"])
-def test_without_a_name_of_numbas_own_it_goes_through_numba(
-    kernel: Kernel, missing: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_a_name_of_numbas_own_it_goes_through_numba(kernel, missing, monkeypatch):
     """As in another version of Numba, which promises neither of these names."""
     from numba.core.codegen import CodeLibrary
 
@@ -133,7 +125,7 @@ def test_without_a_name_of_numbas_own_it_goes_through_numba(
     assert not kernel.has_code(*prepared)
 
 
-def test_a_bound_call_reads_its_arrays_anew(kernel: Kernel) -> None:
+def test_a_bound_call_reads_its_arrays_anew(kernel):
     """It sees what is in them at each call, and keeps those that nobody else does."""
     rows = np.arange(24.0).reshape(4, 6)
     again = kernel.bound(arguments(None, 1)[0], rows, *arguments(None, 1)[2:])
@@ -144,13 +136,13 @@ def test_a_bound_call_reads_its_arrays_anew(kernel: Kernel) -> None:
         assert again() == add(outer, rows, *rest)
 
 
-def test_other_types_are_refused() -> None:
+def test_other_types_are_refused():
     for value in ("text", [1.0], np.zeros(2, dtype=object), np.zeros(2, dtype=">f8"), 2**63, 1j):
         with pytest.raises(UnknownTypeError):
             flattened((value,))
 
 
-def test_a_second_run_does_without_numba(tmp_path: Path) -> None:
+def test_a_second_run_does_without_numba(tmp_path):
     """Both ways of a whole run: sliding along the wall, and an impact from event to event."""
     script = (
         "import sys, tailslap\n"
@@ -167,7 +159,7 @@ def test_a_second_run_does_without_numba(tmp_path: Path) -> None:
     assert said[1].stdout.split()[-1] == "False"
 
 
-def test_code_of_another_package_depends_on_all_of_it(tmp_path: Path) -> None:
+def test_code_of_another_package_depends_on_all_of_it(tmp_path):
     """A kernel calls others of its package: where one of them has changed, it is compiled anew."""
     package = tmp_path / "elsewhere" / "within"
     package.mkdir(parents=True)
@@ -191,7 +183,7 @@ def test_code_of_another_package_depends_on_all_of_it(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("code/*/whole-*.code"))) == 2
 
 
-def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path: Path) -> None:
+def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path):
     """As a law from outside may call one."""
     (tmp_path / "outside.py").write_text(
         "import math\nfrom fem.machine_code.compiled import compiled\n\n\n"
@@ -206,7 +198,7 @@ def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_p
         assert done.stdout.split() == ["24.0"], done.stderr
 
 
-def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path: Path) -> None:
+def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path):
     """The lock is held here, as another process would hold it."""
     code, entered = tmp_path / "code" / "kind.code", threading.Event()
 
@@ -230,13 +222,13 @@ def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def test_without_a_folder_each_compiles_for_itself(tmp_path: Path) -> None:
+def test_without_a_folder_each_compiles_for_itself(tmp_path):
     (tmp_path / "file").write_text("")
     with one_process_compiles(tmp_path / "file" / "code" / "kind.code"):
         assert not (tmp_path / "file").is_dir()
 
 
-def test_code_is_known_by_the_types_of_its_arguments(outcome: Callable[..., Any]) -> None:
+def test_code_is_known_by_the_types_of_its_arguments(outcome):
     """After a run its step has code; for arguments of other types there is none."""
     model = outcome("paper-table-3").fe_plan.model
     kernel, *arguments = Stepper(model).step_call
@@ -249,9 +241,7 @@ def double(value: float) -> float:
     return 2.0 * value
 
 
-def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
     told: list[tuple[float, bool]] = []
 
@@ -271,7 +261,7 @@ def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(
 
 
 @pytest.mark.long
-def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path: Path) -> None:
+def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
     """Standard error is no terminal here."""
     command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", "--no-pictures"]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}

@@ -1,7 +1,5 @@
 """Verification: ticks of the maps are round, cells lie where their values lie, and the legend names every colour."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from xml.etree import ElementTree
@@ -16,8 +14,6 @@ from postprocess.svg.marks import cells_about
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.compute import MAP_KINDS as KINDS
 from tailslap.studies.stability.compute import axes_of
-
-pytestmark = pytest.mark.verification
 
 AXES = {axis.name: axis for axis in axes_of(read_scene("paper-table-3")[0], 10)}
 SVG = "{http://www.w3.org/2000/svg}"
@@ -36,11 +32,11 @@ SVG = "{http://www.w3.org/2000/svg}"
         ("damping", ["0", "0.01", "0.1", "1"]),
     ],
 )
-def test_ticks_of_the_study_are_round(name: str, texts: list[str]) -> None:
+def test_ticks_of_the_study_are_round(name, texts):
     assert [text for _, text in MapAxis("", AXES[name].values).axis.named or ()] == texts
 
 
-def test_cells_are_of_equal_size_on_the_axis_own_scale() -> None:
+def test_cells_are_of_equal_size_on_the_axis_own_scale():
     """0 stands one ratio below the next value."""
     axis = MapAxis("", [0.0, 0.01, 0.1, 1.0]).axis
     assert (axis.low, axis.high) == pytest.approx((10.0**-3.5, 10.0**0.5))
@@ -59,7 +55,7 @@ def small_map(points: int, across: str, up: str) -> Chart:
     return draw_map("m", axes[across], axes[up], [["right"] * points] * points, "")
 
 
-def test_each_cell_says_its_values_and_its_verdict() -> None:
+def test_each_cell_says_its_values_and_its_verdict():
     across, up = MapAxis("a", [0.0, 0.01, 0.1]), MapAxis("b", [1.0, 2.0])
     svg = draw_map("m", across, up, [["right", "caught", "right"], ["wrong", "right", "right"]], "").svg
     (said,) = re.findall(r'data-values="([^"]*)" data-at="([^"]*)"', svg)
@@ -75,7 +71,7 @@ def test_each_cell_says_its_values_and_its_verdict() -> None:
 
 
 @pytest.mark.parametrize("points", [2, 3, 4, 10, 40])
-def test_tick_labels_do_not_overlap(points: int) -> None:
+def test_tick_labels_do_not_overlap(points):
     for across, up in itertools.pairwise([*AXES, next(iter(AXES))]):
         root = ElementTree.fromstring(small_map(points, across, up).svg)
         words = [("".join(text.itertext()), text) for text in root.iter(SVG + "text")]
@@ -90,7 +86,7 @@ def test_tick_labels_do_not_overlap(points: int) -> None:
         assert all(after - before > 11.0 for before, after in itertools.pairwise(sorted(beside)))
 
 
-def test_legend_says_what_every_colour_means() -> None:
+def test_legend_says_what_every_colour_means():
     assert list(KINDS) == list(COLOURS)
     chart = draw_meanings(KINDS, "what the colours mean")
     for kind, meaning in KINDS.items():

@@ -1,11 +1,8 @@
 """Verification: meshes have the nodes, elements and groups that were asked for, and gmsh leaves no trace."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import threading
-from pathlib import Path
 
 import gmsh
 import meshio
@@ -15,28 +12,26 @@ import pytest
 from meshes import plate_mesh, wall_mesh, write_mesh
 from meshes.gmsh_files import gmsh_model
 
-pytestmark = pytest.mark.verification
-
 PLATE_GROUPS = {
     *("plate", "side_pe", "side_kp", "side_hk", "side_eh"),
     *("corner_p", "corner_e", "corner_h", "corner_k"),
 }
 
 
-def test_the_papers_counts() -> None:
+def test_the_papers_counts():
     plate, wall = plate_mesh(10.0, 2.438, (20, 6)), wall_mesh(-10.0, 30.0, 5.0, (60, 10))
     assert (len(plate.cells_dict["quad"]), len(plate.points)) == (120, 147)
     assert (len(wall.cells_dict["quad"]), len(wall.points)) == (600, 671)
 
 
-def test_nodes_lie_on_the_lattice_to_the_bit() -> None:
+def test_nodes_lie_on_the_lattice_to_the_bit():
     points = plate_mesh(10.0, 2.438, (20, 6)).points
     x, y = -10.0 + np.arange(21) * 0.5, np.arange(7) * (2.438 / 6)
     expected = {(a, b) for a in x for b in y}
     assert {(a, b) for a, b in points[:, :2]} == expected
 
 
-def test_elements_are_counter_clockwise_and_fill_the_plate() -> None:
+def test_elements_are_counter_clockwise_and_fill_the_plate():
     mesh = plate_mesh(10.0, 2.438, (5, 3))
     corners = mesh.points[mesh.cells_dict["quad"], :2]
     following = np.roll(corners, -1, axis=1)
@@ -53,7 +48,7 @@ def test_elements_are_counter_clockwise_and_fill_the_plate() -> None:
         ("corner_k", (0.0, 2.438)),
     ],
 )
-def test_corners_carry_their_names(group: str, place: tuple[float, float]) -> None:
+def test_corners_carry_their_names(group, place):
     mesh = plate_mesh(10.0, 2.438, (4, 2))
     cell = mesh.cells_dict["vertex"][mesh.cell_sets_dict[group]["vertex"]]
     np.testing.assert_array_equal(mesh.points[cell.item(), :2], place)
@@ -63,21 +58,21 @@ def test_corners_carry_their_names(group: str, place: tuple[float, float]) -> No
     ("group", "axis", "at"),
     [("side_pe", 1, 0.0), ("side_eh", 0, -10.0), ("side_hk", 1, 2.438), ("side_kp", 0, 0.0)],
 )
-def test_sides_carry_their_names(group: str, axis: int, at: float) -> None:
+def test_sides_carry_their_names(group, axis, at):
     mesh = plate_mesh(10.0, 2.438, (4, 2))
     lines = mesh.cells_dict["line"][mesh.cell_sets_dict[group]["line"]]
     assert len(lines) == (4, 2)[1 - axis]
     np.testing.assert_array_equal(mesh.points[lines][..., axis], at)
 
 
-def test_every_group_is_named() -> None:
+def test_every_group_is_named():
     assert set(plate_mesh(10.0, 2.438, (2, 2)).cell_sets) == PLATE_GROUPS
     assert set(wall_mesh(0.0, 3.0, 1.0, (2, 2)).cell_sets) == {
         *("wall", "wall_face", "wall_back", "wall_start", "wall_end")
     }
 
 
-def test_works_outside_the_main_thread_and_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+def test_works_outside_the_main_thread_and_prints_nothing(capfd):
     made: list[meshio.Mesh] = []
     threads = [threading.Thread(target=lambda: made.append(plate_mesh(1.0, 1.0, (3, 2)))) for _ in range(4)]
     for thread in threads:
@@ -88,7 +83,7 @@ def test_works_outside_the_main_thread_and_prints_nothing(capfd: pytest.CaptureF
     assert capfd.readouterr() == ("", "")
 
 
-def test_gmsh_is_closed_after_success_and_after_an_error() -> None:
+def test_gmsh_is_closed_after_success_and_after_an_error():
     plate_mesh(1.0, 1.0, (1, 1))
     assert not gmsh.isInitialized()
     with pytest.raises(ZeroDivisionError), gmsh_model("fails"):
@@ -96,7 +91,7 @@ def test_gmsh_is_closed_after_success_and_after_an_error() -> None:
     assert not gmsh.isInitialized()
 
 
-def test_the_callers_own_session_stays_open_and_as_it_was() -> None:
+def test_the_callers_own_session_stays_open_and_as_it_was():
     gmsh.initialize(interruptible=False)
     try:
         gmsh.model.add("theirs")
@@ -108,7 +103,7 @@ def test_the_callers_own_session_stays_open_and_as_it_was() -> None:
         gmsh.finalize()
 
 
-def test_msh_file_is_read_by_gmsh_with_its_groups(tmp_path: Path) -> None:
+def test_msh_file_is_read_by_gmsh_with_its_groups(tmp_path):
     path = tmp_path / "plate.msh"
     write_mesh(plate_mesh(10.0, 2.438, (20, 6)), path)
     with gmsh_model("read"):
@@ -119,7 +114,7 @@ def test_msh_file_is_read_by_gmsh_with_its_groups(tmp_path: Path) -> None:
     assert nodes == 147
 
 
-def test_vtu_file_holds_the_mesh(tmp_path: Path) -> None:
+def test_vtu_file_holds_the_mesh(tmp_path):
     mesh = plate_mesh(10.0, 2.438, (20, 6))
     write_mesh(mesh, tmp_path / "plate.vtu")
     read = meshio.read(tmp_path / "plate.vtu")
@@ -127,13 +122,13 @@ def test_vtu_file_holds_the_mesh(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read.cells_dict["quad"], mesh.cells_dict["quad"])
 
 
-def test_another_format_is_refused(tmp_path: Path) -> None:
+def test_another_format_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"\.msh or \.vtu"):
         write_mesh(plate_mesh(1.0, 1.0, (1, 1)), tmp_path / "plate.stl")
     assert not list(tmp_path.iterdir())
 
 
-def test_a_mesh_leaves_the_signal_handlers_as_they_are() -> None:
+def test_a_mesh_leaves_the_signal_handlers_as_they_are():
     """In a process of its own: libraries within gmsh set the default ones."""
     code = (
         "import os, signal\n"
@@ -147,7 +142,7 @@ def test_a_mesh_leaves_the_signal_handlers_as_they_are() -> None:
 
 
 @pytest.mark.parametrize("thread", [False, True])
-def test_a_mesh_leaves_ignored_signals_ignored(thread: bool) -> None:
+def test_a_mesh_leaves_ignored_signals_ignored(thread):
     """A write to a closed pipe raises, as everywhere in Python; it does not kill, and HUP does not under nohup."""
     code = (
         "import os, signal, threading\n"

@@ -4,11 +4,8 @@ Exact answers first; the finite-element run of the same scene, which shares the 
 neither the equations of motion nor the time integration, is the other side of the rest.
 """
 
-from __future__ import annotations
-
 import functools
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -26,8 +23,6 @@ from tailslap.cli import CHECK_FAILED, DONE, WRONG_INPUT, _status
 from tailslap.errors import InputError
 from tailslap.modal_analysis.run import ModalRun, modal_run
 from tailslap.scene.read import read_scene
-
-pytestmark = pytest.mark.verification
 
 SOFT = [pytest.param(modulus, marks=pytest.mark.long) for modulus in ("200 MPa", "20 MPa")]
 
@@ -77,7 +72,7 @@ def moved(
 @pytest.mark.parametrize("reaction", ["drag", "none", pytest.param("signed", marks=pytest.mark.long)])
 @pytest.mark.parametrize("constraint", ["penalty", pytest.param("exact", marks=pytest.mark.long)])
 @pytest.mark.parametrize("modes", [0, 4])
-def test_stiff_plate_moves_as_the_rigid_body(reaction: str, constraint: str, modes: int) -> None:
+def test_stiff_plate_moves_as_the_rigid_body(reaction, constraint, modes):
     change = (f"corner.reaction={reaction}", f"corner.constraint={constraint}", "plate.youngs_modulus=1e18")
     found = run(modes, "paper-table-3", *change)
     assert max(map(abs, found.difference.values())) < 1e-11
@@ -85,14 +80,14 @@ def test_stiff_plate_moves_as_the_rigid_body(reaction: str, constraint: str, mod
 
 
 @pytest.mark.parametrize("constraint", ["penalty", "exact"])
-def test_energy_is_kept_without_friction(plate_model: Callable[..., Any], constraint: str) -> None:
+def test_energy_is_kept_without_friction(plate_model, constraint):
     """At a first frequency of 1 Hz a fifth of a thousandth of the energy goes into the plate and back."""
     plate = plate_model(plate={"youngs_modulus": 2e7}, corner={"constraint": constraint})
     energy = motion(plate, modal_plate(plate, 6), 200).history["energy"]
     assert np.ptp(energy) < 1e-13 * energy[0]
 
 
-def test_momentum_is_the_reactions_impulse(plate_model: Callable[..., Any]) -> None:
+def test_momentum_is_the_reactions_impulse(plate_model):
     plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e9})
     history = motion(plate, modal_plate(plate, 4), 1600).history
     from scipy.integrate import simpson
@@ -102,7 +97,7 @@ def test_momentum_is_the_reactions_impulse(plate_model: Callable[..., Any]) -> N
     assert impulse == pytest.approx(gained, rel=1e-8)
 
 
-def test_spin_of_a_free_plate(plate_model: Callable[..., Any]) -> None:
+def test_spin_of_a_free_plate(plate_model):
     """Without a wall the plate turns with constant angular momentum, stretched by what its own spin does to it."""
     plate = plate_model(plate={"youngs_modulus": 2e7})
     modal = modal_plate(plate, 6)
@@ -117,7 +112,7 @@ def test_spin_of_a_free_plate(plate_model: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("reaction", ["none", "drag", "signed"])
-def test_the_energy_changes_by_frictions_work(plate_model: Callable[..., Any], reaction: str) -> None:
+def test_the_energy_changes_by_frictions_work(plate_model, reaction):
     """At any state, not only a quiet one: power of R at the corner, modes left out and all."""
     plate = plate_model(reaction=reaction, plate={"youngs_modulus": 2e7})
     model, step = modal_plate(plate, 5).model, 1e-5
@@ -134,7 +129,7 @@ def test_the_energy_changes_by_frictions_work(plate_model: Callable[..., Any], r
         assert abs(change["energy"] - power) < 1e-6 * (exchanged + abs(power))
 
 
-def test_newtons_law_on_the_nodes(plate_model: Callable[..., Any]) -> None:
+def test_newtons_law_on_the_nodes(plate_model):
     """Positions of all nodes, differentiated twice: their inertia, against the modes, is reaction less stiffness."""
     plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e7})
     own, count, step = modal_plate(plate, 5), 5, 2e-4
@@ -166,7 +161,7 @@ def test_newtons_law_on_the_nodes(plate_model: Callable[..., Any]) -> None:
         assert abs((arm[0] * inertia[1] - arm[1] * inertia[0]).sum()) < 1e-4 * np.abs(arm * inertia).sum()
 
 
-def test_order_in_the_time_step(plate_model: Callable[..., Any]) -> None:
+def test_order_in_the_time_step(plate_model):
     plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e7})
     modal = modal_plate(plate, 1)
     exact = motion(plate, modal, 1600).strike
@@ -181,7 +176,7 @@ def test_order_in_the_time_step(plate_model: Callable[..., Any]) -> None:
     assert errors[-1] < 1e-9
 
 
-def test_modes_taken_out_leave_their_flexibility(plate_model: Callable[..., Any]) -> None:
+def test_modes_taken_out_leave_their_flexibility(plate_model):
     plate = plate_model()
     fewer, own = with_fewer_modes(modal_plate(plate, 9), 4).model, modal_plate(plate, 4).model
     scale = np.sqrt(np.outer(*(2 * [own.flexibility.diagonal()])))
@@ -189,7 +184,7 @@ def test_modes_taken_out_leave_their_flexibility(plate_model: Callable[..., Any]
     assert fewer.squares == pytest.approx(own.squares, rel=1e-12)
 
 
-def test_all_modes_leave_nothing(plate_model: Callable[..., Any]) -> None:
+def test_all_modes_leave_nothing(plate_model):
     """Of 27 elastic modes 26 are kept: what is left of the flexibility is one mode's, a matrix of rank one."""
     plate = plate_model(elements=(4, 2))
     left, whole = modal_plate(plate, 26).model.flexibility, modal_plate(plate, 0).model.flexibility
@@ -201,7 +196,7 @@ def test_all_modes_leave_nothing(plate_model: Callable[..., Any]) -> None:
 
 @pytest.mark.parametrize("modes", [0, 1, 4])
 @pytest.mark.parametrize("scene", ["paper-table-3", "paper-abaqus"])
-def test_against_the_whole_plate_of_steel(outcome: Callable[..., Any], scene: str, modes: int) -> None:
+def test_against_the_whole_plate_of_steel(outcome, scene, modes):
     found, whole = run(modes, scene), outcome(scene)
     assert largest(found.values, whole.fe) < 1e-8
     assert max(map(abs, found.difference.values())) > 2e-6  # the rigid motion is not as near
@@ -211,15 +206,13 @@ def test_against_the_whole_plate_of_steel(outcome: Callable[..., Any], scene: st
 @pytest.mark.parametrize(
     "change", [(), ("corner.constraint=exact",), ("corner.patch_length=1",), ("plate.lumping=row-sum",)]
 )
-def test_against_the_whole_plate_of_20_hertz(
-    outcome: Callable[..., Any], scene: str, change: tuple[str, ...]
-) -> None:
+def test_against_the_whole_plate_of_20_hertz(outcome, scene, change):
     found, whole = run(4, scene, TWENTY_HERTZ, *change), outcome(scene, TWENTY_HERTZ, *change)
     assert found.frequencies[0] == pytest.approx(20.0, rel=2e-2)
     assert largest(found.values, whole.fe) < 5e-7
 
 
-def test_signed_friction(outcome: Callable[..., Any]) -> None:
+def test_signed_friction(outcome):
     change = ("corner.reaction=signed", TWENTY_HERTZ)
     found, whole = run(4, "paper-table-3", *change), outcome("paper-table-3", *change)
     assert largest(found.values, whole.fe) < 5e-7
@@ -228,9 +221,7 @@ def test_signed_friction(outcome: Callable[..., Any]) -> None:
 @pytest.mark.parametrize("scene", ["paper-table-3", "paper-abaqus"])
 @pytest.mark.parametrize("modulus", ["200 GPa", "2 GPa", *SOFT])
 @pytest.mark.parametrize("modes", [0, 1, 4])
-def test_the_estimate_bounds_the_difference(
-    outcome: Callable[..., Any], scene: str, modulus: str, modes: int
-) -> None:
+def test_the_estimate_bounds_the_difference(outcome, scene, modulus, modes):
     """From 1e-9 to 1e-3: never below the difference from the whole plate, and at most six times above it."""
     change = f"plate.youngs_modulus={modulus}"
     found, whole = run(modes, scene, change), outcome(scene, change)
@@ -240,14 +231,14 @@ def test_the_estimate_bounds_the_difference(
 
 @pytest.mark.parametrize("modulus", ["2 GPa", "200 MPa", "20 MPa"])
 @pytest.mark.parametrize("modes", [0, 1, 2, 4])
-def test_the_estimate_of_modes_left_out(modulus: str, modes: int) -> None:
+def test_the_estimate_of_modes_left_out(modulus, modes):
     """Against forty modes, at the tail-slap: where the phase is kind the error is less than the estimate."""
     change = f"plate.youngs_modulus={modulus}"
     found, many = run(modes, "paper-abaqus", change), run(40, "paper-abaqus", change)
     assert largest(found.values, many.values) < 2.0 * found.estimate.modes
 
 
-def test_it_says_when_more_modes_are_needed() -> None:
+def test_it_says_when_more_modes_are_needed():
     softer = plan(
         "paper-table-3", "plate.youngs_modulus=2 GPa", "plate.element=quad4", "corner.constraint=penalty"
     )
@@ -260,14 +251,14 @@ def test_it_says_when_more_modes_are_needed() -> None:
     assert [check.name for check in coarse.checks if not check.passed] == ["time steps"]
 
 
-def test_work_does_not_grow_with_stiffness_or_mesh() -> None:
+def test_work_does_not_grow_with_stiffness_or_mesh():
     for change in ((), ("plate.youngs_modulus=20 TPa",), ("plate.elements=[40, 12]",)):
         found = run(4, "paper-table-3", *change)
         assert 100 <= found.steps <= 101
         assert found.iterations < 5 * found.steps
 
 
-def test_a_run_that_does_not_strike(plate_model: Callable[..., Any]) -> None:
+def test_a_run_that_does_not_strike(plate_model):
     plate = plate_model(reaction="drag")
     modal = modal_plate(plate, 2)
     state = modal_start(plate, modal, START, relieved_fields(plate, START))
@@ -290,13 +281,13 @@ def test_a_run_that_does_not_strike(plate_model: Callable[..., Any]) -> None:
         ("corner.damping_ratio=0.1", "corner.damping_ratio"),
     ],
 )
-def test_what_it_does_not_have_is_refused(change: str, key: str) -> None:
+def test_what_it_does_not_have_is_refused(change, key):
     with pytest.raises(InputError) as caught:
         run(4, "paper-table-3", change)
     assert caught.value.key == key
 
 
-def test_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_command(capsys):
     assert _status(["modal", "paper-table-3"]) == DONE
     text = capsys.readouterr().out
     assert "0.3839597" in text
@@ -307,7 +298,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert _status(["modal", "paper-table-3", "--modes", "9999"]) == WRONG_INPUT
 
 
-def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_json(capsys):
     import json
 
     assert _status(["modal", "paper-abaqus", "--json", "--modes", "2"]) == DONE

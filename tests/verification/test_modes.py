@@ -1,11 +1,8 @@
 """Verification: modes of the free plate against beam theory, an exact lattice and LAPACK; order in the mesh; page."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,8 +22,6 @@ from postprocess.figures.plates import draw_mode, mesh_edges
 from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.files.manifest import NAME as MANIFEST
 
-pytestmark = pytest.mark.verification
-
 STEEL = {"youngs_modulus": 200e9, "poissons_ratio": 0.3, "density": 7800.0}
 THICKNESS = 0.053
 
@@ -44,7 +39,7 @@ def of_kind(model: Any, modes: FreeModes, kind: str) -> np.ndarray:
     return hertz(modes)[[name == kind for name in names]]
 
 
-def test_a_slender_plate_bends_as_a_beam(plate_model: Callable[..., Any]) -> None:
+def test_a_slender_plate_bends_as_a_beam(plate_model):
     """Depth a fiftieth of the length: 1.4e-3 below Euler and Bernoulli, which leaves Timoshenko 2e-5."""
     model = strip(plate_model, 0.2, (100, 2), element="quad9")
     found = hertz(free_modes(model, 3))
@@ -55,9 +50,7 @@ def test_a_slender_plate_bends_as_a_beam(plate_model: Callable[..., Any]) -> Non
 
 
 @pytest.mark.parametrize(("depth", "limit"), [(0.2, 1e-4), (0.5, 2e-4), (1.0, 6e-4), (2.438, 1.5e-3)])
-def test_bending_with_timoshenkos_correction(
-    plate_model: Callable[..., Any], depth: float, limit: float
-) -> None:
+def test_bending_with_timoshenkos_correction(plate_model, depth, limit):
     """First three bending modes; without the correction the third is off by up to 43 %."""
     model = strip(plate_model, depth, (60, 4), element="quad9")
     bending = of_kind(model, free_modes(model, 5), "bending")[:3]
@@ -66,7 +59,7 @@ def test_bending_with_timoshenkos_correction(
     assert np.all(bending < euler_bernoulli_frequencies(beam, 3))
 
 
-def test_longitudinal_modes_of_a_thin_strip(plate_model: Callable[..., Any]) -> None:
+def test_longitudinal_modes_of_a_thin_strip(plate_model):
     """n c / (2 L); the sides draw in, which slows them by nu^2 B^2 (n pi / L)^2 / 24 (Rayleigh, Love)."""
     model = strip(plate_model, 0.2, (100, 1), element="quad9")
     found = of_kind(model, free_modes(model, 12), "longitudinal")
@@ -80,7 +73,7 @@ def test_longitudinal_modes_of_a_thin_strip(plate_model: Callable[..., Any]) -> 
 
 
 @pytest.mark.parametrize("elements", [10, 20, 40])
-def test_exact_frequencies_of_a_lattice(plate_model: Callable[..., Any], elements: int) -> None:
+def test_exact_frequencies_of_a_lattice(plate_model, elements):
     """Without Poisson's effect and with row-sum masses a row of quads is a chain: 2 c/h sin(n pi h / 2 L)."""
     model = strip(plate_model, 1.0, (elements, 2), poissons_ratio=0.0, lumping="row-sum")
     found = of_kind(model, free_modes(model, 16), "longitudinal")[:2]
@@ -89,7 +82,7 @@ def test_exact_frequencies_of_a_lattice(plate_model: Callable[..., Any], element
     assert found == pytest.approx(exact, rel=1e-11)
 
 
-def test_order_in_the_mesh(plate_model: Callable[..., Any]) -> None:
+def test_order_in_the_mesh(plate_model):
     """Without Poisson's effect n c / (2 L) is exact for the plate; and bending against elements of second order."""
     exact = math.sqrt(200e9 / 7800.0) / 20.0
     fine = plate_model(elements=(80, 24), plate={"element": "quad9"})
@@ -106,7 +99,7 @@ def test_order_in_the_mesh(plate_model: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("element", ["quad4", "quad4-reduced", "quad9", "tri3", "tri6"])
-def test_all_modes_against_lapack(plate_model: Callable[..., Any], element: str) -> None:
+def test_all_modes_against_lapack(plate_model, element):
     model = plate_model(elements=(6, 2), plate={"element": element})
     count = most_modes(model.loop.mass.size)
     modes = free_modes(model, count)
@@ -122,7 +115,7 @@ def test_all_modes_against_lapack(plate_model: Callable[..., Any], element: str)
     )
 
 
-def test_three_modes_of_no_frequency(plate_model: Callable[..., Any]) -> None:
+def test_three_modes_of_no_frequency(plate_model):
     modes = free_modes(plate_model(), 4)
     assert modes.rigid_frequencies.shape == (3,)
     assert modes.rigid_frequencies.max() < 1e-6 * modes.frequencies[0]
@@ -130,12 +123,12 @@ def test_three_modes_of_no_frequency(plate_model: Callable[..., Any]) -> None:
         assert np.ptp(motion, axis=1).min() < 1.0
 
 
-def test_frequencies_go_with_the_root_of_the_modulus(plate_model: Callable[..., Any]) -> None:
+def test_frequencies_go_with_the_root_of_the_modulus(plate_model):
     one, four = (free_modes(plate_model(plate={"youngs_modulus": e}), 5).frequencies for e in (1e9, 4e9))
     assert four == pytest.approx(2.0 * one, rel=1e-12)
 
 
-def test_kinds_add_up(plate_model: Callable[..., Any]) -> None:
+def test_kinds_add_up(plate_model):
     """Each mode of the rectangle is symmetric or antisymmetric to rounding, also those of a distorted mesh nearly."""
     model = plate_model()
     kinds = mode_kinds(model, free_modes(model, 10), THICKNESS)
@@ -146,12 +139,12 @@ def test_kinds_add_up(plate_model: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("count", [-1, 291])
-def test_too_many(plate_model: Callable[..., Any], count: int) -> None:
+def test_too_many(plate_model, count):
     with pytest.raises(ValueError, match="0 to 290"):
         free_modes(plate_model(), count)
 
 
-def test_beam_theory() -> None:
+def test_beam_theory():
     """Known roots of cosh x cos x = 1; Timoshenko's correction falls with the square of the depth, and converges."""
     known = np.array([4.7300407448627, 7.8532046240958, 10.9956078380017])
     thin, thinner, stubby = (Beam(10.0, depth, **STEEL) for depth in (0.2, 0.1, 5.0))
@@ -164,20 +157,20 @@ def test_beam_theory() -> None:
     )
 
 
-def test_edges_of_a_mesh() -> None:
+def test_edges_of_a_mesh():
     edges, outline = mesh_edges(np.array([[0, 1, 4, 3], [1, 2, 5, 4]]))
     assert edges.tolist() == [[1, 4]]
     assert len(outline) == 6
 
 
-def test_picture_is_svg_with_its_caption() -> None:
+def test_picture_is_svg_with_its_caption():
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     picture = draw_mode("one", "first mode", square, np.array([[0, 1, 2, 3]]), 0.0 * square)
     assert picture.svg.startswith("<svg")
     assert 'aria-label="first mode"' in picture.svg
 
 
-def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command(tmp_path, capsys):
     out = tmp_path / "result"
     assert _status(["modes", "paper-table-3", "--count", "6", "--out", str(out)]) == DONE
     assert "bending 1" in capsys.readouterr().out
@@ -194,7 +187,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("count", ["0", "-3", "291"])
-def test_wrong_count_writes_nothing(tmp_path: Path, count: str) -> None:
+def test_wrong_count_writes_nothing(tmp_path, count):
     out = tmp_path / "result"
     assert _status(["modes", "paper-table-3", "--count", count, "--out", str(out)]) == WRONG_INPUT
     assert not out.exists()

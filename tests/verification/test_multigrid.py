@@ -1,8 +1,5 @@
 """Verification: displacements and frequencies of large plates by iteration, against a factorisation."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,8 +11,6 @@ from fem.plate import elastic as multigrid
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
 from fem.start.inertia_relief import relieved_fields
 from fem.start.rigid_state import RigidStart
-
-pytestmark = pytest.mark.verification
 
 START = RigidStart(0.26, 0.707, 25.053)
 PLATES = (
@@ -33,7 +28,7 @@ def solver_of(model: Any) -> Inverse:
 
 
 @pytest.fixture
-def all_large(monkeypatch: pytest.MonkeyPatch) -> None:
+def all_large(monkeypatch):
     """Every plate counts as large, and has several levels."""
     monkeypatch.setattr(elastic, "LARGE", 0)
     monkeypatch.setattr(multigrid, "COARSEST", 30)
@@ -41,9 +36,7 @@ def all_large(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("all_large")
 @pytest.mark.parametrize("plate", PLATES, ids=str)
-def test_iteration_gives_what_a_factorisation_gives(
-    plate_model: Callable[..., Any], plate: dict[str, Any]
-) -> None:
+def test_iteration_gives_what_a_factorisation_gives(plate_model, plate):
     model = plate_model(elements=(40, 12), plate=plate)
     solver, body = solver_of(model), model.discretisation.positions
     masses = np.tile(model.loop.mass, 2)
@@ -57,7 +50,7 @@ def test_iteration_gives_what_a_factorisation_gives(
 
 
 @pytest.mark.usefixtures("all_large")
-def test_iteration_repeats_to_the_bit(plate_model: Callable[..., Any]) -> None:
+def test_iteration_repeats_to_the_bit(plate_model):
     model = plate_model(elements=(40, 12))
     load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
     np.random.seed(1)  # noqa: NPY002
@@ -67,9 +60,7 @@ def test_iteration_repeats_to_the_bit(plate_model: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("plate", PLATES, ids=str)
-def test_lowest_frequency_by_iteration(
-    plate_model: Callable[..., Any], plate: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_lowest_frequency_by_iteration(plate_model, plate, monkeypatch):
     model = plate_model(elements=(40, 12), plate=plate)
     expected = lowest_frequency(ElasticSolver(solver_of(model), 1.0))
     monkeypatch.setattr(elastic, "LARGE", 0)
@@ -78,9 +69,7 @@ def test_lowest_frequency_by_iteration(
 
 
 @pytest.mark.usefixtures("all_large")
-def test_without_convergence_a_factorisation_takes_over(
-    plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_convergence_a_factorisation_takes_over(plate_model, monkeypatch):
     model = plate_model(elements=(40, 12))
     load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
     monkeypatch.setattr(multigrid, "MOST", 2)
@@ -88,9 +77,7 @@ def test_without_convergence_a_factorisation_takes_over(
     np.testing.assert_array_equal(solver(load), solver.factorised(load))
 
 
-def test_start_takes_two_loads_and_statics_none_more(
-    plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_start_takes_two_loads_and_statics_none_more(plate_model, monkeypatch):
     from fem.start.inertia_relief import elastic_energy, statics
 
     loads = []

@@ -1,8 +1,5 @@
 """Verification: what the mesh and the corner's spring do to the answer is told from what the plate does."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,8 +13,6 @@ from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_pl
 from tailslap.case.refine import comparable_plate, refined, second_plates
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 
 def fe_plan(*changes: str) -> Any:
     return CornerCase(*read_scene("paper-abaqus", changes)).plan()
@@ -27,7 +22,7 @@ def failed(result: Any) -> set[str]:
     return {check.name for check in result.checks if not check.passed}
 
 
-def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome: Callable[..., Any]) -> None:
+def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome):
     """A spring of stiffness k moves the whole plate by N/k; the elastic part is that of the exact constraint."""
     result, exact = outcome("paper-abaqus"), fe_plan("corner.constraint=exact")
     (spring,) = (check for check in result.checks if check.name == "contact spring")
@@ -35,7 +30,7 @@ def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome: Calla
 
 
 @pytest.mark.long
-def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome: Callable[..., Any]) -> None:
+def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome):
     soft = ("plate.youngs_modulus=20 MPa", "plate.elements=[10,3]", "corner.reaction=none")
     assert failed(outcome("paper-table-3", *soft, "corner.penalty_scale=0.7")) == {"numerical error"}
     exact = outcome("paper-table-3", *soft, "corner.constraint=exact", "plate.element=quad9")
@@ -44,13 +39,13 @@ def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome: Callable[.
 
 
 @pytest.mark.long
-def test_mesh_that_locks_is_caught(outcome: Callable[..., Any]) -> None:
+def test_mesh_that_locks_is_caught(outcome):
     """Linear triangles a hundred times too stiff in bending look rigid; quadratic ones show that the plate is not."""
     slender = ("vehicle.width=0.2", "plate.youngs_modulus=20 GPa", "damping.ratio=0.2", "plate.element=tri3")
     assert "numerical error" in failed(outcome("paper-abaqus", *slender))
 
 
-def test_give_of_a_patch_converges_to_that_of_richer_elements() -> None:
+def test_give_of_a_patch_converges_to_that_of_richer_elements():
     changes = ("corner.patch_length=1", "corner.constraint=exact")
     gaps = []
     for n in (20, 40, 80):
@@ -60,7 +55,7 @@ def test_give_of_a_patch_converges_to_that_of_richer_elements() -> None:
     assert np.all(np.diff(np.log2(gaps)) < -1.0)
 
 
-def test_large_meshes_are_judged_by_a_coarser_one() -> None:
+def test_large_meshes_are_judged_by_a_coarser_one():
     plate = read_scene("paper-abaqus", ("plate.elements=[400,120]",))[0].plate
     assert plate is not None
     assert comparable_plate(plate).elements == (200, 60)
@@ -69,7 +64,7 @@ def test_large_meshes_are_judged_by_a_coarser_one() -> None:
     assert comparable_plate(quadratic).elements == (16, 8)
 
 
-def test_a_refined_plate_keeps_all_but_counts_and_kind() -> None:
+def test_a_refined_plate_keeps_all_but_counts_and_kind():
     """Counts are floored, or rounded as asked, and no less than the least."""
     plate = read_scene("paper-abaqus", ("plate.elements=[21,5]", "plate.distortion=0.1"))[0].plate
     assert plate is not None
@@ -80,7 +75,7 @@ def test_a_refined_plate_keeps_all_but_counts_and_kind() -> None:
     assert other == plate.model_copy(update={"element": "quad9"})
 
 
-def test_corrupted_run_is_given_up(outcome: Callable[..., Any]) -> None:
+def test_corrupted_run_is_given_up(outcome):
     """Flutter at 5 000 times the stiffness: no use in ringing on to the end."""
     stiff = ("plate.youngs_modulus=1000 TPa", "plate.elements=[6,2]", "damping.kind=none")
     result = outcome("paper-table-3", *stiff)
@@ -90,7 +85,7 @@ def test_corrupted_run_is_given_up(outcome: Callable[..., Any]) -> None:
     assert result.run.steps < 0.9 * result.fe_plan.expected_steps
 
 
-def test_momentum_closes_with_exact_constraint_and_damping(outcome: Callable[..., Any]) -> None:
+def test_momentum_closes_with_exact_constraint_and_damping(outcome):
     """The reaction at the first instant is that of the velocities which the first step sees."""
     fast = ("start.omega=7.07", "start.corner_speed=250.53", "vehicle.width=10", "wall.length=1000")
     result = outcome("paper-table-3", *fast, "corner.constraint=exact", "damping.ratio=0.02")
@@ -99,7 +94,7 @@ def test_momentum_closes_with_exact_constraint_and_damping(outcome: Callable[...
 
 
 @pytest.mark.parametrize("element", ["quad4", "quad9", "tri3", pytest.param("tri6", marks=pytest.mark.long)])
-def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome: Callable[..., Any], element: str) -> None:
+def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome, element):
     """On quadratic triangles too, whose corner functions have no integral."""
     mesh = ("plate.elements=[8,4]", f"plate.element={element}")
     discretisation = outcome("paper-abaqus", *mesh).fe_plan.model.discretisation
@@ -109,7 +104,7 @@ def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome: Callable[..., An
     assert spin == pytest.approx(np.full_like(spin, 0.7), rel=1e-12)
 
 
-def test_a_second_run_is_damped_where_the_scene_forbids_it(outcome: Callable[..., Any]) -> None:
+def test_a_second_run_is_damped_where_the_scene_forbids_it(outcome):
     """Linear elements run quietly to 2e-5; the quadratic ones flutter, and damping does not change what they tell."""
     vehicle = ("vehicle.length=14.4", "vehicle.width=3.6", "impact.speed=18", "impact.angle=0.085", "wall=")
     plate = (
@@ -131,7 +126,7 @@ def test_a_second_run_is_damped_where_the_scene_forbids_it(outcome: Callable[...
     assert largest(result.second.difference) < 1e-6
 
 
-def test_only_the_kind_of_damping_is_left_open() -> None:
+def test_only_the_kind_of_damping_is_left_open():
     for given, left in (
         (("damping.kind=none",), None),
         (("damping.kind=elastic-velocity", "damping.rate=20"), None),

@@ -1,7 +1,5 @@
 """Verification: occupant risk of motions with closed forms, and design forces as tabled."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -16,8 +14,6 @@ from postprocess.signals.occupant_risk import (
     occupant_contact,
     occupant_risk,
 )
-
-pytestmark = pytest.mark.verification
 
 T = np.linspace(0.0, 0.6, 6001)
 ZERO = np.zeros_like(T)
@@ -34,7 +30,7 @@ def straight(ax: np.ndarray | float, ay: np.ndarray | float) -> VehicleMotion:
 @pytest.mark.parametrize(
     ("ax", "ay", "distance"), [(-50.0, 0.0, 0.6), (0.0, 40.0, 0.3), (0.0, -40.0, 0.3), (-20.0, 30.0, 0.3)]
 )
-def test_constant_deceleration(ax: float, ay: float, distance: float) -> None:
+def test_constant_deceleration(ax, ay, distance):
     """The axis that is first through: v = sqrt(2 a d), t = sqrt(2 d / a); nothing else changes either way."""
     found, first = measures(straight(ax, ay)), abs(ay or ax)
     time = math.sqrt(2.0 * distance / first)
@@ -49,13 +45,13 @@ def test_constant_deceleration(ax: float, ay: float, distance: float) -> None:
 
 
 @pytest.mark.parametrize("name", ["ASI 1998, 50 ms mean", "ASI 2010, 13 Hz"])
-def test_severity_of_constant_accelerations(name: str) -> None:
+def test_severity_of_constant_accelerations(name):
     found = measures(straight(-6.0 * GRAVITY, 4.5 * GRAVITY))[name]
     assert found.value == pytest.approx(math.sqrt(0.5), rel=0.1 if "2010" in name else 1e-9)
     assert "lower bound" in found.lacks
 
 
-def test_severity_of_a_half_sine() -> None:
+def test_severity_of_a_half_sine():
     """Of 50 ms means the closed form; of 13 Hz the gain of a long wave."""
     length = 0.12
     pulse = 5.0 * GRAVITY * np.sin(math.pi * np.clip(T / length, 0.0, 1.0))
@@ -68,7 +64,7 @@ def test_severity_of_a_half_sine() -> None:
     assert found.value == pytest.approx(5.0 / 9.0 * math.sqrt(0.5), rel=0.02)
 
 
-def test_growing_deceleration_of_few_instants() -> None:
+def test_growing_deceleration_of_few_instants():
     """a = j t: x = j t^3 / 6, v = j t^2 / 2, exact between instants 50 ms apart; so for a head in front."""
     t = np.linspace(0.0, 0.6, 13)
     motion = VehicleMotion(t, -200.0 * t, 0.0 * t, 0.0 * t, 0.0 * t)
@@ -79,7 +75,7 @@ def test_growing_deceleration_of_few_instants() -> None:
         assert contact.forward == pytest.approx(100.0 * time**2, rel=1e-12)
 
 
-def test_half_sine_of_deceleration() -> None:
+def test_half_sine_of_deceleration():
     """x = (a L / pi) (t - (L / pi) sin(pi t / L)), v = (a L / pi) (1 - cos(pi t / L)) while it lasts."""
     length, size = 0.2, 120.0
     contact = occupant_contact(straight(-size * np.sin(math.pi * np.clip(T / length, 0.0, 1.0)), 0.0))
@@ -89,7 +85,7 @@ def test_half_sine_of_deceleration() -> None:
     assert contact.forward == pytest.approx(scale * (1.0 - math.cos(phase)), rel=1e-6)
 
 
-def test_ridedown_begins_after_contact() -> None:
+def test_ridedown_begins_after_contact():
     """A pulse before the contact does not count, one after it does, as its mean over 10 ms."""
     early = 60.0 * ((T > 0.01) & (T < 0.05))
     late = 100.0 * ((T > 0.4) & (T < 0.405))
@@ -99,7 +95,7 @@ def test_ridedown_begins_after_contact() -> None:
     assert found["ORA longitudinal"].value == pytest.approx(50.0 / GRAVITY, rel=0.03)
 
 
-def test_head_goes_straight_on_while_the_vehicle_turns() -> None:
+def test_head_goes_straight_on_while_the_vehicle_turns():
     """A steady circle: relative to the centre of mass the head leaves on an involute's chord."""
     speed, rate = 20.0, 1.5
     motion = VehicleMotion(T, ZERO, ZERO + speed * rate, ZERO + rate, rate * T)
@@ -119,7 +115,7 @@ def test_head_goes_straight_on_while_the_vehicle_turns() -> None:
     assert (contact.forward, contact.sideways) == pytest.approx(tuple(speeds), abs=1e-5)
 
 
-def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side() -> None:
+def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side():
     """The centre at rest, the vehicle begins to turn: at 2 m ahead the side comes at rate times 2 m."""
     spin = 8.0
     motion = VehicleMotion(T, ZERO, ZERO, spin * T, 0.5 * spin * T**2)
@@ -131,17 +127,17 @@ def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side() -> None:
     assert head_contact(motion) is None
 
 
-def test_a_flight_that_does_not_end_has_no_value() -> None:
+def test_a_flight_that_does_not_end_has_no_value():
     found = measures(straight(-1.0, 0.5))
     empty = {name for name, measure in found.items() if measure.value is None and measure.time is None}
     assert empty == {"THIV", "PHD", "OIV longitudinal", "OIV lateral", "ORA longitudinal", "ORA lateral"}
 
 
-def test_every_measure_says_what_it_lacks() -> None:
+def test_every_measure_says_what_it_lacks():
     assert all(m.lacks and m.limits == "limits not given" for m in measures(straight(-50.0, 0.0)).values())
 
 
-def test_motions_that_are_refused() -> None:
+def test_motions_that_are_refused():
     with pytest.raises(ValueError, match=r"arrays of shapes \[\(2,\), \(6001,\)\]: must be one shape"):
         VehicleMotion(T, ZERO, ZERO, ZERO, ZERO[:2])
     with pytest.raises(ValueError, match="must rise evenly"):
@@ -153,7 +149,7 @@ def test_motions_that_are_refused() -> None:
         occupant_risk(VehicleMotion(*(values[short] for values in (T, ZERO, ZERO, ZERO, ZERO))))
 
 
-def test_design_forces_of_the_test_levels() -> None:
+def test_design_forces_of_the_test_levels():
     """The table in kip and in kN, as printed in both."""
     rows = [design_forces(level)[0] for level in LEVELS]
     assert [round(row.force / 1e3) for row in rows] == [60, 120, 240, 240, 552, 778]
@@ -163,7 +159,7 @@ def test_design_forces_of_the_test_levels() -> None:
     assert rows[3].longitudinal_force == pytest.approx(80.07e3, rel=1e-4)
 
 
-def test_design_forces_of_mash() -> None:
+def test_design_forces_of_mash():
     _, tti, acceleration = design_forces("TL-4")
     assert round(tti.force / 1e3) == 356
     assert tti.longitudinal_force is None
@@ -173,6 +169,6 @@ def test_design_forces_of_mash() -> None:
     assert all(row.source for level in LEVELS for row in design_forces(level))
 
 
-def test_another_test_level_is_refused() -> None:
+def test_another_test_level_is_refused():
     with pytest.raises(ValueError, match="test level 'TL-7': must be one of TL-1, TL-2"):
         design_forces("TL-7")

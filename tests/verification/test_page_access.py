@@ -1,13 +1,9 @@
 """Verification: pages can be read by keyboard and by ear, in the dark, narrow, on paper, and with scripts blocked."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,8 +16,6 @@ from postprocess.svg.marks import Line, Swatch
 from tailslap.case.corner.report import corner_report
 from tailslap.case.report import DESIGN
 from tailslap.cli import _status
-
-pytestmark = pytest.mark.verification
 
 TEMPLATES = Path(__file__).parents[2] / "postprocess" / "templates"
 VOID = {"meta", "img", "br", "link", "hr", "input", "path", "rect", "circle", "image", "use"}
@@ -62,9 +56,7 @@ class Tree(HTMLParser):
 
 
 @pytest.fixture(scope="module", params=["run", "failed", "impact", "paper", "modes"])
-def page(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, outcome: Callable[..., Any]
-) -> Tree:
+def page(request, tmp_path_factory, outcome):
     place = tmp_path_factory.mktemp("pages") / "out"
     if request.param in ("run", "failed"):
         flutter = ("impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none")
@@ -82,7 +74,7 @@ def page(
     return Tree(path.read_text(encoding="utf-8"))
 
 
-def test_landmarks_and_headings(page: Tree) -> None:
+def test_landmarks_and_headings(page):
     for tag in ("header", "main", "footer", "h1", "title"):
         assert len(page.named(tag)) == 1, tag
     levels = [int(tag[1]) for tag, *_ in page.named("h1", "h2", "h3")]
@@ -92,7 +84,7 @@ def test_landmarks_and_headings(page: Tree) -> None:
     assert page.named("html")[0][1]["lang"] == "en"
 
 
-def test_tables_have_captions_and_headings_scopes(page: Tree) -> None:
+def test_tables_have_captions_and_headings_scopes(page):
     tables = page.named("table")
     captions = page.named("caption")
     assert len(captions) == len(tables)
@@ -102,7 +94,7 @@ def test_tables_have_captions_and_headings_scopes(page: Tree) -> None:
         assert text, "an empty heading says nothing"
 
 
-def test_what_scrolls_is_reached_by_keyboard_and_named_once(page: Tree) -> None:
+def test_what_scrolls_is_reached_by_keyboard_and_named_once(page):
     boxes = [attributes for _, attributes, *_ in page.named("div") if "scroll" in attributes.get("class", "")]
     assert len(boxes) >= len(page.named("table"))
     for attributes in boxes:
@@ -112,21 +104,21 @@ def test_what_scrolls_is_reached_by_keyboard_and_named_once(page: Tree) -> None:
     assert all(above.count("div") for _, _, above, _ in page.named("table"))
 
 
-def test_pictures_have_words(page: Tree) -> None:
+def test_pictures_have_words(page):
     assert all(attributes.get("alt") for _, attributes, *_ in page.named("img"))
     drawings = page.named("svg")
     assert all(attributes["role"] == "img" and attributes["aria-label"] for _, attributes, *_ in drawings)
     assert len(page.named("figure")) == len(page.named("figcaption"))
 
 
-def test_ids_are_unique_and_links_lead_somewhere(page: Tree) -> None:
+def test_ids_are_unique_and_links_lead_somewhere(page):
     ids = [attributes["id"] for _, attributes, *_ in page.elements_with("id")]
     assert len(ids) == len(set(ids))
     targets = [attributes["href"][1:] for _, attributes, *_ in page.named("a")]
     assert set(targets) <= set(ids)
 
 
-def test_without_scripts_all_is_there(page: Tree) -> None:
+def test_without_scripts_all_is_there(page):
     """The script adds what the pointer shows, and nothing else: no element waits for it."""
     (script,) = page.named("script")
     assert script[2] == ("html", "body")
@@ -136,7 +128,7 @@ def test_without_scripts_all_is_there(page: Tree) -> None:
     }
 
 
-def test_every_colour_of_charts_has_one_in_the_dark() -> None:
+def test_every_colour_of_charts_has_one_in_the_dark():
     css = (TEMPLATES / "page.css").read_text(encoding="utf-8")
     dark = css[css.index("prefers-color-scheme: dark") : css.index("@media print")]
     assert set(PALETTE) == set(re.findall(r"svg \.(\w+) \{ color:", dark))
@@ -152,7 +144,7 @@ def brightness(colour: str) -> float:
     return 0.2126 * red**2 + 0.7152 * green**2 + 0.0722 * blue**2
 
 
-def test_paper_cuts_no_column_and_leaves_no_heading_alone() -> None:
+def test_paper_cuts_no_column_and_leaves_no_heading_alone():
     css = (TEMPLATES / "page.css").read_text(encoding="utf-8")
     paper = css[css.index("@media print") :]
     for rule in (".scroll { overflow: visible; }", "white-space: normal", "size: A4"):
@@ -163,7 +155,7 @@ def test_paper_cuts_no_column_and_leaves_no_heading_alone() -> None:
     assert "beforeprint" in script, "what is folded is printed"
 
 
-def test_a_name_that_is_kept_whole_is(tmp_path: Path) -> None:
+def test_a_name_that_is_kept_whole_is(tmp_path):
     """TL-4 in the table of design forces."""
     table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "share": 2.0, "source": ""}])
     page = Page("", "x", "", (Section("Forces", tables=(table,)),), "")
@@ -172,7 +164,7 @@ def test_a_name_that_is_kept_whole_is(tmp_path: Path) -> None:
     assert ".whole { white-space: nowrap; }" in text
 
 
-def test_a_table_of_many_columns_is_set_smaller(tmp_path: Path) -> None:
+def test_a_table_of_many_columns_is_set_smaller(tmp_path):
     """By their number, or by the letters of their headings."""
     tables = [text_table(*headings, rows=[["1"] * len(headings)]) for headings in (["a"] * 9, ["a"] * 10)]
     tables += [text_table(*["a" * n] * 4, rows=[["1"] * 4]) for n in (24, 25)]
@@ -181,7 +173,7 @@ def test_a_table_of_many_columns_is_set_smaller(tmp_path: Path) -> None:
     assert write_page(tmp_path / "p.html", page).read_text().count('<table class="dense">') == 2
 
 
-def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path: Path) -> None:
+def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path):
     """In narrow columns its letters would be smaller than those of the charts."""
     line = Line("", np.arange(2.0), np.arange(2.0))
     chart = draw_chart("b", "A chart", (Plot((line,), Axis("y")),), Axis("x"))
@@ -192,6 +184,6 @@ def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path: Path) -> None
     assert ".legend { grid-column: 1 / -1; }" in text
 
 
-def test_a_long_word_does_not_widen_the_page(tmp_path: Path) -> None:
+def test_a_long_word_does_not_widen_the_page(tmp_path):
     text = write_page(tmp_path / "p.html", Page("", "x" * 200, "", (), "")).read_text()
     assert "overflow-wrap" in text

@@ -1,12 +1,8 @@
 """Verification: small pages in Chromium: nothing is wrong on screens and on paper; and what is wrong is found."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -26,12 +22,8 @@ NEEDED = ("playwright", "axe_playwright_python", "pypdf")
 MISSING = [name for name in NEEDED if importlib.util.find_spec(name) is None]
 MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
 
-pytestmark = [
-    pytest.mark.verification,
-    pytest.mark.skipif(
-        bool(MISSING), reason=f"pages are looked at with what is missing: {', '.join(MISSING)}"
-    ),
-]
+LACK = f"pages are looked at with what is missing: {', '.join(MISSING)}"
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=LACK)
 
 CHART = (
     '<figure><svg class="chart" viewBox="0 0 400 100" width="400" height="100" role="img" aria-label="a chart">'
@@ -40,13 +32,13 @@ CHART = (
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+def browser():
     with chromium() as started:
         yield started
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(tmp_path_factory):
     """A page with a table and charts."""
     place = tmp_path_factory.mktemp("pages") / "modes"
     assert _status(["modes", "paper-table-3", "--count", "3", "--quiet", "--out", str(place)]) == 0
@@ -65,19 +57,17 @@ def wrong(looked: Looked) -> dict[str, list[str]]:
     return {kind: texts for kind, texts in looked.found.items() if texts}
 
 
-def test_nothing_is_wrong_with_a_small_page(browser: Any, page: Path) -> None:
+def test_nothing_is_wrong_with_a_small_page(browser, page):
     assert wrong(look(browser, "modes", page, widths=(390,))) == {}
 
 
 @pytest.mark.long
-def test_nothing_is_wrong_with_the_page_of_a_run(
-    browser: Any, tmp_path: Path, outcome: Callable[..., Any]
-) -> None:
+def test_nothing_is_wrong_with_the_page_of_a_run(browser, tmp_path, outcome):
     path = write_page(tmp_path / "report.html", corner_report(outcome("mash-tl4-sut"), pictures=False).page)
     assert wrong(look(browser, "run", path)) == {}
 
 
-def test_what_is_wrong_on_a_screen_is_found(browser: Any, page: Path, tmp_path: Path) -> None:
+def test_what_is_wrong_on_a_screen_is_found(browser, page, tmp_path):
     """Without boxes that scroll a table sticks out; pale letters have too little contrast; TL-4 breaks."""
     css = ".scroll { overflow-x: visible !important; } .whole { white-space: normal !important; }"
     css += " table { min-width: 900px; } .kicker { color: #eee !important; }"
@@ -90,7 +80,7 @@ def test_what_is_wrong_on_a_screen_is_found(browser: Any, page: Path, tmp_path: 
         assert "broken across lines: TL-4" in screen.broken(shown.page)
 
 
-def test_a_cut_column_is_found_on_paper(browser: Any, page: Path, tmp_path: Path) -> None:
+def test_a_cut_column_is_found_on_paper(browser, page, tmp_path):
     """A table that is wider than paper, its end cut off."""
     css = "@media print { .scroll { overflow: hidden !important; } table { width: 300% !important; } }"
     with opened(browser, changed(page, tmp_path / "a.html", "</style>", f"{css}</style>")) as shown:
@@ -102,9 +92,7 @@ def test_a_cut_column_is_found_on_paper(browser: Any, page: Path, tmp_path: Path
         assert paper.missing(shown.page) == ["not on paper: A lost heading"]
 
 
-def test_words_of_charts_that_are_cut_or_overprinted_are_found(
-    browser: Any, page: Path, tmp_path: Path
-) -> None:
+def test_words_of_charts_that_are_cut_or_overprinted_are_found(browser, page, tmp_path):
     words = '<text x="390" y="20">outside</text><text x="50" y="60">one</text><text x="55" y="62">two</text>'
     path = changed(page, tmp_path / "a.html", "</main>", CHART.format(words) + CHART.format("") + "</main>")
     with opened(browser, path, scripts=False) as shown:
@@ -115,7 +103,7 @@ def test_words_of_charts_that_are_cut_or_overprinted_are_found(
         assert charts.empty(shown.page) == ["nothing drawn: A chart"]
 
 
-def test_what_a_page_asks_for_and_complains_of_is_found(browser: Any, page: Path, tmp_path: Path) -> None:
+def test_what_a_page_asks_for_and_complains_of_is_found(browser, page, tmp_path):
     """A picture from elsewhere, which the page's own policy refuses, and without that policy is asked for."""
     picture = '<img src="http://127.0.0.1:9/a.png" alt="a picture">'
     path = changed(page, tmp_path / "a.html", "</main>", f"{picture}</main>")

@@ -1,15 +1,11 @@
 """Verification: the command `paper`: its page, its files, its exit statuses."""
 
-from __future__ import annotations
-
 import html
 import json
 import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,21 +20,19 @@ from tailslap.paper import tables
 from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
 from tailslap.paper.tables import FIGURES
 
-pytestmark = pytest.mark.verification
-
 FILES = {"paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv", MANIFEST}
 FILES |= {f"{name}.svg" for name in FIGURES.values()}
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("paper") / "out"
     assert _status(["paper", "--out", str(place)]) == 0
     return place
 
 
 @pytest.fixture(scope="module")
-def page(folder: Path) -> Parsed:
+def page(folder):
     return Parsed((folder / "paper.html").read_text(encoding="utf-8"))
 
 
@@ -49,7 +43,7 @@ def strict(text: str) -> Any:
     return json.loads(text, parse_constant=refuse)
 
 
-def test_the_page_holds_every_cell_and_note(page: Parsed) -> None:
+def test_the_page_holds_every_cell_and_note(page):
     packed = "".join(
         page.text.replace("\N{NO-BREAK SPACE}", " ").split()
     )  # a subscript is an element of its own
@@ -64,7 +58,7 @@ def test_the_page_holds_every_cell_and_note(page: Parsed) -> None:
     assert missing == []
 
 
-def test_the_page_fetches_nothing(page: Parsed) -> None:
+def test_the_page_fetches_nothing(page):
     links = {value for _, name, value in page.attributes if name in ("src", "href", "xlink:href")}
     assert all(link.startswith("#") for link in links)
     assert {f"#part-{number}" for number in range(1, 8)} <= links
@@ -73,7 +67,7 @@ def test_the_page_fetches_nothing(page: Parsed) -> None:
     assert {link[1:] for link in links} <= {*ids}
 
 
-def test_the_figures_are_drawn_with_their_marks(folder: Path) -> None:
+def test_the_figures_are_drawn_with_their_marks(folder):
     """Two lines, a legend, and a mark in its own colour for each printed point."""
     courses = {reaction: tables.course(reaction) for reaction in ("drag", "none")}
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
@@ -90,7 +84,7 @@ def test_the_figures_are_drawn_with_their_marks(folder: Path) -> None:
     assert (folder / "paper.html").read_text().count("<svg") == 5
 
 
-def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_files_and_numbers(folder, capsys, tmp_path):
     """The folder is complete; `--json` prints what `summary.json` holds, without NaN or infinity."""
     assert {path.name for path in folder.iterdir()} == FILES
     assert _status(["paper", "--json", "--out", str(tmp_path / "other")]) == 0
@@ -102,7 +96,7 @@ def test_files_and_numbers(folder: Path, capsys: pytest.CaptureFixture[str], tmp
     assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)
 
 
-def test_nothing_heavy_is_imported(tmp_path: Path) -> None:
+def test_nothing_heavy_is_imported(tmp_path):
     """jinja2, for the page, SciPy, for the whole impact, and no mesh, FE or picture library."""
     scipy = {"scipy.integrate", "scipy.optimize", "scipy.sparse"}
     assert imported("paper", "--json", cwd=tmp_path) == {"jinja2", *scipy}
@@ -119,13 +113,7 @@ def test_nothing_heavy_is_imported(tmp_path: Path) -> None:
         (("mash-tl4-sut",), "mash-tl4-sut"),
     ],
 )
-def test_wrong_input_ends_with_two_and_nothing_written(
-    arguments: tuple[str, ...],
-    key: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_wrong_input_ends_with_two_and_nothing_written(arguments, key, tmp_path, monkeypatch, capsys):
     (tmp_path / "file").write_text("mine")
     (tmp_path / "foreign").mkdir()
     (tmp_path / "foreign" / "thesis.tex").write_text("mine")
@@ -137,14 +125,14 @@ def test_wrong_input_ends_with_two_and_nothing_written(
     assert key in err
 
 
-def test_a_reader_of_the_pipe_may_leave(tmp_path: Path, besides_compiling: Callable[[str], str]) -> None:
+def test_a_reader_of_the_pipe_may_leave(tmp_path, besides_compiling):
     command = f"{sys.executable} -m tailslap.cli paper | head -n 1; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
     assert done.stdout.startswith("B. Chuong and R. B. Malla")
 
 
-def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path: Path) -> None:
+def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path):
     place = tmp_path / "out"
     assert _status(["paper", "--out", str(place)]) == 0
     (place / "notes.txt").write_text("mine")
@@ -152,13 +140,13 @@ def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path: Path) 
     assert {path.name for path in place.iterdir()} == FILES | {"notes.txt"}
 
 
-def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units() -> None:
+def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units():
     assert glued("v = 3 m/s and 4 %") == "v\u00a0=\u00a03\u00a0m/s and 4\u00a0%"
     assert prose("v_GY < 1 & θ_0") == "<i>v</i><sub>GY</sub> &lt; 1 &amp; <i>θ</i><sub>0</sub>"
     assert prose("paper_page") == "paper_page"
 
 
-def test_headings_over_several_columns() -> None:
+def test_headings_over_several_columns():
     columns = tuple(
         Column(key, key, group=group) for key, group in zip("abcd", ("", "g", "g", "h"), strict=True)
     )

@@ -1,7 +1,5 @@
 """Verification: the cells of `tailslap paper` by hand, its whole impact by closed forms, the numbers of its prose."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import pairwise
@@ -19,15 +17,13 @@ from tailslap.paper import data, page, tables
 from tailslap.paper.data import ABAQUS, MASS, ForceRow
 from tailslap.paper.tables import Numbers, corner_fraction
 
-pytestmark = pytest.mark.verification
-
 
 @pytest.fixture(scope="module")
-def found() -> Numbers:
+def found():
     return tables.review()
 
 
-def test_a_difference_is_computed_over_printed_less_one() -> None:
+def test_a_difference_is_computed_over_printed_less_one():
     cell = tables.beside(-4.0, -3.0)
     assert cell == {"printed": -4.0, "computed": -3.0, "difference": -0.25}
     columns = (page.printed("cell", ".1f"), *page.computed("cell", ".1f"))
@@ -39,11 +35,11 @@ def test_a_difference_is_computed_over_printed_less_one() -> None:
 @pytest.mark.parametrize(
     ("share", "text"), [(0.0123456, "+1.235 %"), (-0.5, "-50.000 %"), (-1e-9, "0.000 %"), (0.0, "0.000 %")]
 )
-def test_percentages(share: float, text: str) -> None:
+def test_percentages(share, text):
     assert percent(share, 3) == text
 
 
-def test_every_difference_of_the_answer(found: Numbers) -> None:
+def test_every_difference_of_the_answer(found):
     cells = [
         cell for name in ("analytical", "abaqus", "abaqus_drag") for cell in found["table_3"][name].values()
     ]
@@ -56,14 +52,14 @@ def test_every_difference_of_the_answer(found: Numbers) -> None:
         assert cell["difference"] == pytest.approx(exact, abs=1e-14)
 
 
-def test_inputs_in_si_by_hand() -> None:
+def test_inputs_in_si_by_hand():
     values = {item.name: item.value for item in data.INPUTS}
     assert values["speed"] == pytest.approx(25.0, rel=1e-15)
     assert values["angle"] == pytest.approx(math.pi / 12.0, rel=1e-15)
     assert (values["mass"], values["width"], values["length"]) == (9979.0, 2.438, 10.0)
 
 
-def test_a_row_of_table_4_by_hand(found: Numbers) -> None:
+def test_a_row_of_table_4_by_hand(found):
     """The force is inverse to the duration, 1/(1 - e) between the two, and phi_a is force over measured."""
     made = tables.force_row(ForceRow("x", "made up", 0.2, 100e3, (300e3, 400e3), (3.0, 4.0)))
     known = found["table_4"][0]
@@ -81,26 +77,26 @@ def test_a_row_of_table_4_by_hand(found: Numbers) -> None:
 @pytest.mark.parametrize(
     ("plastic", "rounds"), [(1282e3, True), (1281e3, True), (1284e3, False), (1280e3, False)]
 )
-def test_ratios_that_rounding_explains(plastic: float, rounds: bool) -> None:
+def test_ratios_that_rounding_explains(plastic, rounds):
     """1000 kN stands for 999.5 to 1000.5, so that 1/0.78 makes it 1281.4 to 1282.7, and half a kilonewton more."""
     row = ForceRow("x", "made up", 0.1, 1e6, (1e6, plastic), (1.0, 1.0))
     assert tables.force_row(row)["rounds"] is rounds
 
 
-def test_every_ratio_is_exact(found: Numbers) -> None:
+def test_every_ratio_is_exact(found):
     for row in (*found["table_4"], *found["table_5"], *found["row_b"]):
         elastic, plastic = (cell["computed"] for cell in row["peak"])
         assert plastic / elastic == pytest.approx(1.0 / 0.78, rel=1e-12)
 
 
-def test_the_instant_at_which_a_quantity_has_a_value() -> None:
+def test_the_instant_at_which_a_quantity_has_a_value():
     motion = plane_motion(tables.TRUCK, 0.26, 0.707, 25.053, 0.47)
     for name in ("slide", "v_gx", "theta", "omega"):
         value = float(getattr(motion.at(0.2), name))
         assert tables.instant(motion, name, value) == pytest.approx(0.2, abs=1e-9)
 
 
-def test_earlier_methods_by_hand() -> None:
+def test_earlier_methods_by_hand():
     """Olson stops the lateral motion within A_L sin(theta) - B (1 - cos(theta)); Hirsch pi/2, Ritter twice that."""
     theta, speed = math.radians(15.0), 56.0 * 0.44704
     travel = 5.0 * math.sin(theta) - 1.219 * (1.0 - math.cos(theta))
@@ -112,13 +108,13 @@ def test_earlier_methods_by_hand() -> None:
     assert methods["ritter"] == pytest.approx(2.0 * olson, rel=1e-13)
 
 
-def test_marks_are_the_printed_points() -> None:
+def test_marks_are_the_printed_points():
     assert tables.marks("theta") == {"paper": ((0.0, 0.26), (0.38, 0.0)), "ABAQUS": ()}
     assert tables.marks("omega") == {"paper": ((0.0, 0.707), (0.383, 0.65)), "ABAQUS": ((0.37, 0.66),)}
     assert tables.marks("v_gx") == {"paper": ((0.383, 23.27),), "ABAQUS": ((0.37, 23.305),)}
 
 
-def test_the_fraction_of_the_mass_that_a_corner_brings() -> None:
+def test_the_fraction_of_the_mass_that_a_corner_brings():
     """A blow J at the rear corner, side along the wall: v_G = J/m and omega = J (L/2)/I add up to J/m_eff."""
     inertia = MASS * (10.0**2 + 2.438**2) / 12.0
     assert corner_fraction(0.0) * MASS == pytest.approx(1.0 / (1.0 / MASS + 25.0 / inertia), rel=1e-13)
@@ -127,7 +123,7 @@ def test_the_fraction_of_the_mass_that_a_corner_brings() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.47])
-def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction: float) -> None:
+def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction):
     """Stiff, at angle zero, turning about the front corner: J = (1 + e) m_eff v_E, v_E = 2 v_GY."""
     start = ImpactState(0.0, 1.219 + 0.01, -0.002, 20.0, -3.0, 0.6)  # the front corner 20 mm off
     contact = WallContact(CrushLaw(1e11, 0.0, 0.5), friction)
@@ -136,7 +132,7 @@ def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction: float)
     assert strike.impulse == pytest.approx(1.5 * corner_fraction(friction) * MASS * 2.0 * 3.0, rel=3e-3)
 
 
-def test_the_whole_impact(found: Numbers) -> None:
+def test_the_whole_impact(found):
     """The rear strike brings that fraction, omega converges on Newton's, a free strike is lengthened by the mean's
     width, and the front corner leaves and comes back last."""
     whole = found["whole_impact"]
@@ -154,7 +150,7 @@ def test_the_whole_impact(found: Numbers) -> None:
     assert off[-1] < 2e-4 * newton
 
 
-def test_the_corners_speed_is_the_rate_of_its_crush() -> None:
+def test_the_corners_speed_is_the_rate_of_its_crush():
     moving = tables.impact_motion(2e6)
     before, after = moving.corner_depths([0.2 - 1e-5, 0.2 + 1e-5])[1]
     assert tables.rear_speed(moving, 0.2) == pytest.approx((after - before) / 2e-5, rel=1e-7)
@@ -171,9 +167,7 @@ def test_the_corners_speed_is_the_rate_of_its_crush() -> None:
         ('--set impact.speed="57.4 mph" --set impact.angle="15.4 deg"', "row_b.0.peak.0.computed"),
     ],
 )
-def test_a_scene_says_the_tables_numbers(
-    options: str, place: str, found: Numbers, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scene_says_the_tables_numbers(options, place, found, capsys):
     """`tailslap rigid` on the paper's truck, by the scene's path and not the tables'."""
     words = [word.strip('"') for word in re.findall(r'"[^"]*"|--set|[\w.]+=(?:"[^"]*"|\S+)', options)]
     assert _status(["rigid", "mash-tl4-sut", *(word.replace('"', "") for word in words)]) == 0
@@ -277,7 +271,7 @@ def statements(found: Numbers) -> list[str]:
     ]
 
 
-def test_the_prose_on_the_paper_states_computed_numbers(found: Numbers) -> None:
+def test_the_prose_on_the_paper_states_computed_numbers(found):
     """Every number of docs/paper.md, but the paper's own of two digits, stands in a statement computed here."""
     text = " ".join((Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8").split())
     made = statements(found)
@@ -290,7 +284,7 @@ def test_the_prose_on_the_paper_states_computed_numbers(found: Numbers) -> None:
     assert {*re.findall(r"\d+\.\d+", text)} <= {"0.22", "0.1"}
 
 
-def test_tables_are_rectangular_and_without_empty_or_undefined_words(found: Numbers) -> None:
+def test_tables_are_rectangular_and_without_empty_or_undefined_words(found):
     shown = [table for section in page.sections(found, {}) for table in section.tables]
     assert len(shown) == 15
     for table in shown:
@@ -302,9 +296,7 @@ def test_tables_are_rectangular_and_without_empty_or_undefined_words(found: Numb
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
-def test_no_line_is_longer_than_the_terminal(
-    found: Numbers, width: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_line_is_longer_than_the_terminal(found, width, monkeypatch):
     """Every word is there, in one piece."""
     monkeypatch.setenv("COLUMNS", str(width))
     out = printed(page.paper_report(found).terminal)
@@ -315,7 +307,7 @@ def test_no_line_is_longer_than_the_terminal(
     assert {word for word in wide if "─" not in word} <= {*out.split()}
 
 
-def test_a_terminal_shows_the_tables_whole(found: Numbers, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_shows_the_tables_whole(found, monkeypatch):
     """Where it is wide enough nothing is cut or wrapped, and markup is left alone."""
     monkeypatch.setenv("COLUMNS", "100")
     out = printed(page.paper_report(found).terminal)

@@ -1,7 +1,5 @@
 """Verification: what benchmarks/peers.py compares by is right, and codes that give nothing stand in its table."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable
@@ -20,7 +18,6 @@ from plates import DISTORTION, make_model, row_by_row, same_plate  # noqa: E402
 
 sys.path.remove(BENCHMARKS)
 
-pytestmark = pytest.mark.verification
 
 ELEMENTS = (6, 3)
 PLATE = Plate(ELEMENTS, time_step=1e-5, angle=0.01)
@@ -52,12 +49,12 @@ class SteadyTurn:
         return turned.nodes() + np.array([self.plate.speed * time, 0.0]), turned.velocities()
 
 
-def test_the_rigid_motion_is_the_exact_one() -> None:
+def test_the_rigid_motion_is_the_exact_one():
     found = rigid_body.of_rectangle(Plate((20, 6), 1e-5, angle=0.26))
     np.testing.assert_allclose(found, NONE, rtol=1e-10)
 
 
-def test_row_sums_overstate_the_inertia_by_the_square_of_the_element() -> None:
+def test_row_sums_overstate_the_inertia_by_the_square_of_the_element():
     def shift(elements: tuple[int, int]) -> float:
         plate = Plate(elements, 1e-5, angle=0.26)
         return rigid_body.distance(rigid_body.of_row_sums(plate), rigid_body.of_rectangle(plate))
@@ -66,14 +63,14 @@ def test_row_sums_overstate_the_inertia_by_the_square_of_the_element() -> None:
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.5, 1.0])
-def test_the_tail_slap_is_found_between_steps(lag: float) -> None:
+def test_the_tail_slap_is_found_between_steps(lag):
     time = PLATE.angle / PLATE.omega
     found = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, lag), time, limit=60.0)["values"]
     v_g = PLATE.speed - PLATE.omega * PLATE.width / 2, -PLATE.omega * PLATE.length / 2
     np.testing.assert_allclose(found, [time, *v_g, PLATE.omega, PLATE.speed * time], rtol=1e-9)
 
 
-def test_a_loop_that_takes_too_long_is_left_and_reckoned(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_loop_that_takes_too_long_is_left_and_reckoned(monkeypatch):
     monkeypatch.setattr(jobs, "PROBE_S", 0.0)
     found = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, 0.0), expected=1e3, limit=0.0)
     assert found["values"] is None
@@ -81,7 +78,7 @@ def test_a_loop_that_takes_too_long_is_left_and_reckoned(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("distortion", [0.0, DISTORTION])
-def test_the_other_codes_have_our_mesh_and_masses(distortion: float, tmp_path: Path) -> None:
+def test_the_other_codes_have_our_mesh_and_masses(distortion, tmp_path):
     plate = same_plate(ELEMENTS, distortion, 1e-5, tmp_path)
     ours = make_model(ELEMENTS, distortion, bare=True)
     body = np.vstack([ours.discretisation.positions, ours.loop.mass]).T
@@ -116,7 +113,7 @@ def rows() -> list[entries.Entry]:
     ]
 
 
-def test_the_error_is_parted_and_the_codes_are_held_against_each_other() -> None:
+def test_the_error_is_parted_and_the_codes_are_held_against_each_other():
     ours, akantu, kratos, _ = rows()
     assert ours.by_flexibility == pytest.approx(1e-3)
     assert ours.by_masses == rigid_body.distance(ours.mesh.lumped, ours.mesh.exact) if ours.mesh else False
@@ -125,7 +122,7 @@ def test_the_error_is_parted_and_the_codes_are_held_against_each_other() -> None
     assert ours.median("rest") == 1.25
 
 
-def test_the_table_says_what_was_not_measured_and_what_is_reckoned() -> None:
+def test_the_table_says_what_was_not_measured_and_what_is_reckoned():
     for text in (table.terminal_text(rows()), table.markdown(rows(), "head")):
         assert "not measured: not installed" in text
         assert "about 150" in text
@@ -133,7 +130,7 @@ def test_the_table_says_what_was_not_measured_and_what_is_reckoned() -> None:
         assert "whole time of tailslap run, as the others over that of: Akantu 1, Kratos about 0.013" in text
 
 
-def test_the_values_stand_below_the_exact_ones() -> None:
+def test_the_values_stand_below_the_exact_ones():
     shown = rows()
     first, *others = table.values_rows(shown)
     assert first == ("exact", *(f"{value:.10g}" for value in shown[0].exact))
@@ -142,7 +139,7 @@ def test_the_values_stand_below_the_exact_ones() -> None:
     assert "  ".join(text.rjust(14) for text in others[1][1:]) in table.terminal_text(shown)
 
 
-def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_reckoned_times() -> None:
+def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_reckoned_times():
     plate = Plate(ELEMENTS, 1e-5, angle=entries.ANGLE)
     mesh = entries.Mesh(plate, 0.0, np.array(NONE), np.array(NONE))
     turn = Turn(2.0, 0.5, 0.25, tuple(1.001 * np.array(NONE)), "1.0")

@@ -9,8 +9,6 @@ import pytest
 from postprocess.figures.histories import draw_histories, power_of_ten, thinned
 from postprocess.svg.chart import Chart
 
-pytestmark = pytest.mark.verification
-
 MOTION = ("theta", "omega", "v_gx", "v_gy", "slide")
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -52,11 +50,11 @@ def texts(curve: Chart) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def curves() -> dict[str, Chart]:
+def curves():
     return {curve.name: curve for curve in draw_histories(*histories())}
 
 
-def test_all_plots_are_there_in_order(curves: dict[str, Chart]) -> None:
+def test_all_plots_are_there_in_order(curves):
     reaction = ("reaction_normal", "reaction_tangential")
     assert tuple(curves) == (*MOTION, *reaction, "energy_exchanged", "energy_stored", "energy_error")
     assert [curve.group for curve in curves.values()] == ["Motion"] * 5 + ["Reaction"] * 2 + ["Energy"] * 3
@@ -74,7 +72,7 @@ def test_all_plots_are_there_in_order(curves: dict[str, Chart]) -> None:
         ("reaction_tangential", "R [kN]"),
     ],
 )
-def test_plots_over_rigid_are_labelled(curves: dict[str, Chart], name: str, label: str) -> None:
+def test_plots_over_rigid_are_labelled(curves, name, label):
     shown = texts(curves[name])
     for words in (label, "t [s]", "FE", "rigid, exact"):
         assert shown.count(words) == 1
@@ -82,25 +80,25 @@ def test_plots_over_rigid_are_labelled(curves: dict[str, Chart], name: str, labe
     assert f"FE − rigid [10⁻⁹ {unit}" in shown
 
 
-def test_energy_plots_are_labelled(curves: dict[str, Chart]) -> None:
+def test_energy_plots_are_labelled(curves):
     assert {"kinetic, change", "work of friction", "energy [kJ]"} <= {*texts(curves["energy_exchanged"])}
     stored = {*texts(curves["energy_stored"])}
     assert {"strain", "spring", "vibration", "damping", "energy [10⁻³ J]"} <= stored
     assert {"error", "energy [10⁻⁶ J]"} <= {*texts(curves["energy_error"])}
 
 
-def test_kinetic_energy_is_shown_as_a_change(curves: dict[str, Chart]) -> None:
+def test_kinetic_energy_is_shown_as_a_change(curves):
     numbers = [float(w.replace("−", "-")) for w in texts(curves["energy_exchanged"]) if w[-1].isdigit()]
     assert min(numbers) >= -10.0, "9.12 kJ are lost, of 2.8 MJ"
     assert max(numbers) <= 1.0
 
 
-def test_the_ripple_is_drawn_at_its_size(curves: dict[str, Chart]) -> None:
+def test_the_ripple_is_drawn_at_its_size(curves):
     """Height of the difference line in the panel of 10^-9, whose ticks tell its scale."""
     assert {"−1000", "0", "1000"} <= {*texts(curves["slide"])}
 
 
-def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves: dict[str, Chart]) -> None:
+def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves):
     """Several fit on a page, and each is a file: its name spaces are declared, it has a paper and a size."""
     for curve in curves.values():
         assert not re.search(r"\b(id|href)=|url\(", curve.svg)
@@ -109,7 +107,7 @@ def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves: dict[str, Chart]
         assert (float(root.get("width", "nan")), root.get("role")) == (curve.width, "img")
 
 
-def test_values_are_those_of_the_history(curves: dict[str, Chart]) -> None:
+def test_values_are_those_of_the_history(curves):
     """What a page shows at the pointer, to five digits, at as many points as the path has."""
     fe, _ = histories()
     (path,) = [e for e in ElementTree.fromstring(curves["slide"].svg).iter() if e.get("data-label") == "FE"]
@@ -118,7 +116,7 @@ def test_values_are_those_of_the_history(curves: dict[str, Chart]) -> None:
     np.testing.assert_allclose(values, thinned(fe["t"], fe["slide"])[1], rtol=1e-4, atol=1e-12)
 
 
-def test_only_what_the_histories_have_is_drawn() -> None:
+def test_only_what_the_histories_have_is_drawn():
     fe, rigid = histories(50)
     few = draw_histories(
         {k: fe[k] for k in ("t", "omega", "slide", "strain_energy")},
@@ -128,14 +126,14 @@ def test_only_what_the_histories_have_is_drawn() -> None:
     assert "spring" not in texts(few[1])
 
 
-def test_rigid_history_at_other_instants() -> None:
+def test_rigid_history_at_other_instants():
     """Straight lines at other instants interpolate exactly: the difference is rounding, below a billionth."""
     t, other = np.linspace(0.0, 1.0, 77), np.linspace(0.0, 1.0, 11)
     (curve,) = draw_histories({"t": t, "slide": 3.1 * t}, {"t": other, "slide": 3.1 * other})
     assert any("[10⁻¹⁵" in words or "[10⁻¹⁸" in words for words in texts(curve))
 
 
-def test_a_run_that_went_wrong_is_still_drawn() -> None:
+def test_a_run_that_went_wrong_is_still_drawn():
     """Its other plots are as they were; of the broken column the part before, and where it goes if that is finite."""
     fe, rigid = histories(900)
     good = {curve.name: curve for curve in draw_histories(fe, rigid)}
@@ -156,11 +154,11 @@ def vertices(curve: Chart) -> int:
     return line.get("d", "").count("L")
 
 
-def test_equal_input_gives_equal_text() -> None:
+def test_equal_input_gives_equal_text():
     assert draw_histories(*histories(50)) == draw_histories(*histories(50))
 
 
-def test_thinning_keeps_ends_and_peaks() -> None:
+def test_thinning_keeps_ends_and_peaks():
     t = np.linspace(0.0, 1.0, 20_000)
     values = np.sin(5000.0 * t + 0.3)
     values[[7_001, 12_345]] = 9.0, -7.0
@@ -176,5 +174,5 @@ def test_thinning_keeps_ends_and_peaks() -> None:
     ("size", "power"),
     [(0.0, 0), (1.0, 0), (999.0, 0), (1000.0, 3), (0.5, -3), (-2e-7, -9), (np.nan, 0), (np.inf, 0)],
 )
-def test_power_of_ten(size: float, power: int) -> None:
+def test_power_of_ten(size, power):
     assert power_of_ten(np.array([0.0, size])) == power

@@ -2,31 +2,21 @@
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from postprocess.report.files import read_history, write_history, write_summary
 
-pytestmark = pytest.mark.verification
-
 
 def bits(values: np.ndarray) -> np.ndarray:
     return np.asarray(values, dtype=np.float64).view(np.uint64)
 
 
-def test_history_round_trip_is_bitwise(tmp_path: Path) -> None:
+def test_history_round_trip_is_bitwise(tmp_path):
     generator = np.random.default_rng(7)
     any_double = generator.integers(0, 0x7FE0000000000000, size=500, dtype=np.uint64).view(np.float64)
-    special = [
-        0.0,
-        -0.0,
-        5e-324,
-        -1.7976931348623157e308,
-        np.nextafter(1.0, 2.0),
-        0.1,
-    ]
+    special = [0.0, -0.0, 5e-324, -1.7976931348623157e308, np.nextafter(1.0, 2.0), 0.1]
     columns = {"t": np.concatenate([any_double, special]), "v_gy": -np.arange(506) / 3.0}
     back = read_history(write_history(tmp_path / "history.csv", columns))
     assert list(back) == ["t", "v_gy"]
@@ -34,7 +24,7 @@ def test_history_round_trip_is_bitwise(tmp_path: Path) -> None:
         np.testing.assert_array_equal(bits(back[name]), bits(values))
 
 
-def test_history_has_empty_entries_for_what_is_not_finite(tmp_path: Path) -> None:
+def test_history_has_empty_entries_for_what_is_not_finite(tmp_path):
     columns = {"t": [0.0, 1.0, 2.0], "v_gy": [np.nan, 1.5, -np.inf], "v_gx": [np.inf, 2.5, 3.5]}
     path = write_history(tmp_path / "history.csv", columns)
     assert path.read_text().splitlines() == ["t,v_gy,v_gx", "0,,", "1,1.5,2.5", "2,,3.5"]
@@ -43,13 +33,13 @@ def test_history_has_empty_entries_for_what_is_not_finite(tmp_path: Path) -> Non
     np.testing.assert_array_equal(back["t"], columns["t"])
 
 
-def test_history_is_a_csv_with_a_header(tmp_path: Path) -> None:
+def test_history_is_a_csv_with_a_header(tmp_path):
     path = write_history(tmp_path / "history.csv", {"t": [0.0, 0.5], "slide": [1.0, 0.1]})
     assert path.read_text() == "t,slide\n0,1\n0.5,0.10000000000000001\n"
 
 
 @pytest.mark.parametrize("rows", [0, 1])
-def test_short_histories(tmp_path: Path, rows: int) -> None:
+def test_short_histories(tmp_path, rows):
     back = read_history(write_history(tmp_path / "h.csv", {"t": np.zeros(rows), "omega": np.ones(rows)}))
     assert {name: values.shape for name, values in back.items()} == {"t": (rows,), "omega": (rows,)}
 
@@ -63,7 +53,7 @@ def test_short_histories(tmp_path: Path, rows: int) -> None:
         {"": np.zeros(2)},
     ],
 )
-def test_what_does_not_fit_a_table_is_refused(tmp_path: Path, columns: dict[str, np.ndarray]) -> None:
+def test_what_does_not_fit_a_table_is_refused(tmp_path, columns):
     with pytest.raises(ValueError, match=r"dimension|header"):
         write_history(tmp_path / "h.csv", columns)
     assert not (tmp_path / "h.csv").exists()
@@ -73,7 +63,7 @@ def refuse(constant: str) -> None:
     raise AssertionError(f"{constant} is not JSON")
 
 
-def test_summary_is_strict_json_in_the_order_given(tmp_path: Path) -> None:
+def test_summary_is_strict_json_in_the_order_given(tmp_path):
     summary = {
         "scene": "θ",
         "passed": np.bool_(False),
@@ -97,13 +87,13 @@ def test_summary_is_strict_json_in_the_order_given(tmp_path: Path) -> None:
     assert text.endswith("}\n")
 
 
-def test_summary_keeps_every_digit(tmp_path: Path) -> None:
+def test_summary_keeps_every_digit(tmp_path):
     value = 0.1 + 0.2
     back = json.loads(write_summary(tmp_path / "s.json", {"t": np.float64(value)}).read_text())
     assert back["t"] == value
 
 
-def test_summary_refuses_what_json_does_not_know(tmp_path: Path) -> None:
+def test_summary_refuses_what_json_does_not_know(tmp_path):
     with pytest.raises(TypeError):
         write_summary(tmp_path / "s.json", {"mesh": object()})
     assert not (tmp_path / "s.json").exists()

@@ -7,7 +7,6 @@ import html
 import math
 import re
 import tomllib
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -33,8 +32,6 @@ from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.report import corner_report
 from tailslap.case.corner.text import diagnosis, prediction
-
-pytestmark = pytest.mark.verification
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 SCENE = 'name = "a<b>&c"  # </pre><script>alert(1)</script>\nwidth = "2438 mm"\n'
@@ -118,11 +115,11 @@ def full_page(folder: Path) -> Page:
 
 
 @pytest.fixture
-def page(tmp_path: Path) -> Parsed:
+def page(tmp_path):
     return Parsed(write_page(tmp_path / "report.html", full_page(tmp_path)).read_text(encoding="utf-8"))
 
 
-def test_every_number_and_word_is_there(page: Parsed) -> None:
+def test_every_number_and_word_is_there(page):
     said = ["A kicker", "mash<tl4>", "The headline.", "A lead.", "A table", "measured", "Size [m]", "0.333"]
     said += ["along <the> wall", "not a number", "A note.", "mass", "9979", "curve-1", "Angular velocity"]
     said += ["N < 0 pulls", "The footer."]
@@ -132,18 +129,18 @@ def test_every_number_and_word_is_there(page: Parsed) -> None:
     assert ("tr", "class", "failed") in page.attributes
 
 
-def test_symbols_and_keys_are_typeset(page: Parsed) -> None:
+def test_symbols_and_keys_are_typeset(page):
     assert "GX" in page.pieces
     assert {"sub", "code", "nav"} <= page.tags
     assert "v_GX" not in page.text
 
 
-def test_what_is_empty_is_not_shown(page: Parsed) -> None:
+def test_what_is_empty_is_not_shown(page):
     assert "Empty" not in page.text
     assert [value for tag, _, value in page.attributes if tag == "a"] == ["#part-1", "#part-2", "#part-3"]
 
 
-def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page: Parsed) -> None:
+def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page):
     assert SCENE in page.verbatim
     (policy,) = [
         value for tag, name, value in page.attributes if (tag, name) == ("meta", "content") and "src" in value
@@ -153,7 +150,7 @@ def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page: Parsed) -> N
     assert "alert" not in page.script
 
 
-def test_nothing_is_fetched(page: Parsed) -> None:
+def test_nothing_is_fetched(page):
     links = [
         value
         for _, name, value in page.attributes
@@ -167,19 +164,19 @@ def test_nothing_is_fetched(page: Parsed) -> None:
     assert "url(" not in page.text
 
 
-def test_the_picture_is_in_the_page_whole(page: Parsed, tmp_path: Path) -> None:
+def test_the_picture_is_in_the_page_whole(page, tmp_path):
     (source,) = [value for tag, name, value in page.attributes if (tag, name) == ("img", "src")]
     assert base64.b64decode(source.partition(",")[2]) == (tmp_path / "contour_v_gx.png").read_bytes()
 
 
-def test_a_missing_picture_is_an_error(tmp_path: Path) -> None:
+def test_a_missing_picture_is_an_error(tmp_path):
     missing = Section("Pictures", figures=(Picture(tmp_path / "none.png", ""),))
     with pytest.raises(FileNotFoundError):
         write_page(tmp_path / "report.html", Page("", "s", "", (missing,), ""))
     assert not (tmp_path / "report.html").exists()
 
 
-def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path: Path) -> None:
+def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path):
     """Files hold the values themselves, terminal and page what people read of them."""
     report = Report(full_page(tmp_path), {"a": math.inf}, (TABLE, "A sentence."), {"table.csv": TABLE})
     write_report(report, tmp_path)
@@ -194,7 +191,7 @@ def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path: Path) -> Non
     assert said.endswith(f"Report: {tmp_path / 'report.html'}")
 
 
-def test_a_record_without_the_entry_is_an_error() -> None:
+def test_a_record_without_the_entry_is_an_error():
     with pytest.raises(AttributeError):
         Table((Column("nothing", ""),), RECORDS).records()
 
@@ -205,9 +202,7 @@ def run_page(made: Any, folder: Path) -> Parsed:
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
 
 
-def test_the_headline_of_a_run_names_the_largest_difference(
-    outcome: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_the_headline_of_a_run_names_the_largest_difference(outcome, tmp_path):
     made = outcome("paper-table-3")
     page = run_page(made, tmp_path)
     assert printed_numbers(f"confirmed to {max(map(abs, made.difference.values())):.1e};") in page.text
@@ -228,7 +223,7 @@ def test_the_headline_of_a_run_names_the_largest_difference(
         assert printed in page.text
 
 
-def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_failed_run_says_so(outcome, tmp_path):
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
     first, *others = made.checks
     broken = replace(first, passed=False, value=math.nan)
@@ -244,7 +239,7 @@ def test_a_failed_run_says_so(outcome: Callable[..., Any], tmp_path: Path) -> No
     assert "Paper, ABAQUS" not in page.text
 
 
-def test_the_terminal_tells_once_what_was_chosen(outcome: Callable[..., Any]) -> None:
+def test_the_terminal_tells_once_what_was_chosen(outcome):
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s", "plate.start=unstressed")
     shown_ones = [decision.shown for decision in made.fe_plan.decisions]
     failed = replace(made.checks[0], passed=False)
@@ -258,11 +253,11 @@ def whole(name: str) -> str:
     return f'<span class="whole">{name}</span>'
 
 
-def test_a_unit_in_brackets_stays_in_one_piece() -> None:
+def test_a_unit_in_brackets_stays_in_one_piece():
     assert glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
 
 
-def test_zero_has_no_sign() -> None:
+def test_zero_has_no_sign():
     assert (shown(-0.0, ".3g"), shown(-0.0, "+.1f"), number(-0.0)) == ("0", "+0.0", "0")
 
 
@@ -283,11 +278,11 @@ def test_zero_has_no_sign() -> None:
         ("`omega = -1e-06`", "<code>omega = -1e-06</code>"),
     ],
 )
-def test_numbers_are_set_as_in_print(text: str, expected: str) -> None:
+def test_numbers_are_set_as_in_print(text, expected):
     assert str(prose(text)).replace(NO_BREAK, " ") == expected
 
 
-def test_the_answer_comes_first_and_detail_is_folded(outcome: Callable[..., Any], tmp_path: Path) -> None:
+def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
     """Forces, design forces and the five quantities before all else; no more than 60 numbers are in the open."""
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
     report = corner_report(made, pictures=False)
@@ -304,7 +299,7 @@ def test_the_answer_comes_first_and_detail_is_folded(outcome: Callable[..., Any]
     assert (tmp_path / "report.html").read_text().count("<details>") >= 6
 
 
-def test_the_page_shows_the_scene_as_it_was_run(outcome: Callable[..., Any]) -> None:
+def test_the_page_shows_the_scene_as_it_was_run(outcome):
     text = corner_report(outcome("mash-tl4-sut", "impact.speed=20 m/s"), pictures=False).page.scene_text
     given = tomllib.loads(text)
     assert given["impact"]["speed"] == "20 m/s"
@@ -313,7 +308,7 @@ def test_the_page_shows_the_scene_as_it_was_run(outcome: Callable[..., Any]) -> 
     assert "changed: impact.speed" in text
 
 
-def test_a_run_without_a_strike(outcome: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_run_without_a_strike(outcome, tmp_path):
     made = replace(outcome("mash-tl4-sut"), fe={}, difference={}, metrics={})
     page = run_page(made, tmp_path)
     assert "did not reach the tail-slap" in page.text
@@ -343,7 +338,7 @@ def test_a_run_without_a_strike(outcome: Callable[..., Any], tmp_path: Path) -> 
         (duration(12.345), "12.3 s"),
     ],
 )
-def test_numbers_as_printed(said: str, expected: str) -> None:
+def test_numbers_as_printed(said, expected):
     assert said == expected
 
 
@@ -358,5 +353,5 @@ def test_numbers_as_printed(said: str, expected: str) -> None:
         ("+0.0e+00", "0"),
     ],
 )
-def test_numbers_in_print_keep_their_sign(written: str, printed: str) -> None:
+def test_numbers_in_print_keep_their_sign(written, printed):
     assert printed_numbers(written) == printed

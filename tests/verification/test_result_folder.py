@@ -1,7 +1,5 @@
 """Verification: a result folder is complete or absent, and nothing is lost that the program did not write."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -14,8 +12,6 @@ from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.files.folder import demand_place, result_folder
 from tailslap.files.manifest import NAME
-
-pytestmark = pytest.mark.verification
 
 RESULT = {"report.html": "page", "summary.json": "{}", "history.csv": "t\n"}
 
@@ -36,7 +32,7 @@ def tree(folder: Path) -> dict[str, str | None]:
 
 
 @pytest.fixture
-def place(tmp_path: Path) -> Path:
+def place(tmp_path):
     """The place of a result, with an earlier one in it; nothing else is in the folder above it."""
     fill(tmp_path / "results" / "a", old="old")
     return tmp_path / "results" / "a"
@@ -53,7 +49,7 @@ def refused(place: Path, named: str) -> None:
     assert tree(place.parent) == before
 
 
-def test_the_manifest_lists_what_was_written(place: Path) -> None:
+def test_the_manifest_lists_what_was_written(place):
     manifest = json.loads((place / NAME).read_text())
     assert manifest["program"] == "tailslap"
     found = {item["path"]: (item["size"], item["sha256"]) for item in manifest["files"]}
@@ -63,7 +59,7 @@ def test_the_manifest_lists_what_was_written(place: Path) -> None:
     }
 
 
-def test_absent_and_empty_folders_are_places_and_a_result_is_replaced(place: Path) -> None:
+def test_absent_and_empty_folders_are_places_and_a_result_is_replaced(place):
     fill(place)
     assert set(tree(place)) == {*RESULT, NAME}
     (place.parent / "empty").mkdir(mode=0o700)
@@ -73,7 +69,7 @@ def test_absent_and_empty_folders_are_places_and_a_result_is_replaced(place: Pat
     assert {path.name for path in place.parent.iterdir()} == {"a", "empty"}
 
 
-def test_a_folder_with_a_summary_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_with_a_summary_is_no_result(tmp_path, capsys):
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "thesis.txt").write_text("x")
@@ -83,7 +79,7 @@ def test_a_folder_with_a_summary_is_no_result(tmp_path: Path, capsys: pytest.Cap
     refused(mine, r"it holds other files \(summary.json, thesis.txt\); allowed is a new or empty folder")
 
 
-def test_results_within_are_kept(place: Path) -> None:
+def test_results_within_are_kept(place):
     """Results at results/a; then a result at results itself, first refused, then one that a was put into."""
     refused(place.parent, r"other files \(a\)")
     outer = place.parents[1] / "outer"
@@ -94,7 +90,7 @@ def test_results_within_are_kept(place: Path) -> None:
     assert tree(outer / "b") == before
 
 
-def test_what_was_added_stays(place: Path, tmp_path: Path) -> None:
+def test_what_was_added_stays(place, tmp_path):
     (place / "notes.txt").write_text("mine")
     (place / "plots" / "deep").mkdir(parents=True)
     (place / "plots" / "deep" / "a.txt").write_text("mine")
@@ -110,7 +106,7 @@ def test_what_was_added_stays(place: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("as_what", ["file", "link", "folder"])
-def test_a_file_of_the_result_that_was_changed_is_refused(place: Path, tmp_path: Path, as_what: str) -> None:
+def test_a_file_of_the_result_that_was_changed_is_refused(place, tmp_path, as_what):
     file = place / "history.csv"
     file.unlink()
     if as_what == "file":
@@ -123,7 +119,7 @@ def test_a_file_of_the_result_that_was_changed_is_refused(place: Path, tmp_path:
     refused(place, r"history\.csv in it was changed since")
 
 
-def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(place: Path) -> None:
+def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(place):
     (place / "picture.txt").write_text("mine")
     before = tree(place.parent)
     demand_place(place)
@@ -149,7 +145,7 @@ def forged(**more: Any) -> str:
         *(forged(path=3), forged(path=NAME), forged(size="1"), forged(sha256=None), forged(sha256="x")),
     ],
 )
-def test_a_manifest_that_is_not_ours_makes_no_result(tmp_path: Path, manifest: str) -> None:
+def test_a_manifest_that_is_not_ours_makes_no_result(tmp_path, manifest):
     (tmp_path / "thesis.txt").write_text("x")
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("x")
@@ -157,7 +153,7 @@ def test_a_manifest_that_is_not_ours_makes_no_result(tmp_path: Path, manifest: s
     refused(tmp_path / "mine", "other files")
 
 
-def test_a_forged_manifest_reaches_nothing_outside(tmp_path: Path) -> None:
+def test_a_forged_manifest_reaches_nothing_outside(tmp_path):
     """It lists a link to a file outside with that file's digest; or the manifest itself is a link."""
     (tmp_path / "thesis.txt").write_text("x")
     mine = tmp_path / "mine"
@@ -174,7 +170,7 @@ def test_a_forged_manifest_reaches_nothing_outside(tmp_path: Path) -> None:
         demand_place(mine)
 
 
-def test_a_link_to_a_folder_is_followed(place: Path, tmp_path: Path) -> None:
+def test_a_link_to_a_folder_is_followed(place, tmp_path):
     link, dangling = tmp_path / "link", tmp_path / "dangling"
     link.symlink_to(place)
     dangling.symlink_to(tmp_path / "new")
@@ -190,12 +186,12 @@ def test_a_link_to_a_folder_is_followed(place: Path, tmp_path: Path) -> None:
         fill(tmp_path / "to-file")
 
 
-def test_a_sweep_s_folder_is_refused_even_with_a_manifest(place: Path) -> None:
+def test_a_sweep_s_folder_is_refused_even_with_a_manifest(place):
     (place / "sweep.json").write_text("{}")
     refused(place, "other files")
 
 
-def test_a_result_of_more_than_files_is_a_mistake(tmp_path: Path) -> None:
+def test_a_result_of_more_than_files_is_a_mistake(tmp_path):
     with pytest.raises(ValueError, match="plain files"), result_folder(tmp_path / "a") as folder:
         (folder / "sub").mkdir()
     assert not list(tmp_path.iterdir())

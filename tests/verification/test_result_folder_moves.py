@@ -1,7 +1,5 @@
 """Verification: an interrupt or a failure at any step of the move leaves the earlier result and all that was added."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -12,8 +10,6 @@ import pytest
 from tailslap.errors import InputError, Interrupted
 from tailslap.files.folder import result_folder
 from tailslap.files.manifest import NAME
-
-pytestmark = pytest.mark.verification
 
 ADDED = {"notes.txt": "mine", "plots/a.txt": "mine too"}
 FAILURES = [OSError(5, "the disk is broken"), KeyboardInterrupt()]
@@ -34,7 +30,7 @@ def tree(folder: Path) -> dict[str, str]:
 
 
 @pytest.fixture
-def place(tmp_path: Path) -> Path:
+def place(tmp_path):
     """An earlier result to which a file and a folder were added."""
     fill(tmp_path / "a", "old")
     for name, text in ADDED.items():
@@ -61,7 +57,7 @@ def break_renames(
 
 
 @pytest.mark.parametrize("failure", FAILURES)
-def test_failure_while_it_is_filled(place: Path, failure: BaseException) -> None:
+def test_failure_while_it_is_filled(place, failure):
     before = tree(place.parent)
     with pytest.raises(type(failure)):
         fill(place, "new", failure)
@@ -72,9 +68,7 @@ def test_failure_while_it_is_filled(place: Path, failure: BaseException) -> None
 @pytest.mark.parametrize("failure", FAILURES)
 @pytest.mark.parametrize("done", [False, True])
 @pytest.mark.parametrize("step", range(1, MOVES + 1))
-def test_failure_at_each_step_of_the_move(
-    place: Path, monkeypatch: pytest.MonkeyPatch, step: int, done: bool, failure: BaseException
-) -> None:
+def test_failure_at_each_step_of_the_move(place, monkeypatch, step, done, failure):
     before = tree(place.parent)
     expected = InputError if isinstance(failure, OSError) else KeyboardInterrupt
     break_renames(monkeypatch, lambda count: count == step, failure, done)
@@ -84,7 +78,7 @@ def test_failure_at_each_step_of_the_move(
     assert [path.name for path in place.parent.iterdir()] == ["a"]
 
 
-def test_the_steps_are_these(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_steps_are_these(place, monkeypatch):
     count = break_renames(monkeypatch, lambda count: False, KeyboardInterrupt())
     fill(place, "new")
     assert count == [MOVES]
@@ -93,9 +87,7 @@ def test_the_steps_are_these(place: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.parametrize("failure", FAILURES)
 @pytest.mark.parametrize("step", range(1, MOVES + 1))
-def test_what_cannot_be_moved_back_is_left_and_named(
-    place: Path, monkeypatch: pytest.MonkeyPatch, step: int, failure: BaseException
-) -> None:
+def test_what_cannot_be_moved_back_is_left_and_named(place, monkeypatch, step, failure):
     """From one step on every rename fails: the old files and those that were added are all still there somewhere."""
     before = tree(place)
     break_renames(monkeypatch, lambda count: count >= step, failure)
@@ -112,9 +104,7 @@ def test_what_cannot_be_moved_back_is_left_and_named(
     assert not any(folder.startswith(".") for folder in moved)
 
 
-def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(
-    place: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(place, monkeypatch):
     """Looked at before each rename: what a kill -9 would leave."""
     rename = os.rename
 
@@ -131,9 +121,7 @@ def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(
     fill(place, "new")
 
 
-def test_a_file_changed_within_the_move_is_left_and_named(
-    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_changed_within_the_move_is_left_and_named(place, monkeypatch, capsys):
     rename = os.rename
 
     def edit(source: Any, target: Any) -> None:
@@ -148,7 +136,7 @@ def test_a_file_changed_within_the_move_is_left_and_named(
     assert str(aside) in capsys.readouterr().err
 
 
-def test_an_interrupt_when_the_result_is_there_says_so(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_when_the_result_is_there_says_so(place, monkeypatch):
     def interrupt(path: Path, missing_ok: bool = False) -> None:
         raise KeyboardInterrupt
 
@@ -159,9 +147,7 @@ def test_an_interrupt_when_the_result_is_there_says_so(place: Path, monkeypatch:
 
 
 @pytest.mark.parametrize("failure", FAILURES)
-def test_failure_of_the_first_result_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: BaseException
-) -> None:
+def test_failure_of_the_first_result_leaves_nothing(tmp_path, monkeypatch, failure):
     break_renames(monkeypatch, lambda count: True, failure)
     with pytest.raises((InputError, KeyboardInterrupt)):
         fill(tmp_path / "x" / "y", "new")

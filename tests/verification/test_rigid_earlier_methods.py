@@ -1,17 +1,12 @@
 """Verification: the methods of Olson, Hirsch and Ritter against hand calculation and each other."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
 from solver import RigidBodyError, hirsch_force, olson_force, ritter_force
-
-pytestmark = pytest.mark.verification
 
 TRUCK: dict[str, Any] = {
     "mass": 9979.0,
@@ -22,7 +17,7 @@ TRUCK: dict[str, Any] = {
 }
 
 
-def test_olson_by_hand() -> None:
+def test_olson_by_hand():
     """At 30 degrees: way 4/2 - 1.2 (1 - sqrt(3)/2), lateral speed 12.5, average 6.25."""
     way = 2.0 - 1.2 * (1.0 - math.sqrt(3.0) / 2.0)
     force = olson_force(**TRUCK)
@@ -32,7 +27,7 @@ def test_olson_by_hand() -> None:
     assert force.average_force == pytest.approx(9979.0 * 12.5**2 / (2.0 * way), rel=1e-14)
 
 
-def test_the_average_force_stops_the_lateral_motion_in_the_way_there_is() -> None:
+def test_the_average_force_stops_the_lateral_motion_in_the_way_there_is():
     """Work and impulse of a constant force; gravity is a unit only, and a yielding barrier softens the blow."""
     force = olson_force(**TRUCK, deflection=0.5)
     energy, momentum = 0.5 * 9979.0 * 12.5**2, 9979.0 * 12.5
@@ -44,7 +39,7 @@ def test_the_average_force_stops_the_lateral_motion_in_the_way_there_is() -> Non
     assert force.travel == pytest.approx(olson_force(**TRUCK).travel + 0.5, rel=1e-14)
 
 
-def test_hirsch_and_ritter_are_olson_times_a_number() -> None:
+def test_hirsch_and_ritter_are_olson_times_a_number():
     average = olson_force(**TRUCK, deflection=0.1).average_force
     ritter = ritter_force(**TRUCK, deflection=0.1)
     assert hirsch_force(average) == pytest.approx(math.pi / 2.0 * average, rel=1e-15)
@@ -53,7 +48,7 @@ def test_hirsch_and_ritter_are_olson_times_a_number() -> None:
     assert ritter.peak_force * (2.0 * ritter.time) / 2.0 == pytest.approx(ritter.impulse, rel=1e-14)
 
 
-def test_broadcasting_equals_single_calls() -> None:
+def test_broadcasting_equals_single_calls():
     angles, masses = np.array([[0.1], [0.4]]), np.array([1000.0, 2000.0, 4000.0])
     together = olson_force(masses, 20.0, angles, 4.0, 1.2)
     pulses, peaks = ritter_force(masses, 20.0, angles, 4.0, 1.2), hirsch_force(together.average_force)
@@ -81,7 +76,7 @@ def test_broadcasting_equals_single_calls() -> None:
         (lambda: hirsch_force(0.0), "average_force", "positive and finite, N"),
     ],
 )
-def test_what_is_refused(call: Callable[[], Any], key: str, allowed: str) -> None:
+def test_what_is_refused(call, key, allowed):
     with pytest.raises(RigidBodyError) as refused:
         call()
     assert refused.value.key == key

@@ -1,7 +1,5 @@
 """Verification: whatever the theory has no answer to is refused by name, and costs no heavy import."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import subprocess
@@ -23,8 +21,6 @@ from solver import (
     strike_force,
     tail_slap,
 )
-
-pytestmark = pytest.mark.verification
 
 TRUCK = RectangularBody(10.0, 2.438, 9979.0)
 IMPACT = {"speed": 25.0, "angle": 0.26, "friction": 0.47, "restitution": 0.22}
@@ -88,9 +84,7 @@ REFUSED: list[tuple[Callable[[], Any], str, str, str]] = [
 
 
 @pytest.mark.parametrize(("call", "key", "given", "allowed"), REFUSED)
-def test_the_message_names_key_value_and_what_is_allowed(
-    call: Callable[[], Any], key: str, given: str, allowed: str
-) -> None:
+def test_the_message_names_key_value_and_what_is_allowed(call, key, given, allowed):
     with pytest.raises(RigidBodyError) as refused:
         call()
     error = refused.value
@@ -102,13 +96,13 @@ def test_the_message_names_key_value_and_what_is_allowed(
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
-def test_what_is_not_finite_is_called_so() -> None:
+def test_what_is_not_finite_is_called_so():
     for value in (NAN, INF, -INF):
         with pytest.raises(RigidBodyError, match="but it is not a finite number; allowed"):
             motion(corner_speed=value)
 
 
-def test_the_first_offending_row_is_named() -> None:
+def test_the_first_offending_row_is_named():
     omega = np.array([[0.7, 0.7, 0.7], [0.7, -1.0, -2.0]])
     with pytest.raises(RigidBodyError, match=r"omega is -1 at index \(1, 1\), but"):
         tail_slap(TRUCK, 0.26, omega, 25.0, 0.47)
@@ -123,7 +117,7 @@ def test_the_first_offending_row_is_named() -> None:
         tail_slap(bodies, np.array([0.1, 0.2, 1.3]), 0.7, 25.0, 0.1)
 
 
-def test_a_stop_is_where_the_corner_stops() -> None:
+def test_a_stop_is_where_the_corner_stops():
     """A start just fast enough for the named angle comes to rest at that angle, at the named time."""
     speeds = np.array([25.0, 6.0, 0.3])
     with pytest.raises(RigidBodyError, match="corner_speed is 6 at index 1, but the corner stops") as refused:
@@ -138,7 +132,7 @@ def test_a_stop_is_where_the_corner_stops() -> None:
     assert rest.t == pytest.approx(time, rel=1e-5)
 
 
-def test_a_stop_just_past_the_strike_is_not_passed_over() -> None:
+def test_a_stop_just_past_the_strike_is_not_passed_over():
     low, high = 0.1, 20.0
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -154,7 +148,7 @@ def test_a_stop_just_past_the_strike_is_not_passed_over() -> None:
         slowest.at(1.005 * slowest.strike.t)
 
 
-def test_the_friction_named_as_the_limit_is_the_limit() -> None:
+def test_the_friction_named_as_the_limit_is_the_limit():
     for reaction, margin in (("drag", 1e-5), ("signed", 2e-4)):
         with pytest.raises(RigidBodyError, match="less than 4/3") as refused:
             motion(angle=0.7, friction=2.0, corner_speed=90.0, reaction=reaction)
@@ -167,7 +161,7 @@ def test_the_friction_named_as_the_limit_is_the_limit() -> None:
     assert motion(angle=1.2, friction=4.0 / 3.0, corner_speed=90.0).strike.t > 0.0
 
 
-def test_nan_rows_stay_alone() -> None:
+def test_nan_rows_stay_alone():
     values: dict[str, list[float]] = {
         "angle": [0.26, -1.0, 1.5, INF, 0.26, 0.26, 0.26, 1.2, 0.26, 0.26],
         "omega": [0.707, 0.7, 0.7, 0.7, 0.0, NAN, 0.7, 0.7, 0.7, 1e200],
@@ -185,7 +179,7 @@ def test_nan_rows_stay_alone() -> None:
     assert np.isnan(tail_slap(TRUCK, 0.26, -1.0, 25.0, 0.47, invalid="nan").t)
 
 
-def test_nan_rows_of_stage_1_pass_through_stage_2() -> None:
+def test_nan_rows_of_stage_1_pass_through_stage_2():
     first = corner_impulse(
         TRUCK, [25.0, 0.0, 25.0, 25.0, 25.0], 0.26, [0.4, 0.4, -1.0, 9.0, NAN], 0.2, invalid="nan"
     )
@@ -197,7 +191,7 @@ def test_nan_rows_of_stage_1_pass_through_stage_2() -> None:
     assert np.isnan(corner_impulse(TRUCK, 25.0, 0.26, 9.0, 0.2, invalid="nan").omega)
 
 
-def test_a_time_that_does_not_converge_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_time_that_does_not_converge_is_refused(monkeypatch):
     monkeypatch.setattr(stage_2, "BISECTIONS", 2)
     hard = {"angle": 1.3, "friction": 1.32, "reaction": "signed"}
     with pytest.raises(RigidBodyError, match="changes too abruptly"):
@@ -208,16 +202,14 @@ def test_a_time_that_does_not_converge_is_refused(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(("limit", "value"), [("PANELS", 1), ("CLOSE", -1.0)])
-def test_a_clock_that_does_not_converge_is_refused(
-    monkeypatch: pytest.MonkeyPatch, limit: str, value: float
-) -> None:
+def test_a_clock_that_does_not_converge_is_refused(monkeypatch, limit, value):
     monkeypatch.setattr(stage_2, limit, value)
     hard = motion(angle=1.3, friction=1.3, reaction="signed")
     with pytest.raises(RigidBodyError, match="changes too abruptly"):
         hard.at(0.1)
 
 
-def test_no_scipy_unless_it_integrates() -> None:
+def test_no_scipy_unless_it_integrates():
     code = (
         "import sys, solver; body = solver.RectangularBody(10.0, 2.438, 9979.0)\n"
         "motion = solver.plane_motion(body, 0.26, 0.707, 25.053, 0.47); motion.at([0.1, 0.2])\n"

@@ -1,7 +1,5 @@
 """Verification: Stage 1 against the momentum balances it stands for, and Stage 3 and the body by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -10,8 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import CONVENTIONS, RectangularBody, corner_impulse, strike_force
-
-pytestmark = pytest.mark.verification
 
 TRUCK = RectangularBody(10.0, 2.438, 9979.0)
 fixed = settings(derandomize=True, max_examples=60, deadline=None, database=None)
@@ -49,9 +45,7 @@ def balances(
     speed=st.floats(0.1, 100.0),
     convention=st.sampled_from(CONVENTIONS),
 )
-def test_the_impulse_balances_momentum(
-    ratio: float, share: float, friction_share: float, restitution: float, speed: float, convention: str
-) -> None:
+def test_the_impulse_balances_momentum(ratio, share, friction_share, restitution, speed, convention):
     body = RectangularBody(8.0, 8.0 * ratio, 5000.0)
     angle = share * (math.pi / 2 - body.corner_angle)
     friction = friction_share / math.tan(angle + body.corner_angle)
@@ -64,7 +58,7 @@ def test_the_impulse_balances_momentum(
     assert np.all(abs(got - [impulse, omega, corner_speed]) <= 1e-13 * scale)
 
 
-def test_equation_31_as_printed() -> None:
+def test_equation_31_as_printed():
     angle, friction, restitution, speed = 0.3, 0.6, 0.1, 20.0
     result = corner_impulse(TRUCK, speed, angle, friction, restitution)
     beta, phi, c = math.atan(1 / friction), angle + math.atan(2.438 / 10.0), math.hypot(10.0, 2.438)
@@ -79,19 +73,19 @@ def test_equation_31_as_printed() -> None:
     assert result.corner_speed == pytest.approx(corner, rel=1e-14)
 
 
-def test_the_conventions_differ_by_the_factor_of_the_impulse() -> None:
+def test_the_conventions_differ_by_the_factor_of_the_impulse():
     paper, newton = (corner_impulse(TRUCK, 25.0, 0.26, 0.47, 0.22, name) for name in ("paper", "newton"))
     assert newton.omega / paper.omega == pytest.approx(1.22 / 0.78, rel=1e-14)
     assert newton.impulse / paper.impulse == pytest.approx(1.22 / 0.78, rel=1e-14)
 
 
-def test_a_perfectly_elastic_corner_in_the_papers_convention_is_not_stopped_at_all() -> None:
+def test_a_perfectly_elastic_corner_in_the_papers_convention_is_not_stopped_at_all():
     result = corner_impulse(TRUCK, 25.0, 0.26, 0.47, 1.0)
     assert (result.omega, result.impulse) == (0.0, 0.0)
     assert result.corner_speed == 25.0 * math.cos(0.26)
 
 
-def test_broadcasting_equals_single_calls() -> None:
+def test_broadcasting_equals_single_calls():
     angles, frictions = np.array([[0.1], [0.3]]), np.array([0.0, 0.47, 0.9])
     body = RectangularBody(np.array([6.0, 8.0, 10.0]), 2.4, 9000.0)
     together = corner_impulse(body, 20.0, angles, frictions, 0.2)
@@ -104,7 +98,7 @@ def test_broadcasting_equals_single_calls() -> None:
             assert getattr(together, name)[i, j] == pytest.approx(getattr(alone, name), rel=1e-14)
 
 
-def test_every_field_has_the_common_shape() -> None:
+def test_every_field_has_the_common_shape():
     """Even where a field does not depend on what varies."""
     bodies = RectangularBody(10.0, 2.438, np.array([5000.0, 9979.0]))
     results = corner_impulse(bodies, 25.0, 0.26, 0.47, 0.22)
@@ -113,7 +107,7 @@ def test_every_field_has_the_common_shape() -> None:
     assert force.impulse.shape == force.duration.shape == force.peak_force.shape == (3,)
 
 
-def test_the_body() -> None:
+def test_the_body():
     body = RectangularBody(6.0, 8.0, 12.0)
     assert body.corner_radius == 5.0
     assert body.corner_angle == math.atan2(8.0, 6.0)
@@ -123,7 +117,7 @@ def test_the_body() -> None:
     assert bodies.moment_of_inertia == pytest.approx([100.0, 25.0], rel=1e-15)
 
 
-def test_the_triangular_pulse_holds_the_momentum() -> None:
+def test_the_triangular_pulse_holds_the_momentum():
     force = strike_force(1000.0, np.array([-3.0, 3.0]), 0.1)
     assert force.impulse.tolist() == [3000.0, 3000.0]
     assert force.peak_force == pytest.approx([60000.0, 60000.0], rel=1e-15)

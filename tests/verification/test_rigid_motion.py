@@ -1,7 +1,5 @@
 """Verification: the exact Stage 2 against answers of 17 digits, invariants, limits and its own derivatives."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import fields
@@ -19,8 +17,6 @@ from solver import (
     plane_motion,
     tail_slap,
 )
-
-pytestmark = pytest.mark.verification
 
 TRUCK = RectangularBody(10.0, 2.438, 9979.0)
 START = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053, "friction": 0.47}
@@ -43,14 +39,14 @@ ORACLES = {
 
 
 @pytest.mark.parametrize("reaction", REACTIONS)
-def test_the_strike_to_fifteen_digits(reaction: str) -> None:
+def test_the_strike_to_fifteen_digits(reaction):
     strike = plane_motion(TRUCK, **START, reaction=reaction).strike
     got = (strike.t, strike.v_gy, strike.v_gx, strike.omega, strike.slide, strike.v_p)
     assert got == pytest.approx(ORACLES[reaction], rel=5e-15)
     assert strike.theta == 0.0
 
 
-def test_without_friction_time_is_an_elliptic_integral() -> None:
+def test_without_friction_time_is_an_elliptic_integral():
     """omega^2 (1 + 3 cos^2) is constant: omega_0 sqrt(D_0) t = 2 [E(phi_0|3/4) - E(gamma|3/4)]."""
     shares = np.concatenate([np.logspace(-6, -1, 30), np.linspace(0.1, 0.999, 40), [1.0 - 1e-9]])
     body = RectangularBody(10.0, 10.0 * np.array([[0.01], [0.2438], [1.0]]), 1000.0)
@@ -63,7 +59,7 @@ def test_without_friction_time_is_an_elliptic_integral() -> None:
     assert np.all(abs(strike.t / expected - 1.0) < 2e-15 + 2e-15 / angle)
 
 
-def test_without_friction_the_invariant_holds_and_nothing_is_lost() -> None:
+def test_without_friction_the_invariant_holds_and_nothing_is_lost():
     motion = plane_motion(TRUCK, **START, reaction="none")
     states = motion.at(np.linspace(0.0, motion.strike.t, 50))
     phi = states.theta + TRUCK.corner_angle
@@ -76,7 +72,7 @@ def test_without_friction_the_invariant_holds_and_nothing_is_lost() -> None:
 
 
 @pytest.mark.parametrize("reaction", REACTIONS)
-def test_each_rate_is_the_derivative_of_what_it_should_be(reaction: str) -> None:
+def test_each_rate_is_the_derivative_of_what_it_should_be(reaction):
     """Newton's law and the kinematics, by differentiating a polynomial through `at`."""
     motion = plane_motion(TRUCK, 0.6, 1.3, 20.0, 0.9, reaction)
     end = motion.strike.t
@@ -106,7 +102,7 @@ def test_each_rate_is_the_derivative_of_what_it_should_be(reaction: str) -> None
 
 
 @pytest.mark.parametrize(("reaction", "sign"), [("drag", 1.0), ("signed", -1.0)])
-def test_reaction_and_friction(reaction: str, sign: float) -> None:
+def test_reaction_and_friction(reaction, sign):
     motion = plane_motion(TRUCK, **START, reaction=reaction)
     states = motion.at(np.linspace(0.0, motion.strike.t, 20))
     assert np.all(states.reaction_normal < 0.0)
@@ -115,7 +111,7 @@ def test_reaction_and_friction(reaction: str, sign: float) -> None:
 
 
 @pytest.mark.parametrize("reaction", ["drag", "signed"])
-def test_energy_balances_and_the_work_is_that_of_the_force(reaction: str) -> None:
+def test_energy_balances_and_the_work_is_that_of_the_force(reaction):
     motion = plane_motion(TRUCK, 0.9, 2.0, 25.0, 0.8, reaction)
     x, w = np.polynomial.legendre.leggauss(30)
     end = motion.strike.t
@@ -127,7 +123,7 @@ def test_energy_balances_and_the_work_is_that_of_the_force(reaction: str) -> Non
     assert motion.strike.kinetic_energy - motion.strike.friction_work == pytest.approx(before, rel=1e-14)
 
 
-def test_the_motion_begins_at_its_start_and_passes_the_strike() -> None:
+def test_the_motion_begins_at_its_start_and_passes_the_strike():
     motion = plane_motion(TRUCK, **START)
     first = motion.at(0.0)
     assert (first.theta, first.omega, first.slide) == pytest.approx((0.26, 0.707, 0.0), rel=1e-15, abs=1e-15)
@@ -144,7 +140,7 @@ def test_the_motion_begins_at_its_start_and_passes_the_strike() -> None:
     assert past.theta == pytest.approx(expected, rel=1e-3)
 
 
-def test_a_motion_is_followed_no_further_than_its_equations_hold() -> None:
+def test_a_motion_is_followed_no_further_than_its_equations_hold():
     """Past the strike: to phi = 0 with a thin body; not at all where D vanishes next to the strike."""
     thin = plane_motion(RectangularBody(10.0, 1e-4, 1.0), 1.2, 1.0, 30.0, 0.5)
     assert thin.strike.t < thin.latest < 1.001 * thin.strike.t
@@ -158,7 +154,7 @@ def test_a_motion_is_followed_no_further_than_its_equations_hold() -> None:
 
 
 @pytest.mark.parametrize("reaction", REACTIONS)
-def test_times_and_angles_are_each_others_inverse(reaction: str) -> None:
+def test_times_and_angles_are_each_others_inverse(reaction):
     """The time to an angle is that of a motion which ends there: the same with a thicker body, started closer."""
     friction = 1.25
     motion = plane_motion(RectangularBody(10.0, 0.1, 1.0), 1.5, 1.0, 300.0, friction, reaction)
@@ -172,7 +168,7 @@ def test_times_and_angles_are_each_others_inverse(reaction: str) -> None:
     assert until.omega == pytest.approx(states.omega, rel=1e-12)
 
 
-def test_omega_is_proportional_to_its_start() -> None:
+def test_omega_is_proportional_to_its_start():
     strikes = tail_slap(TRUCK, 0.7, np.array([0.1, 1.0, 10.0]), 300.0, 0.8)
     assert strikes.omega / strikes.omega[1] == pytest.approx([0.1, 1.0, 10.0], rel=1e-14)
     assert strikes.t / strikes.t[1] == pytest.approx([10.0, 1.0, 0.1], rel=1e-14)
@@ -181,7 +177,7 @@ def test_omega_is_proportional_to_its_start() -> None:
     )
 
 
-def test_the_ratio_of_forces_for_two_restitutions_is_exact() -> None:
+def test_the_ratio_of_forces_for_two_restitutions_is_exact():
     """v_GY at the strike is proportional to k v_0: F(e = 0)/F(e) = 1/(1 - e), whatever the corner speed."""
     lateral = []
     for restitution in (0.0, 0.22):
@@ -190,7 +186,7 @@ def test_the_ratio_of_forces_for_two_restitutions_is_exact() -> None:
     assert lateral[0] / lateral[1] == pytest.approx(1.0 / 0.78, rel=1e-14)
 
 
-def test_small_angles() -> None:
+def test_small_angles():
     for angle in (1e-3, 1e-6, 1e-9):
         strike = plane_motion(TRUCK, angle, 0.5, 20.0, 0.47).strike
         assert strike.t == pytest.approx(angle / 0.5, rel=2.0 * angle + 1e-14)
@@ -198,7 +194,7 @@ def test_small_angles() -> None:
         assert strike.omega == pytest.approx(0.5, rel=2.0 * angle + 1e-14)
 
 
-def test_drag_and_signed_meet_in_none() -> None:
+def test_drag_and_signed_meet_in_none():
     """The change is linear in mu for small mu, and opposite."""
     none = plane_motion(TRUCK, **START, reaction="none").strike
     small = {**START, "friction": 1e-5}
@@ -216,9 +212,7 @@ def test_drag_and_signed_meet_in_none() -> None:
     ("reaction", "angle", "steps"),
     [("drag", 0.6, (-1, 0, 1)), ("signed", 0.6, (-1, 0, 1)), ("drag", 1.3, (-2, -1, 0))],
 )
-def test_the_closed_form_is_smooth_across_the_critical_friction(
-    reaction: str, angle: float, steps: tuple[int, ...]
-) -> None:
+def test_the_closed_form_is_smooth_across_the_critical_friction(reaction, angle, steps):
     """atan below 4/3, atanh above: the second difference of the answers is rounding, as the step's square is."""
     a, b, c = (
         plane_motion(TRUCK, angle, 1.0, 80.0, 4.0 / 3.0 + 1e-9 * step, reaction).strike for step in steps
@@ -229,7 +223,7 @@ def test_the_closed_form_is_smooth_across_the_critical_friction(
         assert first != last, name
 
 
-def test_broadcasting_equals_single_calls() -> None:
+def test_broadcasting_equals_single_calls():
     widths, angles = np.array([[0.2], [2.438], [9.0]]), np.array([0.05, 0.26, 0.7])
     body = RectangularBody(10.0, widths, 9979.0)
     for reaction in REACTIONS:
@@ -243,7 +237,7 @@ def test_broadcasting_equals_single_calls() -> None:
                 assert value[i, j] == pytest.approx(getattr(alone, name), rel=2e-14, abs=1e-12), name
 
 
-def test_numbers_in_numbers_out() -> None:
+def test_numbers_in_numbers_out():
     """Whole numbers, NumPy scalars and arrays without dimension count as numbers; answers are plain floats."""
     strikes = (
         plane_motion(TRUCK, 0.26, 1, np.float32(25.0), np.array(0)).strike,
@@ -254,7 +248,7 @@ def test_numbers_in_numbers_out() -> None:
     assert strikes[0] == strikes[1]
 
 
-def test_a_hundred_thousand_motions_take_less_than_two_seconds() -> None:
+def test_a_hundred_thousand_motions_take_less_than_two_seconds():
     random = np.random.default_rng(0)
     n = 100_000
     body = RectangularBody(10.0, random.uniform(0.1, 3.0, n), 9979.0)

@@ -1,7 +1,5 @@
 """Verification: the exact Stage 2 against Eqs 66-71 integrated numerically, over the admissible inputs."""
 
-from __future__ import annotations
-
 import math
 import timeit
 from collections.abc import Callable
@@ -14,8 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import REACTIONS, MotionState, RectangularBody, RigidBodyError, integrate_odes, plane_motion
-
-pytestmark = pytest.mark.verification
 
 TRUCK = RectangularBody(10.0, 2.438, 9979.0)
 START = (0.26, 0.707, 25.053, 0.47)
@@ -73,7 +69,7 @@ def agree_or_refuse(
 
 
 @pytest.mark.parametrize("reaction", REACTIONS)
-def test_the_motion_in_between(reaction: str) -> None:
+def test_the_motion_in_between(reaction):
     exact = plane_motion(TRUCK, *START, reaction)
     integrated = integrate_odes(TRUCK, *START, reaction)
     times = np.linspace(0.0, 0.99 * exact.strike.t, 21).reshape(3, 7)
@@ -83,7 +79,7 @@ def test_the_motion_in_between(reaction: str) -> None:
         assert getattr(here, name) == pytest.approx(getattr(there, name), rel=1e-9, abs=1e-9), name
 
 
-def test_the_hyperbolic_form_past_the_critical_friction() -> None:
+def test_the_hyperbolic_form_past_the_critical_friction():
     """Paths on one side of the roots of T^2 - 3 mu T + 4, T = tan(phi): below both, and above both."""
     for body, angle in ((TRUCK, 0.6), (RectangularBody(1.0, 3.5, 10.0), 0.2)):
         for reaction in ("drag", "signed"):
@@ -93,7 +89,7 @@ def test_the_hyperbolic_form_past_the_critical_friction() -> None:
                 assert getattr(exact, name) == pytest.approx(getattr(integrated, name), rel=1e-11), name
 
 
-def test_a_tighter_tolerance_comes_closer() -> None:
+def test_a_tighter_tolerance_comes_closer():
     exact = plane_motion(TRUCK, 1.2, 0.5, 25.0, 0.9).strike
     errors = [
         abs(
@@ -105,7 +101,7 @@ def test_a_tighter_tolerance_comes_closer() -> None:
     assert errors[0] > 50.0 * errors[1] > 2500.0 * errors[2] > 0.0
 
 
-def test_the_integrator_refuses_what_has_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_integrator_refuses_what_has_no_answer(monkeypatch):
     with pytest.raises(RigidBodyError, match=r"omega is -1, but .*; allowed: positive"):
         integrate_odes(TRUCK, 0.26, -1.0, 25.0, 0.47)
     with pytest.raises(RigidBodyError, match=r"shape is \(2,\), but this is one motion"):
@@ -134,7 +130,7 @@ def test_the_integrator_refuses_what_has_no_answer(monkeypatch: pytest.MonkeyPat
         integrate_odes(TRUCK, *START)
 
 
-def test_a_corner_that_stops_is_reported_at_the_same_place() -> None:
+def test_a_corner_that_stops_is_reported_at_the_same_place():
     """Both name the angle and the time, found by a root search and by an event."""
     motion = (TRUCK, 0.8, 2.0, 6.0, 0.9)
     messages = []
@@ -147,7 +143,7 @@ def test_a_corner_that_stops_is_reported_at_the_same_place() -> None:
     assert messages[0] == messages[1]
 
 
-def test_the_exact_solution_costs_a_twentieth_of_an_integration() -> None:
+def test_the_exact_solution_costs_a_twentieth_of_an_integration():
     def fastest(call: Callable[[], Any], number: int) -> float:
         return min(timeit.repeat(call, number=number, repeat=5)) / number
 

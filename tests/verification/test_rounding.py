@@ -1,10 +1,5 @@
 """Verification: coordinates stay near the vehicle, and what rounding is left is foreseen."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,13 +10,11 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.run import attempt
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 START = RigidStart(0.26, 0.707, 25.053)
 
 
 @pytest.mark.parametrize("threads", [1, pytest.param(2, marks=pytest.mark.long)])
-def test_positions_stay_within_the_span(plate_model: Callable[..., Any], threads: int) -> None:
+def test_positions_stay_within_the_span(plate_model, threads):
     """The corner never gets farther from the origin than the span; in the wall's frame nothing has changed."""
     model = plate_model(reaction="drag")
     stepper = Stepper(model, threads)
@@ -36,13 +29,13 @@ def test_positions_stay_within_the_span(plate_model: Callable[..., Any], threads
     assert row.slide == pytest.approx(25.053 * 5000 * model.loop.time_step, rel=0.05)
 
 
-def test_span_has_one_digit_in_binary(plate_model: Callable[..., Any]) -> None:
+def test_span_has_one_digit_in_binary(plate_model):
     """A power of two: setting back by it rounds nothing that is larger."""
     mantissa, _ = np.frexp(plate_model().loop.span)
     assert mantissa == 0.5
 
 
-def test_origin_changes_nothing_but_rounding(plate_model: Callable[..., Any]) -> None:
+def test_origin_changes_nothing_but_rounding(plate_model):
     model = plate_model(reaction="drag")
     far = model.loop._replace(span=1e9)
     from dataclasses import replace
@@ -62,7 +55,7 @@ def test_origin_changes_nothing_but_rounding(plate_model: Callable[..., Any]) ->
         ("impact.speed=2.5", "plate.youngs_modulus=2e13", "plate.elements=[8,3]", "corner.constraint=exact"),
     ],
 )
-def test_ripple_by_rounding_is_foreseen(changes: tuple[str, ...]) -> None:
+def test_ripple_by_rounding_is_foreseen(changes):
     """Within a factor of one to four, never too low (benchmarks/rounding.py has more, with 1.3 to 2.6)."""
     alone = ("wall=", "corner.reaction=none", "damping.kind=none", "plate.element=quad4")
     result = attempt(CornerCase(*read_scene("mash-tl4-sut", (*alone, *changes))))

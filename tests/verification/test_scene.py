@@ -1,9 +1,6 @@
 """Verification: what a scene may say, what it is told otherwise, and that units arrive in SI."""
 
-from __future__ import annotations
-
 import math
-from pathlib import Path
 
 import pytest
 
@@ -13,8 +10,6 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, shipped_scenes
 from tailslap.scene.schema import Scene
 
-pytestmark = pytest.mark.verification
-
 SHIPPED = {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
 
 
@@ -23,7 +18,7 @@ def changed(*changes: str, scene: str = "paper-table-3") -> Scene:
 
 
 @pytest.mark.parametrize("name", sorted(shipped_scenes()))
-def test_shipped_scenes_have_their_own_name_and_a_solution(name: str) -> None:
+def test_shipped_scenes_have_their_own_name_and_a_solution(name):
     scene, text = read_scene(name)
     assert scene.name == name
     plan = case_of(scene, text)
@@ -31,7 +26,7 @@ def test_shipped_scenes_have_their_own_name_and_a_solution(name: str) -> None:
     assert instants[-1] > 0.0
 
 
-def test_the_papers_scenes_are_there() -> None:
+def test_the_papers_scenes_are_there():
     assert set(shipped_scenes()) >= SHIPPED
 
 
@@ -53,7 +48,7 @@ def test_the_papers_scenes_are_there() -> None:
         ("strike.duration=100 ms", ("strike", "duration"), 0.1),
     ],
 )
-def test_units_arrive_in_si(change: str, path: tuple[str, str], value: float) -> None:
+def test_units_arrive_in_si(change, path, value):
     table = getattr(changed(change), path[0])
     assert getattr(table, path[1]) == pytest.approx(value, rel=1e-14)
 
@@ -105,7 +100,7 @@ def test_units_arrive_in_si(change: str, path: tuple[str, str], value: float) ->
         ("vehicle.length.x=3", "--set", "not a table"),
     ],
 )
-def test_wrong_values_are_told_which_key_and_what_is_allowed(change: str, key: str, allowed: str) -> None:
+def test_wrong_values_are_told_which_key_and_what_is_allowed(change, key, allowed):
     with pytest.raises(InputError) as caught:
         changed(change)
     assert caught.value.key == key
@@ -114,7 +109,7 @@ def test_wrong_values_are_told_which_key_and_what_is_allowed(change: str, key: s
 
 
 @pytest.mark.parametrize("name", ["a", "a.b", "v1..2", "-_+", "Müller-3", "x" * 80])
-def test_names_that_can_be_a_folder_s(name: str) -> None:
+def test_names_that_can_be_a_folder_s(name):
     assert changed(f"name='{name}'").name == name
 
 
@@ -130,21 +125,19 @@ def test_names_that_can_be_a_folder_s(name: str) -> None:
         (("start.corner_speed=0.01",), "start.corner_speed", ""),
     ],
 )
-def test_what_the_theory_refuses_names_the_scenes_key(
-    changes: tuple[str, ...], key: str, allowed: str
-) -> None:
+def test_what_the_theory_refuses_names_the_scenes_key(changes, key, allowed):
     with pytest.raises(InputError) as caught:
         CornerCase(*read_scene("mash-tl4-sut", changes))
     assert caught.value.key == key
     assert allowed in caught.value.allowed
 
 
-def test_friction_has_no_meaning_without_friction() -> None:
+def test_friction_has_no_meaning_without_friction():
     with pytest.raises(InputError, match=r"corner\.friction: given 0\.3; it has no meaning"):
         changed("corner.friction=0.3", scene="paper-abaqus")
 
 
-def test_tables_that_need_each_other(tmp_path: Path) -> None:
+def test_tables_that_need_each_other(tmp_path):
     vehicle = 'name = "x"\n[vehicle]\nlength = 10\nwidth = 2\nmass = 1000\n'
     start = "[start]\nangle = 0.26\nomega = 0.7\ncorner_speed = 25\n"
     for text, key in (
@@ -167,7 +160,7 @@ def test_tables_that_need_each_other(tmp_path: Path) -> None:
     assert CornerCase(*read_scene(str(path))).stage1 is None
 
 
-def test_a_partial_start_takes_the_rest_from_stage_one() -> None:
+def test_a_partial_start_takes_the_rest_from_stage_one():
     plan = CornerCase(*read_scene("mash-tl4-sut", ("start.angle=0.2",)))
     assert plan.stage1 is not None
     assert plan.start.angle == 0.2
@@ -178,7 +171,7 @@ def test_a_partial_start_takes_the_rest_from_stage_one() -> None:
     ("text", "message"),
     [("name = ", "not TOML"), ("\x00", "not TOML"), ('name = "a"\nname = "b"', "not TOML")],
 )
-def test_malformed_files(tmp_path: Path, text: str, message: str) -> None:
+def test_malformed_files(tmp_path, text, message):
     path = tmp_path / "scene.toml"
     path.write_text(text)
     with pytest.raises(InputError, match=message):
@@ -186,12 +179,12 @@ def test_malformed_files(tmp_path: Path, text: str, message: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["nowhere.toml", "paper-table3"])
-def test_scenes_that_are_not_there(name: str) -> None:
+def test_scenes_that_are_not_there(name):
     with pytest.raises(InputError, match="SCENE"):
         read_scene(name)
 
 
-def test_a_file_that_is_not_text(tmp_path: Path) -> None:
+def test_a_file_that_is_not_text(tmp_path):
     (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="not text in UTF-8"):
         read_scene(str(tmp_path / "scene.toml"))

@@ -1,7 +1,5 @@
 """Verification: filters against their transfer functions, peaks of known pulses, second strikes between valleys."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -18,8 +16,6 @@ from postprocess.signals.filters import (
     moving_mean,
     second_strike,
 )
-
-pytestmark = pytest.mark.verification
 
 Filter = Callable[[np.ndarray, float], np.ndarray]
 FILTERS: dict[str, Filter] = {
@@ -41,7 +37,7 @@ def gain(apply: Filter, frequency: float, rate: float) -> float:
 
 @pytest.mark.parametrize("frequency_class", CLASSES)
 @pytest.mark.parametrize("samples", [84, 167, 1000])
-def test_a_class_is_3_db_down_at_its_cutoff(frequency_class: int, samples: float) -> None:
+def test_a_class_is_3_db_down_at_its_cutoff(frequency_class, samples):
     """Sampled at 84 to 1000 times the class; for CFC 60 at 5, 10 and 60 kHz."""
     found = gain(FILTERS[f"CFC {frequency_class}"], frequency_class / 0.6, samples * frequency_class)
     assert found == pytest.approx(math.sqrt(0.5), abs=1e-3)
@@ -49,7 +45,7 @@ def test_a_class_is_3_db_down_at_its_cutoff(frequency_class: int, samples: float
 
 @pytest.mark.parametrize("frequency", [10.0, 40.0, 100.0, 150.0, 250.0])
 @pytest.mark.parametrize("rate", [1000.0, 5000.0, 100000.0])
-def test_gain_of_cfc_60_at_any_frequency(frequency: float, rate: float) -> None:
+def test_gain_of_cfc_60_at_any_frequency(frequency, rate):
     corner = math.tan(math.pi * 60.0 * 2.0775 / rate)
     exact = 1.0 / (1.0 + (math.tan(math.pi * frequency / rate) / corner) ** 4)
     assert gain(FILTERS["CFC 60"], frequency, rate) == pytest.approx(exact, abs=2e-6)
@@ -57,11 +53,11 @@ def test_gain_of_cfc_60_at_any_frequency(frequency: float, rate: float) -> None:
 
 @pytest.mark.parametrize(("name", "cutoff"), [("60 Hz", 60.0), ("13 Hz", 13.0)])
 @pytest.mark.parametrize("rate", [480.0, 1000.0, 20000.0])
-def test_a_true_cutoff_is_3_db_down_at_any_rate(name: str, cutoff: float, rate: float) -> None:
+def test_a_true_cutoff_is_3_db_down_at_any_rate(name, cutoff, rate):
     assert gain(FILTERS[name], cutoff, rate) == pytest.approx(math.sqrt(0.5), abs=2e-6)
 
 
-def test_coefficients_are_a_butterworth_filter_of_scipy() -> None:
+def test_coefficients_are_a_butterworth_filter_of_scipy():
     from scipy.signal import butter, filtfilt
 
     noise = np.concatenate([np.zeros(500), np.random.default_rng(7).normal(size=1000), np.zeros(500)])
@@ -71,13 +67,13 @@ def test_coefficients_are_a_butterworth_filter_of_scipy() -> None:
 
 @pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("size", [800, 801])
-def test_a_constant_passes_unchanged_to_both_ends(name: str, size: int) -> None:
+def test_a_constant_passes_unchanged_to_both_ends(name, size):
     found = FILTERS[name](np.full(size, -3.7), 1e-4)
     np.testing.assert_allclose(found, -3.7, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", FILTERS)
-def test_an_end_is_that_of_a_signal_that_holds_its_value(name: str) -> None:
+def test_an_end_is_that_of_a_signal_that_holds_its_value(name):
     """What comes after the end of a history is as good as the end value going on."""
     rising = np.sin(np.linspace(0.0, 1.2, 1000))
     longer = np.concatenate([rising, np.full(4000, rising[-1])])
@@ -85,7 +81,7 @@ def test_an_end_is_that_of_a_signal_that_holds_its_value(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FILTERS)
-def test_nothing_is_delayed_or_lost(name: str) -> None:
+def test_nothing_is_delayed_or_lost(name):
     """A pulse keeps its impulse and its middle."""
     t = 2e-5 * (np.arange(30001) + 0.5)
     pulse = np.where(np.abs(t - 0.3) < 0.04, np.cos(np.pi * (t - 0.3) / 0.08), 0.0)
@@ -96,7 +92,7 @@ def test_nothing_is_delayed_or_lost(name: str) -> None:
 
 @pytest.mark.parametrize("width", [0.05, 0.049, 0.0333, 0.0500001])
 @pytest.mark.parametrize("length", [0.05, 0.08, 0.1143])
-def test_peak_of_the_mean_of_a_half_sine(width: float, length: float) -> None:
+def test_peak_of_the_mean_of_a_half_sine(width, length):
     """(2 T / pi w) sin(pi w / 2 T), for samples that are means over their interval, whatever the width."""
     if width > length:
         width = length
@@ -110,7 +106,7 @@ def test_peak_of_the_mean_of_a_half_sine(width: float, length: float) -> None:
     assert found == pytest.approx(exact, rel=1e-6)
 
 
-def test_a_mean_over_odd_samples_is_their_mean() -> None:
+def test_a_mean_over_odd_samples_is_their_mean():
     values = np.random.default_rng(3).normal(size=40)
     found = moving_mean(values, 0.01, 0.05)
     np.testing.assert_allclose(found[2:-2], np.convolve(values, np.full(5, 0.2), "valid"), atol=1e-14)
@@ -130,12 +126,12 @@ def test_a_mean_over_odd_samples_is_their_mean() -> None:
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value")
-def test_what_is_refused(call: Callable[[np.ndarray], object], message: str) -> None:
+def test_what_is_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call(np.zeros(1000))
 
 
-def test_the_lowest_rate_of_a_class_is_accepted() -> None:
+def test_the_lowest_rate_of_a_class_is_accepted():
     """Ten times the class."""
     for frequency_class in CLASSES:
         cfc_filter(np.zeros(1000), 0.1 / frequency_class, frequency_class)
@@ -162,7 +158,7 @@ def half_sine(start: float, length: float, peak: float) -> np.ndarray:
     return means(edges, -peak * length / math.pi * np.cos(phase))
 
 
-def test_peaks_of_a_half_sine_by_name() -> None:
+def test_peaks_of_a_half_sine_by_name():
     """Strike 1 of a truck of k = 2 MN/m; the filters in the order of how much they smooth."""
     length, peak = 0.0812, 553.4e3
     found = force_peaks(force_curves(half_sine(0.0, length, peak), INTERVAL))
@@ -173,7 +169,7 @@ def test_peaks_of_a_half_sine_by_name() -> None:
     assert found["raw"] > found["cfc180"] > found["cfc60"] > found["cutoff_60hz"] > found["mean_50ms"]
 
 
-def test_before_first_touch_there_is_no_force() -> None:
+def test_before_first_touch_there_is_no_force():
     """A history that starts with a jump gives the same curves as with the rest before it."""
     force = 1e5 * np.exp(-T / 0.02)
     rest = np.concatenate([np.zeros(3000), force])
@@ -183,7 +179,7 @@ def test_before_first_touch_there_is_no_force() -> None:
 
 
 @pytest.mark.parametrize("length", [0.05, 0.1, 0.1434])
-def test_a_triangular_pulse_gives_back_its_duration(length: float) -> None:
+def test_a_triangular_pulse_gives_back_its_duration(length):
     """Alone between two others and a rest of zero, by valleys and by 2 J / F."""
     force = (
         triangle(T, 0.05, 0.08, 500e3) + triangle(T, 0.25005, length, 654e3) + triangle(T, 0.45, 0.04, 300e3)
@@ -195,7 +191,7 @@ def test_a_triangular_pulse_gives_back_its_duration(length: float) -> None:
     assert found.impulse == pytest.approx(0.5 * 654e3 * length, rel=1e-5)
 
 
-def test_valleys_of_strikes_that_run_into_each_other() -> None:
+def test_valleys_of_strikes_that_run_into_each_other():
     """Lowest points lie at 0.2 and 0.34 s, the first at 60 kN; no strike ends at zero force."""
     force = np.interp(
         T, [0.0, 0.1, 0.2, 0.26, 0.34, 0.4, 0.6], 1e3 * np.array([0, 400, 60, 500, 100, 450, 0])
@@ -205,7 +201,7 @@ def test_valleys_of_strikes_that_run_into_each_other() -> None:
     assert found.impulse == pytest.approx(1e3 * (280 * 0.06 + 300 * 0.08), rel=1e-4)
 
 
-def test_ripple_is_no_strike() -> None:
+def test_ripple_is_no_strike():
     """Neither before the second peak nor upon it: less than a quarter of the largest force."""
     force = half_sine(0.02, 0.1, 400e3) + half_sine(0.3, 0.1, 450e3)
     ripple = force * (1.0 + 0.08 * np.sin(2.0 * math.pi * 130.0 * T))
@@ -214,18 +210,18 @@ def test_ripple_is_no_strike() -> None:
     assert (found.start, found.end) == pytest.approx((0.3, 0.4), abs=2.0 * INTERVAL)
 
 
-def test_rounding_is_no_valley() -> None:
+def test_rounding_is_no_valley():
     force = half_sine(0.02, 0.1, 400e3) + half_sine(0.3, 0.1, 450e3)
     noisy = force + 1e-9 * np.random.default_rng(5).normal(size=force.size)
     assert second_strike(noisy, INTERVAL).duration == pytest.approx(0.1, abs=10.0 * INTERVAL)
 
 
-def test_a_strike_that_the_history_cuts_off_ends_with_it() -> None:
+def test_a_strike_that_the_history_cuts_off_ends_with_it():
     force = (half_sine(0.02, 0.1, 400e3) + half_sine(0.3, 0.1, 450e3))[:3700]
     assert second_strike(force, INTERVAL).end == pytest.approx(0.37, abs=INTERVAL)
 
 
-def test_a_50_ms_mean_widens_a_strike_by_50_ms() -> None:
+def test_a_50_ms_mean_widens_a_strike_by_50_ms():
     """What a duration read off such a curve holds beside the strike's own."""
     curves = force_curves(half_sine(0.0, 0.0812, 550e3) + half_sine(0.2944, 0.0664, 630e3), INTERVAL)
     assert second_strike(curves["raw"], INTERVAL).duration == pytest.approx(0.0664, abs=4 * INTERVAL)
@@ -233,7 +229,7 @@ def test_a_50_ms_mean_widens_a_strike_by_50_ms() -> None:
 
 
 @pytest.mark.parametrize(("name", "more"), [("cfc180", 0.004), ("cfc60", 0.01), ("cutoff_60hz", 0.015)])
-def test_undershoot_of_a_filter_elsewhere_is_no_valley(name: str, more: float) -> None:
+def test_undershoot_of_a_filter_elsewhere_is_no_valley(name, more):
     """A filter adds its own rise; the dip after strike 1, though lower, is not where strike 2 begins."""
     force = half_sine(0.02, 0.03, 600e3) + half_sine(0.2, 0.08, 500e3) + half_sine(0.4, 0.03, 600e3)
     found = second_strike(force_curves(force, INTERVAL)[name], INTERVAL)
@@ -242,7 +238,7 @@ def test_undershoot_of_a_filter_elsewhere_is_no_valley(name: str, more: float) -
 
 
 @pytest.mark.parametrize(("force", "peaks"), [(np.zeros(6000), 0), (half_sine(0.1, 0.1, 1e5), 1)])
-def test_without_a_second_peak(force: np.ndarray, peaks: int) -> None:
+def test_without_a_second_peak(force, peaks):
     with pytest.raises(
         ValueError, match=f"a curve with {peaks} peaks has no second strike: must have at least 2"
     ):

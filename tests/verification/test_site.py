@@ -1,7 +1,5 @@
 """Verification: the site builds without a warning, its references are the program's, its commands and code run."""
 
-from __future__ import annotations
-
 import importlib.util
 import inspect
 import re
@@ -20,8 +18,6 @@ import tailslap
 from tailslap.cli import commands, main
 from tailslap.scene.meanings import MEANINGS
 from tailslap.scene.schema import Scene, Table
-
-pytestmark = pytest.mark.verification
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -59,7 +55,7 @@ def generator() -> ModuleType:
 PAGES = generator().pages()
 
 
-def test_the_site_builds_without_network_and_without_a_warning(tmp_path: Path) -> None:
+def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
     command = [
         sys.executable,
         "-m",
@@ -91,7 +87,7 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("name", GENERATED)
-def test_a_reference_is_as_the_program_is(name: str) -> None:
+def test_a_reference_is_as_the_program_is(name):
     assert (DOCS / "reference" / name).read_text(encoding="utf-8") == PAGES[name], "run docs/generate.py"
 
 
@@ -106,7 +102,7 @@ def keys(model: type[Table], prefix: str = "") -> list[str]:
     return found
 
 
-def test_every_key_of_a_scene_has_a_meaning_and_a_row() -> None:
+def test_every_key_of_a_scene_has_a_meaning_and_a_row():
     every = keys(Scene)
     assert list(MEANINGS) == every
     for key in every:
@@ -116,7 +112,7 @@ def test_every_key_of_a_scene_has_a_meaning_and_a_row() -> None:
         assert meaning == MEANINGS[key]
 
 
-def test_every_column_of_a_history_has_a_row() -> None:
+def test_every_column_of_a_history_has_a_row():
     for scene in ("paper-table-3", "impact-mash-tl4-sut"):
         for name, unit in tailslap.rigid(scene).history.units.items():
             assert re.search(
@@ -124,7 +120,7 @@ def test_every_column_of_a_history_has_a_row() -> None:
             ), name
 
 
-def test_every_column_of_a_run_has_a_row() -> None:
+def test_every_column_of_a_run_has_a_row():
     from tailslap.files.load import corner_columns, impact_columns
 
     for scene, known in (("paper-table-3", corner_columns()), ("impact-mash-tl4-sut", impact_columns())):
@@ -133,7 +129,7 @@ def test_every_column_of_a_run_has_a_row() -> None:
         assert [column.name for column in known.values() if not (column.meaning and column.unit)] == []
 
 
-def test_every_function_and_command_has_its_part() -> None:
+def test_every_function_and_command_has_its_part():
     for name in tailslap.__all__:
         assert f"\n## tailslap.{name}\n" in PAGES["python.md"]
     for name in commands.commands:
@@ -214,7 +210,7 @@ def do(step: Step, namespace: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "page", [pytest.param(p, marks=[pytest.mark.long] if p.endswith(LONG_PAGES) else []) for p in SHOWN]
 )
-def test_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_runs(page, tmp_path, monkeypatch):
     """Commands end with 0, files are written where they are shown, code runs; one after the other."""
     monkeypatch.chdir(tmp_path)
     namespace: dict[str, Any] = {"__name__": "__main__"}
@@ -225,12 +221,12 @@ def test_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.long
 @pytest.mark.parametrize("line", LONG_COMMANDS)
-def test_a_long_command_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_command_runs(line, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     do(Step("command", line), {})
 
 
-def test_commands_and_code_are_found() -> None:
+def test_commands_and_code_are_found():
     assert {
         "docs/first-steps.md",
         "docs/howto/python.md",
@@ -242,7 +238,7 @@ def test_commands_and_code_are_found() -> None:
     assert "tailslap study cost paper-table-3" in LONG_COMMANDS
 
 
-def test_what_does_not_run_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_does_not_run_is_noticed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "page.md"
     page.write_text("```sh\ntailslap rigid none.toml\n```\n```python\n1 / 0\n```\n")

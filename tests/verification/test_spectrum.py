@@ -2,8 +2,6 @@
 against dense solutions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any
@@ -14,8 +12,6 @@ import scipy.linalg
 
 from fem.plate import spectrum
 from fem.plate.spectrum import Spectrum, hold_of, largest_eigenpair
-
-pytestmark = pytest.mark.verification
 
 ANGLES = (0.26, 0.13, 0.0)
 MESHES = ((6, 3), (10, 3), (20, 6), (3, 12))
@@ -37,9 +33,7 @@ def dense(model: Any, angle: float, step: float = 0.0, damping: Any = None) -> f
 
 @pytest.mark.parametrize("scale", [1e-3, 0.3, 1.0, 3.0])
 @pytest.mark.parametrize("elements", MESHES)
-def test_bound_is_safe_at_every_angle_and_close(
-    plate_model: Callable[..., Any], elements: tuple[int, int], scale: float
-) -> None:
+def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
     model = plate_model(elements=elements, corner={"penalty_scale": scale})
     found = Spectrum(model.stiffness, model.loop.mass, hold_of(model.loop.corner, ANGLES))
     highest = max(np.sqrt(dense(model, angle)) for angle in ANGLES)
@@ -48,7 +42,7 @@ def test_bound_is_safe_at_every_angle_and_close(
 
 
 @pytest.mark.parametrize("given", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
-def test_damped_step_is_safe_and_close(plate_model: Callable[..., Any], given: dict[str, Any]) -> None:
+def test_damped_step_is_safe_and_close(plate_model, given):
     """dt^2 K + 2 dt C has no eigenvalue above 4, and one within the residual of it."""
     from fem.plate.elements import stiffness_matrix
 
@@ -59,7 +53,7 @@ def test_damped_step_is_safe_and_close(plate_model: Callable[..., Any], given: d
     assert 4.0 * (1.0 - 2.0 * spectrum.TOLERANCE) < worst <= 4.0
 
 
-def test_residual_is_in_the_bound(plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_residual_is_in_the_bound(plate_model, monkeypatch):
     """Lanczos that ends far too early finds a frequency that is too low; its bound is not."""
     model = plate_model()
     masses = model.loop.mass
@@ -71,9 +65,7 @@ def test_residual_is_in_the_bound(plate_model: Callable[..., Any], monkeypatch: 
     assert rough.bound >= exact
 
 
-def test_angles_that_are_lower_are_not_looked_at_closely(
-    plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_angles_that_are_lower_are_not_looked_at_closely(plate_model, monkeypatch):
     model, tolerances = plate_model(), []
     plain = Spectrum._largest
 
@@ -104,13 +96,13 @@ def started(size: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("masses", [1, 2, 5, 12, 13, 40, 150])
-def test_chain(masses: int) -> None:
+def test_chain(masses):
     value, vector = largest_eigenpair(chain(masses), started(masses), 1e-9, BASIS)
     assert value == pytest.approx(2.0 - 2.0 * math.cos(masses * math.pi / (masses + 1)), rel=1e-12)
     assert np.linalg.norm(chain(masses)(vector) - value * vector) <= 1e-8 * value
 
 
-def test_start_within_few_unknowns_ends_with_theirs() -> None:
+def test_start_within_few_unknowns_ends_with_theirs():
     """Three unknowns that nothing couples to others: after them there is nothing to divide by."""
     start = np.zeros(40)
     start[[3, 9, 20]] = 1.0, 2.0, 3.0
@@ -119,14 +111,12 @@ def test_start_within_few_unknowns_ends_with_theirs() -> None:
     assert abs(vector[20]) == pytest.approx(1.0, rel=1e-12)
 
 
-def test_product_that_is_not_finite_is_an_error() -> None:
+def test_product_that_is_not_finite_is_an_error():
     with pytest.raises(FloatingPointError):
         largest_eigenpair(lambda vector: vector * np.nan, started(30), 1e-4, BASIS)
 
 
-def test_time_step_has_the_same_digits_whatever_the_rounding(
-    plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_time_step_has_the_same_digits_whatever_the_rounding(plate_model, monkeypatch):
     """Products that differ in their last bit, as those of two versions of a library may: the tolerance is far above."""
     noise, plain = np.random.default_rng(1), largest_eigenpair
     models = [plate_model(elements=each, damping_ratio=0.05) for each in ((6, 3), (20, 6), (40, 12))]

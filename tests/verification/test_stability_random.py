@@ -1,13 +1,10 @@
 """Verification: random scenes are drawn alike every time, judged by a refined model, and can be run again."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -46,20 +43,18 @@ from tailslap.studies.stability.compute import (
 from tailslap.studies.stability.report import report
 from tailslap.studies.study import Call
 
-pytestmark = pytest.mark.verification
-
 TRUCK = read_scene("mash-tl4-sut")[0]
 BASE = base_source(TRUCK)
 DRAWN = [changed_tables(BASE.given, draw(TRUCK, BASE, 1, number))[0] for number in range(90)]
 
 
-def test_a_draw_is_known_by_seed_and_number() -> None:
+def test_a_draw_is_known_by_seed_and_number():
     assert draw(TRUCK, BASE, 1, 7) == draw(TRUCK, BASE, 1, 7) != draw(TRUCK, BASE, 2, 7)
     assert DRAWN[7] != DRAWN[8]
 
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
-def test_draws_are_scenes_that_can_be_planned_and_afforded(scene: str) -> None:
+def test_draws_are_scenes_that_can_be_planned_and_afforded(scene):
     own = read_scene(scene)[0]
     base = base_source(own)
     for number in range(20):
@@ -67,7 +62,7 @@ def test_draws_are_scenes_that_can_be_planned_and_afforded(scene: str) -> None:
         assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
 
 
-def test_a_third_starts_unstressed_and_the_others_share_the_rest() -> None:
+def test_a_third_starts_unstressed_and_the_others_share_the_rest():
     starts = [tables["plate"]["start"] for tables in DRAWN]
     assert {name: starts.count(name) for name in starts} == {
         "unstressed": 30,
@@ -76,7 +71,7 @@ def test_a_third_starts_unstressed_and_the_others_share_the_rest() -> None:
     }
 
 
-def test_every_choice_of_the_scene_is_drawn() -> None:
+def test_every_choice_of_the_scene_is_drawn():
     def seen(table: str, key: str) -> set[Any]:
         return {tables.get(table, {}).get(key, "open") for tables in DRAWN}
 
@@ -94,7 +89,7 @@ def test_every_choice_of_the_scene_is_drawn() -> None:
     assert len(seen("plate", "first_frequency")) > 10
 
 
-def test_cells_of_a_combination_share_choices_and_nothing_else() -> None:
+def test_cells_of_a_combination_share_choices_and_nothing_else():
     """What is compiled for one serves the others; starts, which need no code of their own, go round."""
     cells = [draw(TRUCK, BASE, 1, 5 + k * COMBINATIONS) for k in range(6)]
     chosen = choices_of(1, 5, 0)
@@ -106,7 +101,7 @@ def test_cells_of_a_combination_share_choices_and_nothing_else() -> None:
     assert len({cell["vehicle.length"] for cell in cells}) == 6
 
 
-def test_nearly_any_two_choices_meet() -> None:
+def test_nearly_any_two_choices_meet():
     drawn = [choices_of(1, number, 0).items() for number in range(COMBINATIONS)]
     values = {item for choices in drawn for item in choices}
     pairs = {frozenset(pair) for choices in drawn for pair in combinations(choices, 2)}
@@ -114,14 +109,14 @@ def test_nearly_any_two_choices_meet() -> None:
     assert len(pairs) > 0.93 * len(possible)
 
 
-def test_a_scene_without_possible_draws_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scene_without_possible_draws_is_refused(monkeypatch):
     monkeypatch.setattr("tailslap.studies.stability.compute.MAX_STEPS", 10)
     monkeypatch.setattr("tailslap.studies.stability.compute.MAX_TRIES", 5)
     with pytest.raises(InputError, match="none of 5 draws"):
         draw(TRUCK, BASE, 1, 0)
 
 
-def test_a_draw_read_from_its_file_is_the_same_scene() -> None:
+def test_a_draw_read_from_its_file_is_the_same_scene():
     for tables in DRAWN:
         assert vary(source_of_text(scene_file(tables, "x")), {})[0] == validate(tables)
 
@@ -151,19 +146,19 @@ def five(value: float) -> dict[str, float]:
         (float("inf"), ("finite numbers",), 0.1, "caught"),
     ],
 )
-def test_verdicts(found: float | None, failed: tuple[str, ...], truth: float | None, kind: str) -> None:
+def test_verdicts(found, failed, truth, kind):
     reference = None if truth is None else Reference(five(truth), "quad9", 1.0, ({}, {}))
     graded = grade({} if found is None else five(found), failed, reference, 0.0)
     assert (graded["kind"], graded["failed"]) == (kind, ", ".join(failed))
 
 
-def test_the_distance_is_that_of_the_quantity_that_is_farthest_off() -> None:
+def test_the_distance_is_that_of_the_quantity_that_is_farthest_off():
     graded = grade(five(0.01) | {"omega": 0.5}, (), Reference(five(0.01), "quad9", 1.0, ({}, {})), 0.0)
     assert graded["distance"] == pytest.approx(0.495)
     assert graded["allowed"] == pytest.approx(1e-3 + 0.25 * 0.01)
 
 
-def test_what_is_right_by_chance_is_not_right_beyond_doubt() -> None:
+def test_what_is_right_by_chance_is_not_right_beyond_doubt():
     """Oscillations that agree at the strike, and lie apart before it: a check that fails for it has its reason."""
     reference = Reference(five(0.1), "quad9", 1.0, ({}, {}))
     kinds = [grade(five(0.1), ("numerical error",), reference, apart)["kind"] for apart in (0.008, 0.009)]
@@ -172,9 +167,7 @@ def test_what_is_right_by_chance_is_not_right_beyond_doubt() -> None:
 
 
 @pytest.mark.parametrize(("other", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")])
-def test_two_references_say_what_is_beyond_doubt(
-    other: float | None, kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
     """One may agree by chance, and where there is no other there is doubt."""
     outcome = CornerCase(*vary(SMALL, {})).run()
     histories = outcome.fe_history, outcome.rigid_history
@@ -187,13 +180,13 @@ def test_two_references_say_what_is_beyond_doubt(
     assert study.against_reference(failed)["kind"] == kind
 
 
-def test_a_second_reference_is_another_model() -> None:
+def test_a_second_reference_is_another_model():
     plate = vary(SMALL, {})[0].needed_plate
     assert next(references(SMALL, plate, FINER)).model == "quad9 15 x 5"
     assert [found.model for found in references(SMALL, plate, FINEST)][:2] == ["quad9 20 x 6", "quad9 10 x 3"]
 
 
-def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
     asked = []
 
     def noted(plate: Any, finer: float, ratio: float = 0.0) -> Any:
@@ -217,7 +210,7 @@ def verdict_of(changes: Changes) -> dict[str, Any]:
     return study.judge(SMALL, changes, study.against_reference)
 
 
-def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
+def test_a_refined_model_is_the_same_plate_held_exactly():
     plate_keys = {"element": "quad4-reduced", "distortion": 0.1, "start": "unstressed"}
     corner_keys = {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
     changes = {f"plate.{key}": value for key, value in plate_keys.items()}
@@ -236,7 +229,7 @@ def test_a_refined_model_is_the_same_plate_held_exactly() -> None:
     assert calmed.damping.ratio == 0.05
 
 
-def test_a_refined_mesh_has_its_limit() -> None:
+def test_a_refined_mesh_has_its_limit():
     plate = vary(SMALL, {})[0].needed_plate
     refined = {
         counts: reference_changes(plate.model_copy(update={"elements": counts}), 1.5)["plate.elements"]
@@ -248,18 +241,18 @@ def test_a_refined_mesh_has_its_limit() -> None:
 
 
 @pytest.mark.long
-def test_a_right_cell_and_a_spring_too_soft() -> None:
+def test_a_right_cell_and_a_spring_too_soft():
     assert verdict_of({"plate.element": "quad9"})["kind"] == "right"
     assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "caught"
 
 
-def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch):
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
     assert verdict_of({"corner.penalty_scale": 0.01})["kind"] == "wrong"
 
 
 @pytest.mark.long
-def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refused_broken_and_unjudged_cells(monkeypatch):
     assert verdict_of({"plate.element": "hexagon"})["kind"] == "refused"
     monkeypatch.setattr(study, "references", lambda *arguments: iter(()))
     assert verdict_of({})["kind"] == "unjudged"
@@ -274,7 +267,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch: pytest.MonkeyPatch) -> N
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
-def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted() -> None:
+def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted():
     outcome = CornerCase(*vary(SMALL, {})).run()
     assert trustworthy(outcome)
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
@@ -289,7 +282,7 @@ def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted() -> 
     assert not trustworthy(replace(outcome, difference={}))
 
 
-def test_where_no_reference_is_trusted_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
     plate = vary(SMALL, {})[0].plate
     assert plate is not None
     monkeypatch.setattr("tailslap.studies.stability.compute.MAX_REFERENCE_S", 0.0)
@@ -307,7 +300,7 @@ def campaign_of(*kinds: str) -> Found:
     return Found(case, BASE, (), {"seed": 1}, RANDOM_KINDS, cells, rows, 1.0)
 
 
-def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: Path) -> None:
+def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
     made = report(campaign_of(*RANDOM_KINDS))
     write_report(made, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
@@ -325,15 +318,13 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path: 
 
 
 @pytest.mark.long
-def test_a_cells_file_can_be_run(tmp_path: Path) -> None:
+def test_a_cells_file_can_be_run(tmp_path):
     found = campaign_of("wrong")._replace(base=SMALL, cells={"0000": {}})
     write_report(report(found), tmp_path)
     assert CornerCase(*read_scene(str(tmp_path / "cell-0000.toml"))).run().fe
 
 
-def test_a_survey_is_made_of_its_draws_and_its_journal_goes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
@@ -355,9 +346,7 @@ def all_right(stop_at: str = "") -> Any:
     return run
 
 
-def test_an_interrupted_campaign_goes_on_with_more_cells(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
     call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
     with pytest.raises(Interrupted, match="2 parts are kept"):
@@ -372,9 +361,7 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(
     ("arguments", "folder", "cells"),
     [(("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112)],
 )
-def test_map_and_random_cells_have_folders_of_their_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], folder: str, cells: int
-) -> None:
+def test_map_and_random_cells_have_folders_of_their_own(tmp_path, monkeypatch, arguments, folder, cells):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     monkeypatch.chdir(tmp_path)
     assert _status(["study", "stability", "paper-table-3", *arguments]) == 0
@@ -383,12 +370,12 @@ def test_map_and_random_cells_have_folders_of_their_own(
 
 
 @pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
-def test_every_check_has_advice(start: str) -> None:
+def test_every_check_has_advice(start):
     scene, source = vary(SMALL, {"plate.start": start, "verify.tolerance": 1e-3})
     names = {check.name for check in CornerCase(scene, source).run().checks}
     assert names <= {name for name, kind in CHECKS.items() if kind.advice}
 
 
-def test_advice_says_each_thing_once() -> None:
+def test_advice_says_each_thing_once():
     assert advice(CHECKS, ["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
     assert advice(CHECKS, ["penetration", "time step"]).endswith("; a smaller time.safety_factor")

@@ -1,7 +1,5 @@
 """Verification: the stability study calls each kind of cell by its name, and an interrupted study goes on."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math
@@ -11,7 +9,6 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -33,8 +30,6 @@ from tailslap.studies.stability.compute import MAP_KINDS, Found, axes_of, base_s
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report
 from tailslap.studies.study import Call
 
-pytestmark = pytest.mark.verification
-
 COARSE = ("plate.elements=[10,3]",)
 
 
@@ -49,14 +44,14 @@ def verdict_of(scene: Scene, changes: Changes) -> dict[str, Any]:
     return study.judge(base_source(scene), changes, partial(study.against_rigid, tolerance=tolerance))
 
 
-def test_eight_axes_with_ten_values_make_2800_cells() -> None:
+def test_eight_axes_with_ten_values_make_2800_cells():
     scene = read_scene("paper-table-3")[0]
     assert len(map_cells(scene, axes_of(scene, 10))[0]) == 28 * 100
     frictionless = read_scene("paper-abaqus", ("corner.constraint=exact",))[0]
     assert {axis.name for axis in axes_of(frictionless, 10)}.isdisjoint({"friction", "penalty"})
 
 
-def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact() -> None:
+def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact():
     scene = read_scene("mash-tl4-sut")[0]
     base = base_source(scene)
     axes = tuple(axis for axis in axes_of(scene, 3) if axis.name in ("speed", "angle"))
@@ -78,11 +73,11 @@ def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact() -> None
         (("stiffness", 1e-4, "penalty", 0.01), "caught"),
     ],
 )
-def test_each_kind_of_cell(cell: Any, kind: str) -> None:
+def test_each_kind_of_cell(cell, kind):
     assert verdict(*cell)["kind"] == kind
 
 
-def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed() -> None:
+def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed():
     """The damping that its flutter is predicted to take would hold it back by more than a third of its flexibility."""
     scene = read_scene("paper-table-3")[0]
     strip = {"vehicle.width": 0.46415888336127774, "plate.youngs_modulus": 0.000774263682681127 * 2e11}
@@ -93,7 +88,7 @@ def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed() -> None:
 
 
 @pytest.mark.long
-def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch):
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
     soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
@@ -105,7 +100,7 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch: pytest.Monke
 
 
 @pytest.mark.long
-def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed() -> None:
+def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed():
     scene = read_scene("paper-table-3", ("plate.elements=",))[0]
     assert scene.plate is not None
     assert scene.plate.youngs_modulus is not None
@@ -113,7 +108,7 @@ def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed() -
     assert verdict_of(scene, softer)["kind"] == "flexible"
 
 
-def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_breaks_has_not_refused(monkeypatch):
     def breaks(*arguments: Any) -> None:
         raise ZeroDivisionError("boom")
 
@@ -125,7 +120,7 @@ def test_a_program_that_breaks_has_not_refused(monkeypatch: pytest.MonkeyPatch) 
 TRUCK = "impact-mash-tl4-sut"
 
 
-def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene() -> None:
+def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene():
     scene = read_scene(TRUCK)[0]
     axes = {axis.name: axis for axis in axes_of(scene, 6)}
     assert len(map_cells(scene, axes_of(scene, 6))[0]) == 28 * 36
@@ -143,7 +138,7 @@ def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene
 
 
 @pytest.mark.long
-def test_a_stiff_plate_s_impact_is_right_and_what_cannot_be_is_refused() -> None:
+def test_a_stiff_plate_s_impact_is_right_and_what_cannot_be_is_refused():
     scene = read_scene(TRUCK)[0]
     right = verdict_of(scene, {})
     assert (right["kind"], right["model"]) == ("right", "quad4 20 x 6")
@@ -186,20 +181,20 @@ def impact(impulse: float, error: float, passed: bool = True, corner: str = "rea
         (impact(0.0, 0.0, corner="front"), None, "wrong"),
     ],
 )
-def test_verdicts_on_impacts(own: Any, refined: Any, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
     """Right near the rigid vehicle; beyond, the refined model decides, within tolerance and three claimed errors."""
     monkeypatch.setattr(study, "refined_run", lambda case, changes: refined)
     assert study.against_rigid(own, 1e-2)["kind"] == kind
 
 
-def test_random_cells_are_of_the_corner_alone(tmp_path: Path) -> None:
+def test_random_cells_are_of_the_corner_alone(tmp_path):
     call = Call(TRUCK, (), SimpleNamespace(scene=read_scene(TRUCK)[0]), tmp_path)
     with pytest.raises(InputError, match="--random"):
         study.compute(call, None, None, 5, 1, 1)
 
 
 @pytest.fixture
-def journal(tmp_path: Path) -> Callable[..., Journal]:
+def journal(tmp_path):
     return lambda **definition: Journal(tmp_path / "out", definition)
 
 
@@ -210,7 +205,7 @@ def interrupt(journal: Journal, records: dict[str, Any]) -> None:
         raise KeyboardInterrupt
 
 
-def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal: Any, tmp_path: Path) -> None:
+def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal, tmp_path):
     records = {"x": {"value": 1.5}, "y": {"value": float("inf")}}
     with pytest.raises(Interrupted, match="2 parts are kept"):
         interrupt(journal(a=1), records)
@@ -219,7 +214,7 @@ def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal: 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_journal_of_another_definition_is_begun_anew(journal: Any) -> None:
+def test_journal_of_another_definition_is_begun_anew(journal):
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
     with journal(a=2) as other:
@@ -227,7 +222,7 @@ def test_journal_of_another_definition_is_begun_anew(journal: Any) -> None:
 
 
 @pytest.mark.parametrize("foreign", [b"", b"diary\n", b"\xff\xfe\n", b"SQLite format 3\0" + bytes(4080)])
-def test_a_file_that_is_no_journal_is_refused_and_kept(journal: Any, foreign: bytes) -> None:
+def test_a_file_that_is_no_journal_is_refused_and_kept(journal, foreign):
     path = journal(a=1).path
     path.write_bytes(foreign)
     with pytest.raises(InputError, match=r"\.out\.journal.* no journal"), journal(a=1):
@@ -236,7 +231,7 @@ def test_a_file_that_is_no_journal_is_refused_and_kept(journal: Any, foreign: by
     assert [found.name for found in path.parent.iterdir()] == [path.name]
 
 
-def test_a_link_in_the_place_of_the_journal_is_refused(journal: Any, tmp_path: Path) -> None:
+def test_a_link_in_the_place_of_the_journal_is_refused(journal, tmp_path):
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
     path = journal(a=1).path
@@ -247,9 +242,7 @@ def test_a_link_in_the_place_of_the_journal_is_refused(journal: Any, tmp_path: P
     assert path.is_symlink()
 
 
-def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(
-    journal: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(journal, monkeypatch):
     """Another program writes to it, say."""
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
@@ -262,14 +255,14 @@ def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(
         assert again.records == {"x": 1}
 
 
-def test_parts_that_the_journal_has_are_not_run_again(journal: Any) -> None:
+def test_parts_that_the_journal_has_are_not_run_again(journal):
     with journal(a=1) as noted:
         noted.add("seven", "kept")
         run_parts(operator.add, {"seven": (3, 4), "five": (2, 3)}, noted, "adding", workers=1)
         assert noted.records == {"seven": "kept", "five": 5}
 
 
-def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
+def test_page_and_summary_say_what_was_found(tmp_path):
     case = CornerCase(*read_scene("paper-table-3"))
     axes = axes_of(case.scene, 2)[:2]
     cells, places = map_cells(case.scene, axes)
@@ -301,9 +294,7 @@ def test_page_and_summary_say_what_was_found(tmp_path: Path) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(
-    tmp_path: Path, sent: signal.Signals
-) -> None:
+def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(tmp_path, sent):
     """Two parts sleep for ten minutes; the study ends at once, however it is ended, and its workers with it."""
     code = (
         "import time\n"
@@ -352,13 +343,10 @@ def alive(pid: int) -> bool:
 
 
 @pytest.mark.long
-def test_a_part_s_error_is_raised_as_it_was(journal: Any) -> None:
+def test_a_part_s_error_is_raised_as_it_was(journal):
     """Also where it was made on another process, and what was done before is kept."""
     for workers in (1, 2):
-        with (
-            pytest.raises(InputError, match="SCENE: given nothing-1; x"),
-            journal(workers=workers) as noted,
-        ):
+        with pytest.raises(InputError, match="SCENE: given nothing-1; x"), journal(workers=workers) as noted:
             run_parts(raising, {"a": (0,), "b": (1,)}, noted, "raising", workers)
         with journal(workers=workers) as again:
             assert again.records == {"a": 0}

@@ -4,8 +4,6 @@ The equilibrium of the elastic state is looked at from outside: which rigid acce
 balance the internal forces best, and what they leave.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -21,8 +19,6 @@ from fem.start.rigid_state import RigidStart, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
 from tailslap.cli import WRONG_INPUT, _status
-
-pytestmark = pytest.mark.verification
 
 START = RigidStart(angle=0.26, omega=0.707, corner_speed=25.053)
 SLOW = RigidStart(angle=0.26, omega=0.1, corner_speed=2.0)
@@ -40,7 +36,7 @@ GIVEN: dict[str, dict[str, Any]] = {
 
 
 @pytest.fixture(params=GIVEN)
-def model(request: pytest.FixtureRequest, plate_model: Make) -> PlateModel:
+def model(request, plate_model):
     """Plates whose corner moves by micrometres and by centimetres."""
     return plate_model(**GIVEN[request.param])
 
@@ -98,13 +94,13 @@ def balance(model: PlateModel, positions: np.ndarray) -> Balance:
 
 
 @pytest.mark.parametrize("kind", ["inertia-relief-momenta", "unstressed"])
-def test_momenta_of_the_rigid_body(model: PlateModel, kind: str) -> None:
+def test_momenta_of_the_rigid_body(model, kind):
     velocities = start_fields(model, START, kind)[1]
     expected = rigid_velocities(model, START) @ model.loop.mass
     np.testing.assert_allclose(velocities @ model.loop.mass, expected, rtol=1e-12)
 
 
-def test_inertia_relief_alone_has_another_momentum(plate_model: Make) -> None:
+def test_inertia_relief_alone_has_another_momentum(plate_model):
     """So that the others do not have the rigid body's by chance: the centre, bent away, turns on a longer arm."""
     model = plate_model(plate=SOFT)
     velocities, rigid = start_fields(model, START, "inertia-relief")[1], rigid_velocities(model, START)
@@ -112,7 +108,7 @@ def test_inertia_relief_alone_has_another_momentum(plate_model: Make) -> None:
 
 
 @pytest.mark.parametrize("kind", ["inertia-relief", "unstressed"])
-def test_speed_of_the_corner_and_spin(model: PlateModel, kind: str) -> None:
+def test_speed_of_the_corner_and_spin(model, kind):
     """The spin by the best rotation half a millisecond earlier and later."""
     positions, velocities = start_fields(model, START, kind)
     assert at_corner(model, velocities)[0] == pytest.approx(START.corner_speed, rel=1e-13)
@@ -121,12 +117,12 @@ def test_speed_of_the_corner_and_spin(model: PlateModel, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", START_KINDS)
-def test_angle_of_the_best_rotation(model: PlateModel, kind: str) -> None:
+def test_angle_of_the_best_rotation(model, kind):
     assert best_angle(model, start_fields(model, START, kind)[0]) == pytest.approx(START.angle, rel=1e-10)
 
 
 @pytest.mark.parametrize("kind", START_KINDS)
-def test_the_corner_stays_on_the_wall(model: PlateModel, kind: str) -> None:
+def test_the_corner_stays_on_the_wall(model, kind):
     """On it, or off it by what the spring gives; its velocity across is that of the gap in the first milliseconds."""
     positions, velocities = start_fields(model, START, kind)
     (slide, height), rate = at_corner(model, positions), at_corner(model, velocities)[1]
@@ -152,7 +148,7 @@ def _gap_rate(model: PlateModel, kind: str) -> float:
 
 
 @pytest.mark.parametrize("kind", RELIEVED)
-def test_the_elastic_state_is_in_equilibrium(model: PlateModel, kind: str) -> None:
+def test_the_elastic_state_is_in_equilibrium(model, kind):
     """Steel is held to the linear equations, whose error is its strain."""
     positions, _ = start_fields(model, START, kind)
     found, steel = balance(model, positions), model.tangent_moduli.c_11 > 1e10
@@ -166,7 +162,7 @@ def test_the_elastic_state_is_in_equilibrium(model: PlateModel, kind: str) -> No
 
 
 @pytest.mark.parametrize("kind", RELIEVED)
-def test_a_strip_is_in_equilibrium_too(plate_model: Make, kind: str) -> None:
+def test_a_strip_is_in_equilibrium_too(plate_model, kind):
     """Ten metres long and a tenth wide, of 20 MPa: it bends by six centimetres when it turns slowly."""
     mesh = plate_mesh(10.0, 0.1, (40, 2), "quad")
     strip = plate_model(mesh=mesh, plate=SOFT, corner={"constraint": "exact"})
@@ -180,7 +176,7 @@ def test_a_strip_is_in_equilibrium_too(plate_model: Make, kind: str) -> None:
         start_fields(strip, START, kind)
 
 
-def test_a_plate_too_soft_for_its_start_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plate_too_soft_for_its_start_is_refused(capsys):
     given = ["--set", "plate.youngs_modulus=", "--set", "plate.first_frequency=0.1 Hz", "--no-pictures"]
     assert _status(["run", "mash-tl4-sut", *given]) == WRONG_INPUT
     assert 'allowed is "unstressed"' in capsys.readouterr().err
@@ -200,7 +196,7 @@ def ripple(model: PlateModel, kind: str) -> float:
     return float(np.abs(history["reaction_normal"] - known).max() / np.abs(known).max())
 
 
-def test_the_reaction_does_not_oscillate(plate_model: Make) -> None:
+def test_the_reaction_does_not_oscillate(plate_model):
     """Without friction: by inertia relief the elastic state follows the motion, unstressed it swings about that."""
     model = plate_model(plate={"youngs_modulus": 2e9}, elements=(10, 3), corner={"constraint": "exact"})
     assert max(ripple(model, kind) for kind in RELIEVED) < 2e-3

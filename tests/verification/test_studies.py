@@ -18,8 +18,6 @@ from tailslap.cli import _status
 from tailslap.studies import register, study_names
 from tailslap.studies.study import Call, Study
 
-pytestmark = pytest.mark.verification
-
 TRUCK = "mash-tl4-sut"
 
 
@@ -48,14 +46,12 @@ TOY = Study(
 
 
 @pytest.fixture
-def registry(monkeypatch: pytest.MonkeyPatch) -> None:
+def registry(monkeypatch):
     monkeypatch.setattr(tailslap.studies, "_registered", {})
 
 
 @pytest.mark.usefixtures("registry")
-def test_a_study_from_outside_goes_all_the_way_to_its_report(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypatch, capsys):
     register(TOY)
     monkeypatch.chdir(tmp_path)
     assert "toy" in study_names()
@@ -71,7 +67,7 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(
 
 
 @pytest.mark.usefixtures("registry")
-def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path: Path) -> None:
+def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
     register(Study("toy", "", lambda call: [], masses_report, needs_plate=True))
     assert _status(["study", "toy", TRUCK, "--out", str(tmp_path / "out")]) == 1
     assert _status(["study", "toy", TRUCK, "--set", "plate=", "--out", str(tmp_path / "none")]) == 2
@@ -84,9 +80,7 @@ def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path: Pat
     ("kind", "scene", "words"),
     [(CORNER, f"impact-{TRUCK}", "without this table"), (WHOLE_IMPACT, TRUCK, "with this table")],
 )
-def test_a_study_of_the_other_kind_of_scene_is_refused(
-    kind: str, scene: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_study_of_the_other_kind_of_scene_is_refused(kind, scene, words, tmp_path, capsys):
     register(replace(TOY, analyses=(kind,)))
     assert _status(["study", "toy", scene, "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr().err
@@ -96,7 +90,7 @@ def test_a_study_of_the_other_kind_of_scene_is_refused(
 
 
 @pytest.mark.usefixtures("registry")
-def test_a_name_is_taken_once() -> None:
+def test_a_name_is_taken_once():
     register(TOY)
     with pytest.raises(ValueError, match="toy"):
         register(TOY)
@@ -104,9 +98,7 @@ def test_a_name_is_taken_once() -> None:
         register(Study("cost", "", heavier, masses_report))
 
 
-def test_a_study_is_found_by_its_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_study_is_found_by_its_folder(tmp_path, monkeypatch, capsys):
     (tmp_path / "demo").mkdir()
     (tmp_path / "demo" / "__init__.py").write_text(
         "from tailslap.studies.study import Study\n"

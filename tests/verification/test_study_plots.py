@@ -1,7 +1,5 @@
 """Verification: charts of studies show the numbers that they are given, where they belong, and say what they are."""
 
-from __future__ import annotations
-
 import math
 import re
 from xml.etree import ElementTree
@@ -22,8 +20,6 @@ from postprocess.figures.rows import (
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Shades, Span
 
-pytestmark = pytest.mark.verification
-
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -43,7 +39,7 @@ def boxes(svg: str, colour: str) -> np.ndarray:
     return np.array(re.findall(r"M(\S+) (\S+)H(\S+)V(\S+?)H", path), float)
 
 
-def test_boxes_are_where_their_ends_are() -> None:
+def test_boxes_are_where_their_ends_are():
     ends = np.array([[0.0, 1.0], [1.0, 3.0]]), np.array([[0.0, 2.0], [0.0, 4.0]])
     plot = Plot((Boxes("share", *ends, "green", [2.0, 4.0]),), Axis(low=0.0, high=4.0))
     svg = draw_chart("n", "", (plot,), Axis(margin=0.0)).svg
@@ -57,14 +53,14 @@ def test_boxes_are_where_their_ends_are() -> None:
     assert [float(x) for x, _ in centres] == pytest.approx([left + 0.5 * third, left + 2.0 * third], abs=0.02)
 
 
-def test_a_span_without_width_is_a_line() -> None:
+def test_a_span_without_width_is_a_line():
     svg = draw_chart(
         "n", "", (Plot((Span("here", 2.0, 2.0), Span("", 0.0, 1.0))),), Axis(low=0.0, high=4.0)
     ).svg
     assert (svg.count('fill-opacity="0.1"'), svg.count('stroke-dasharray="2 2"')) == (1, 1)
 
 
-def test_colours_of_numbers() -> None:
+def test_colours_of_numbers():
     """Ends and middle of viridis; next to no variation is drawn in next to one colour."""
     shades = Shades.of(np.array([1.0, np.nan, 100.0]), is_log=True)
     assert shades.colours(np.array([1.0, 10.0, 100.0])) == ["#440154", "#21918c", "#fde725"]
@@ -80,7 +76,7 @@ def test_colours_of_numbers() -> None:
     assert set(Shades.of(np.array([5.0, 5.0 + 1e-5])).colours(np.array([5.0, 5.0 + 1e-5]))) == {"#21918c"}
 
 
-def test_a_histogram_says_each_share() -> None:
+def test_a_histogram_says_each_share():
     chart = draw_histogram(np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5)
     assert said(chart) == {"share": ["25", "75"]}
     assert {"5 %", "95 %", "the scene's own values", "peak force [kN]", "share [%]"} <= set(words(chart))
@@ -88,7 +84,7 @@ def test_a_histogram_says_each_share() -> None:
     assert high[3] - high[1] == pytest.approx(3.0 * (low[3] - low[1]), rel=0.02)
 
 
-def test_sensitivity_is_a_row_an_input() -> None:
+def test_sensitivity_is_a_row_an_input():
     inputs = [
         {"key": key, "first_order": s, "total": 2 * s}
         | {"first_order_interval": [s, s], "total_interval": [s, 3 * s]}
@@ -102,7 +98,7 @@ def test_sensitivity_is_a_row_an_input() -> None:
     assert first[2] - first[0] == pytest.approx(4.0 * (second[2] - second[0]), rel=0.05)
 
 
-def test_a_sweep_runs_from_stiff_to_soft_in_per_cent() -> None:
+def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
     axis = SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
     lines = [
         SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan]),
@@ -119,7 +115,7 @@ def bar(strike: int, dots: tuple[tuple[str, float, bool], ...] = ()) -> BandBar:
     return BandBar(f"raw, strike {strike}", strike, (400.0, 500.0, 700.0), 450.0, dots)
 
 
-def test_bands_say_their_ends_and_the_rows_of_the_paper() -> None:
+def test_bands_say_their_ends_and_the_rows_of_the_paper():
     chart = draw_bands([bar(1), bar(2, (("a", 600.0, False), ("b", 650.0, True)))])
     found = said(chart)
     assert found["first strike"] == found["second strike"] == ["400_to_700_kN,_median_500_kN"]
@@ -130,7 +126,7 @@ def test_bands_say_their_ends_and_the_rows_of_the_paper() -> None:
     assert first[3] < second[1]
 
 
-def test_inputs_have_a_chart_each_and_one_legend() -> None:
+def test_inputs_have_a_chart_each_and_one_legend():
     x = np.linspace(0.5, 5.0, 4)
     lines = {
         "peak [kN]": {1: {"raw": x, "50 ms": 2 * x}, 2: {"raw": 3 * x}},
@@ -152,13 +148,13 @@ def test_inputs_have_a_chart_each_and_one_legend() -> None:
     assert charts[0].caption == "Against input 0"
 
 
-def test_plates_that_are_not_to_be_relied_on_are_red() -> None:
+def test_plates_that_are_not_to_be_relied_on_are_red():
     panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
     chart = draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
     assert said(chart) == {"first strike": ["5", "4"], "not to be relied on": ["9"]}
 
 
-def test_a_mode_says_how_far_its_outline_moves() -> None:
+def test_a_mode_says_how_far_its_outline_moves():
     places = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
     chart = draw_mode(
         "m", "a mode", places, np.array([[0, 1, 2, 3]]), np.array([[0, 1.0], [0, 0], [0, 0], [0.5, 0]])

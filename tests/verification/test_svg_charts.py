@@ -1,7 +1,5 @@
 """Verification: ticks of charts are round and in range, places are those of the values, and all of it is XML."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -13,15 +11,13 @@ from postprocess.svg.drawing import PALETTE
 from postprocess.svg.marks import Layer, Level, Line, Span, Swatch, Words
 from postprocess.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
 
-pytestmark = pytest.mark.verification
-
 SVG = "{http://www.w3.org/2000/svg}"
 X = np.linspace(0.0, 2.0, 5)
 
 
 @pytest.mark.parametrize("low", [-3.7e-9, 0.0, 12.3, -5.0e7])
 @pytest.mark.parametrize("span", [1e-12, 0.38, 4.0, 99.0, 6.1e8])
-def test_ticks_are_round_and_in_range(low: float, span: float) -> None:
+def test_ticks_are_round_and_in_range(low, span):
     """Multiples of 1, 2 or 5 times a power of ten, two to six of them."""
     if span < 1e-6 * abs(low):
         low = 0.0
@@ -50,7 +46,7 @@ def test_ticks_are_round_and_in_range(low: float, span: float) -> None:
         ([23.28, 23.30], ["23.28", "23.30"]),
     ],
 )
-def test_texts_of_ticks(ticks: list[float], texts: list[str]) -> None:
+def test_texts_of_ticks(ticks, texts):
     if len(ticks) > 1:
         assert tick_texts(ticks) == texts
 
@@ -59,11 +55,11 @@ def test_texts_of_ticks(ticks: list[float], texts: list[str]) -> None:
     ("value", "text"),
     [(1e-7, "10⁻⁷"), (-1e-7, "−10⁻⁷"), (2.5e8, "2.5×10⁸"), (0.02, "0.02"), (-3.0, "−3"), (0.0, "0")],
 )
-def test_powers_of_ten(value: float, text: str) -> None:
+def test_powers_of_ten(value, text):
     assert power_text(value) == text
 
 
-def test_logarithmic_scales() -> None:
+def test_logarithmic_scales():
     """Decades are equally far apart; within one decade ticks stand at 1, 2 and 5, within less at round values."""
     scale = Scale(1e-4, 1e2, 0.0, 600.0, is_log=True)
     np.testing.assert_allclose(scale.at([1e-4, 1e-3, 1.0, 1e2]), [0.0, 100.0, 400.0, 600.0])
@@ -72,7 +68,7 @@ def test_logarithmic_scales() -> None:
     assert Scale(3.0, 4.0, is_log=True).ticks(6) == pytest.approx([3.0, 3.2, 3.4, 3.6, 3.8, 4.0])
 
 
-def test_ranges() -> None:
+def test_ranges():
     assert fitted(0.0, 1.0, 0.05) == pytest.approx((-0.05, 1.05))
     assert fitted(7.0, 7.0) == pytest.approx((6.3, 7.7))
     assert fitted(0.0, 0.0) == (-1.0, 1.0)
@@ -89,7 +85,7 @@ def places(root: ElementTree.Element, label: str) -> np.ndarray:
     return np.array(re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path.get("d", "")), float)
 
 
-def test_points_are_where_their_values_are() -> None:
+def test_points_are_where_their_values_are():
     """Between the ends that `data-x` and the ticks tell, which is what shows values on pages."""
     root = chart(Line("FE", X, X**2))
     (plot,) = [each for each in root.iter() if each.get("class") == "plot"]
@@ -107,7 +103,7 @@ def test_points_are_where_their_values_are() -> None:
     assert found[0, 1] == pytest.approx(tick["0"], abs=0.02)
 
 
-def test_words_are_escaped_and_subscripts_set() -> None:
+def test_words_are_escaped_and_subscripts_set():
     root = chart(Line("a < b & c", X, X), Words("v_GY", 1.0, 1.0))
     assert root.get("aria-label") == 'a "caption" < b'
     said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
@@ -116,7 +112,7 @@ def test_words_are_escaped_and_subscripts_set() -> None:
     assert sum(each.text == "GY" for each in root.iter(SVG + "tspan")) == 1
 
 
-def test_gaps_are_gaps() -> None:
+def test_gaps_are_gaps():
     y = np.array([0.0, 1.0, np.nan, 2.0, 3.0])
     root = chart(Line("FE", X, y))
     (path,) = [each for each in root.iter() if each.get("data-label") == "FE"]
@@ -124,7 +120,7 @@ def test_gaps_are_gaps() -> None:
     assert path.get("data-values") == "0 1 2 3"
 
 
-def test_levels_stay_in_the_picture_and_clear_of_each_other() -> None:
+def test_levels_stay_in_the_picture_and_clear_of_each_other():
     marks = [Level(f"name {number}", 10.0 + 0.01 * number) for number in range(5)]
     root = chart(Line("FE", X, 5.0 * X), *marks)
     names = [each for each in root.iter(SVG + "text") if (each.text or "").startswith("name")]
@@ -135,7 +131,7 @@ def test_levels_stay_in_the_picture_and_clear_of_each_other() -> None:
     assert all(float(each.get("x", "nan")) + 6.0 * len(each.text or "") <= width for each in names)
 
 
-def test_the_legend_names_what_is_drawn_once() -> None:
+def test_the_legend_names_what_is_drawn_once():
     root = chart(
         Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X), Swatch("60 kN", "#123456")
     )
@@ -145,7 +141,7 @@ def test_the_legend_names_what_is_drawn_once() -> None:
     assert {each.get("class") for each in root.iter(SVG + "g")} - {None, "plot"} <= set(PALETTE)
 
 
-def test_a_long_legend_takes_rows() -> None:
+def test_a_long_legend_takes_rows():
     """Keys stay within the width, and push the plot down."""
     few, many = (chart(*(Line(f"a long name {i}", X, X) for i in range(n))) for n in (1, 9))
     assert float(many.get("height", "nan")) > float(few.get("height", "nan")) + 30.0

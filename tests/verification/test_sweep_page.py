@@ -1,7 +1,5 @@
 """Verification: pictures and page of a sweep show the rows that they are given, and nothing else."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace
@@ -20,8 +18,6 @@ from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, swe
 from tailslap.campaign.table import FinishedSweep
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
-
-pytestmark = pytest.mark.verification
 
 
 def rows(*varied: Varied, status: str = "passed") -> SweepRows:
@@ -44,7 +40,7 @@ def names(*varied: Varied) -> list[str]:
     return list(dict.fromkeys(next((n.removesuffix(e) for e in ends if n.endswith(e)), n) for n in found))
 
 
-def test_which_plots_there_are() -> None:
+def test_which_plots_there_are():
     """Some against each number; a map for two numbers and no words; parallels for three keys or more."""
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     word, c = key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4)
@@ -60,7 +56,7 @@ def values_drawn(curves: tuple[Chart, ...]) -> int:
     return sum(len(found.split()) for c in curves for found in re.findall('data-values="([^"]*)"', c.svg))
 
 
-def test_each_row_is_a_point() -> None:
+def test_each_row_is_a_point():
     """Five plots with a rigid and an FE mark for each row, one with the differences: 11 marks a row; failed ones once
     more in red, and without a result none."""
     a = key("a.x", 1, 2, 3)
@@ -71,7 +67,7 @@ def test_each_row_is_a_point() -> None:
     assert "a check failed" not in passed[0].svg
 
 
-def test_of_very_many_rows_all_that_failed_are_drawn() -> None:
+def test_of_very_many_rows_all_that_failed_are_drawn():
     """And the page stays small."""
     some = rows(key("a.x", *np.linspace(0.0, 0.9, 20_000)))
     some.status[777::4000] = "failed"
@@ -81,20 +77,20 @@ def test_of_very_many_rows_all_that_failed_are_drawn() -> None:
     assert len(red.split()) >= 5
 
 
-def test_no_axis_shows_a_negative_friction() -> None:
+def test_no_axis_shows_a_negative_friction():
     first, *_ = draw_sweep(rows(key("impact.friction", 0.0, 0.3, 0.6, 0.9)))
     (low,) = re.findall(r'data-x="(\S+) ', first.svg)
     assert float(low) == 0.0
 
 
-def test_a_modulus_over_decades_has_a_logarithmic_axis() -> None:
+def test_a_modulus_over_decades_has_a_logarithmic_axis():
     """Its smallest value is next to nothing beside the range, and no reason to begin at zero."""
     first, *_ = draw_sweep(rows(key("plate.youngs_modulus", 1e9, 1e10, 1e12, logarithmic=True)))
     (low,) = re.findall(r'data-x="(\S+) ', first.svg)
     assert 0.5e9 < float(low) < 1e9
 
 
-def test_maps_show_each_run() -> None:
+def test_maps_show_each_run():
     """Cells of a complete grid, points where it is none; what failed is red; a value a run, and none for no result."""
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     some = rows(a, b)
@@ -109,7 +105,7 @@ def test_maps_show_each_run() -> None:
     assert red.count("M") == 1
 
 
-def test_parallels_say_each_row_where_it_meets_a_scale() -> None:
+def test_parallels_say_each_row_where_it_meets_a_scale():
     """Three inputs, five results, the difference; the rigid solution behind, and a row that failed in red."""
     some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
     some.status[2] = "failed"
@@ -125,7 +121,7 @@ def test_parallels_say_each_row_where_it_meets_a_scale() -> None:
     assert (behind.count("M"), behind.count("L")) == (4, 4 * 4)
 
 
-def test_heights_of_parallels() -> None:
+def test_heights_of_parallels():
     assert scaled("x", np.array([2.0, 3.0, 4.0]), False).heights.tolist() == [0.0, 0.5, 1.0]
     assert scaled("x", np.array([1.0, 10.0, 100.0]), True).heights == pytest.approx([0.0, 0.5, 1.0])
     assert scaled("x", np.array([5.0, 5.0]), False).heights.tolist() == [0.5, 0.5]
@@ -133,7 +129,7 @@ def test_heights_of_parallels() -> None:
     assert words.heights.tolist() == [0.25, 0.75, 0.25]
 
 
-def test_marks_of_parallels() -> None:
+def test_marks_of_parallels():
     """Round numbers within the values, and the value itself where there is but one: friction is never negative."""
     assert scaled("x", np.array([0.0, 0.91]), False).ticks == [
         (pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.5)
@@ -142,7 +138,7 @@ def test_marks_of_parallels() -> None:
     assert scaled("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
 
 
-def test_the_worst_of_the_five_differences() -> None:
+def test_the_worst_of_the_five_differences():
     some = rows(key("a", 1, 2))
     changed = dict(some.difference) | {"omega": np.array([-0.5, 0.0]), "t": np.array([0.1, np.nan])}
     worst = replace(some, difference=changed).worst
@@ -160,7 +156,7 @@ def sweep_of(some: SweepRows) -> FinishedSweep:
     return FinishedSweep(definition, statuses, CampaignEffort())
 
 
-def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
+def test_the_page_holds_what_it_is_given(tmp_path):
     some = rows(key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10))
     some.status[:] = ["refused", "passed", "failed", "passed"]
     reasons = np.array(["beyond <theory>", "", "energy <balance>", ""], dtype=object)
@@ -181,7 +177,7 @@ def test_the_page_holds_what_it_is_given(tmp_path: Path) -> None:
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 
-def test_a_page_of_runs_that_were_all_refused(tmp_path: Path) -> None:
+def test_a_page_of_runs_that_were_all_refused(tmp_path):
     """No plots, no results; the first rows, and how many there are."""
     count = MAX_LISTED + 5
     some = rows(key("a.x", *range(count)), status="refused")
@@ -199,7 +195,7 @@ def all_passed() -> Page:
     return sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
 
 
-def test_the_largest_differences() -> None:
+def test_the_largest_differences():
     some = rows(key("a.x", 1, 2, 3))
     some.status[2] = "failed"
     (time, *_) = spreads(some)
@@ -207,7 +203,7 @@ def test_the_largest_differences() -> None:
     assert (time["least"], time["most"]) == (some.fe["t"][0], some.fe["t"][1])
 
 
-def test_what_the_terminal_says() -> None:
+def test_what_the_terminal_says():
     said = sweep_text(sweep_of(rows(key("a.x", 1, 2, 3))), Path("results/x")).splitlines()
     assert said[0] == "a<b: 3 runs, 3 passed all checks"
     assert said[1:] == [
@@ -217,7 +213,7 @@ def test_what_the_terminal_says() -> None:
     ]
 
 
-def test_words() -> None:
+def test_words():
     angle = Variation("impact.angle", "rad", (math.radians(10), math.radians(15)), False)
     assert values_words(angle) == "10 deg, 15 deg"
     modulus = Variation("e", "Pa", (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
@@ -225,7 +221,7 @@ def test_words() -> None:
     assert (shown("quad4", ""), shown(0.25, "")) == ("quad4", "0.25")
 
 
-def test_rate_and_overhead_by_hand() -> None:
+def test_rate_and_overhead_by_hand():
     """Two threads for 10 s are 20 s; 100 runs of 0.15 s leave 5 s, 0.05 s a run."""
     effort = CampaignEffort(100, 2, 10.0, 15.0)
     assert (effort.rate, effort.overhead_s) == (10.0, pytest.approx(0.05))
@@ -233,9 +229,7 @@ def test_rate_and_overhead_by_hand() -> None:
     assert [clock(seconds) for seconds in (0.4, 59.6, 61, 3725)] == ["0:00", "1:00", "1:01", "1:02:05"]
 
 
-def test_progress_where_there_is_no_terminal(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_progress_where_there_is_no_terminal(monkeypatch, capsys):
     """Silent for half a minute; then 40 runs made in 40 s are one a second, and 40 are left."""
     now = [0.0]
     monkeypatch.setattr("tailslap.progress.time.monotonic", lambda: now[0])

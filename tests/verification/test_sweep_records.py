@@ -1,7 +1,5 @@
 """Verification: what a sweep keeps on disk survives kills, and belongs to one sweep and one process alone."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -10,7 +8,6 @@ import sqlite3
 import subprocess
 import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,8 +21,6 @@ from tailslap.files.folder import result_folder
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.files.manifest import demand_ours, listed_file
 
-pytestmark = pytest.mark.verification
-
 RUNS = 6
 
 
@@ -37,7 +32,7 @@ def sweep(friction: str = "0:0.5:6") -> Definition:
     return make_definition("paper-table-3", (), (f"corner.friction={friction}",), None, 307)
 
 
-def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
+def test_rows_come_back_in_the_order_of_their_runs(tmp_path):
     with open_records(tmp_path, sweep()) as rows:
         rows.add(row(4, deflection_ratio=0.1) | row(1))
         rows.add(row(10) | row(0))
@@ -50,7 +45,7 @@ def test_rows_come_back_in_the_order_of_their_runs(tmp_path: Path) -> None:
             rows[2]
 
 
-def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
+def test_a_second_row_of_the_same_run_is_not_taken(tmp_path):
     with open_records(tmp_path, sweep()) as rows:
         rows.add(row(1, deflection_ratio=0.1))
         rows.add(row(1, deflection_ratio=0.3))
@@ -59,7 +54,7 @@ def test_a_second_row_of_the_same_run_is_not_taken(tmp_path: Path) -> None:
     assert records.count(tmp_path / RECORDS) == 1
 
 
-def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path: Path) -> None:
+def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path):
     """Also those that only some rows have, and numbers that JSON does not have; nothing lies beside the file."""
     with open_records(tmp_path, sweep()) as rows:
         rows.add(row(0, **{"fe.t": 1 / 3}), {0: 1.5})
@@ -71,9 +66,7 @@ def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path: Path) -> None:
     assert shown == [(0, "passed", 1.5, 1 / 3, None), (1, "passed", None, '{"not finite":"inf"}', "x")]
 
 
-def test_records_of_another_definition_or_program_are_begun_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_records_of_another_definition_or_program_are_begun_anew(tmp_path, monkeypatch):
     path = tmp_path / "r.sqlite"
     definition: dict[str, Any] = {"a": 1}
     for change, program, kept in (({}, "1", []), ({}, "1", [0]), ({"a": 2}, "1", []), ({"a": 2}, "2", [])):
@@ -85,7 +78,7 @@ def test_records_of_another_definition_or_program_are_begun_anew(
         found.close()
 
 
-def test_the_program_is_known_by_its_sources() -> None:
+def test_the_program_is_known_by_its_sources():
     """By version and digest, of what another process finds as well."""
     code = "from tailslap.campaign.records import program; print(program())"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
@@ -104,7 +97,7 @@ for run in itertools.count():
 """
 
 
-def test_what_was_added_before_a_kill_is_there(tmp_path: Path) -> None:
+def test_what_was_added_before_a_kill_is_there(tmp_path):
     path = tmp_path / "r.sqlite"
     writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True)
     assert writer.stdout is not None
@@ -121,14 +114,14 @@ def test_what_was_added_before_a_kill_is_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"my diary\n", b"", b"SQLite format 3\0" + bytes(4080)])
-def test_records_of_another_kind_are_refused_and_kept(tmp_path: Path, content: bytes) -> None:
+def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
     (tmp_path / RECORDS).write_bytes(content)
     with pytest.raises(InputError, match="no journal"), open_records(tmp_path, sweep()):
         pass
     assert (tmp_path / RECORDS).read_bytes() == content
 
 
-def test_records_that_were_cut_off_are_refused_and_kept(tmp_path: Path) -> None:
+def test_records_that_were_cut_off_are_refused_and_kept(tmp_path):
     with open_records(tmp_path, sweep()) as rows:
         rows.add(row(0, text="x" * 10_000))
     whole = (tmp_path / RECORDS).read_bytes()
@@ -139,7 +132,7 @@ def test_records_that_were_cut_off_are_refused_and_kept(tmp_path: Path) -> None:
         assert (tmp_path / RECORDS).read_bytes() == whole[:length]
 
 
-def test_the_table_has_what_the_records_have(tmp_path: Path) -> None:
+def test_the_table_has_what_the_records_have(tmp_path):
     numbers = {"fe.t": 0.1 + 0.2, "check.energy_balance": math.inf, "check.time_step": math.nan}
     with open_records(tmp_path, sweep()) as rows:
         rows.add(
@@ -156,7 +149,7 @@ def test_the_table_has_what_the_records_have(tmp_path: Path) -> None:
     assert math.isnan(found["check.energy_balance"][1])  # null in the table: it has finite numbers alone
 
 
-def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
+def test_a_folder_is_one_sweep_s(tmp_path):
     place = tmp_path / "sweep"
     with sweep_folder(place, sweep()) as folder, open_records(folder, sweep()) as rows:
         rows.add(row(0))
@@ -175,7 +168,7 @@ def test_a_folder_is_one_sweep_s(tmp_path: Path) -> None:
         pass
 
 
-def test_other_values_by_the_same_words_are_another_sweep(tmp_path: Path) -> None:
+def test_other_values_by_the_same_words_are_another_sweep(tmp_path):
     """A new SciPy may draw other samples from the same seed: rows must not mix."""
     place = tmp_path / "sweep"
     with sweep_folder(place, sweep()) as folder, open_records(folder, sweep()) as rows:
@@ -186,7 +179,7 @@ def test_other_values_by_the_same_words_are_another_sweep(tmp_path: Path) -> Non
         pass
 
 
-def test_two_sweeps_in_a_folder_at_once(tmp_path: Path) -> None:
+def test_two_sweeps_in_a_folder_at_once(tmp_path):
     with (
         sweep_folder(tmp_path / "sweep", sweep()) as folder,
         pytest.raises(InputError, match="another sweep is at work"),
@@ -195,13 +188,13 @@ def test_two_sweeps_in_a_folder_at_once(tmp_path: Path) -> None:
         pass
 
 
-def test_nothing_is_left_of_a_sweep_without_rows(tmp_path: Path) -> None:
+def test_nothing_is_left_of_a_sweep_without_rows(tmp_path):
     with sweep_folder(tmp_path / "a" / "b", sweep()), open_records(tmp_path / "a" / "b", sweep()):
         assert (tmp_path / "a" / "b" / "sweep.json").is_file()
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path: Path) -> None:
+def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path):
     """Other files, a sweep.json of something else, one that is damaged, and a file that has the name of the lock."""
     foreign: list[tuple[str, dict[str, str]]] = [
         ("thesis.txt", {"thesis.txt": "x"}),
@@ -220,7 +213,7 @@ def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
-def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path: Path, name: str) -> None:
+def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path, name):
     place = tmp_path / "sweep"
     with sweep_folder(place, sweep()) as folder, open_records(folder, sweep()) as rows:
         rows.add(row(0))
@@ -240,9 +233,7 @@ def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path: Path
 
 
 @pytest.mark.parametrize("step", [1, 2, 3])
-def test_killed_while_a_result_is_replaced_it_is_known_in_either_state(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: int
-) -> None:
+def test_killed_while_a_result_is_replaced_it_is_known_in_either_state(tmp_path, monkeypatch, step):
     """Manifest of both states, the file, manifest of the new one: stopped before each in turn."""
     path, replace, count = tmp_path / "report.html", os.replace, 0
     with listed_file(path) as partial:

@@ -4,8 +4,6 @@ Whatever is killed, after resuming each run has one row, and the rows are those 
 bit but for times. Single rows are held against `tailslap run`.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os
@@ -34,8 +32,6 @@ from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 
-pytestmark = pytest.mark.verification
-
 HANG = 120.0
 """Seconds after which a test that waits gives up: a guard, not a measurement."""
 
@@ -46,16 +42,12 @@ impact = {speed = 25, angle = 0.26, friction = 0.4, restitution = 0.2}
 plate = {thickness = 0.053, youngs_modulus = 1e9, poissons_ratio = 0.3, elements = [6, 2]}
 time = {rows = 40}
 """
-VARIED = (
-    "plate.youngs_modulus=log:1e8:1e9:40",
-    "corner.reaction=drag,none",
-    "corner.friction=0.1,0.9",
-)
+VARIED = ("plate.youngs_modulus=log:1e8:1e9:40", "corner.reaction=drag,none", "corner.friction=0.1,0.9")
 RUNS = 160
 
 
 @pytest.fixture(autouse=True)
-def hang_guard() -> Iterator[None]:
+def hang_guard():
     """End a test that hangs."""
 
     def give_up(*signalled: object) -> None:
@@ -112,13 +104,13 @@ def loopback(folder: Path, workers: int) -> Iterator[Loopback]:
 
 
 @pytest.fixture(scope="module")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def cluster(tmp_path_factory):
     with loopback(tmp_path_factory.mktemp("dask"), 2) as found:
         yield found.address
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> str:
+def scene(tmp_path_factory):
     path = tmp_path_factory.mktemp("scene") / "small.toml"
     path.write_text(SCENE)
     return str(path)
@@ -137,7 +129,7 @@ def table(place: Path) -> list[dict[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+def undisturbed(scene, cluster, tmp_path_factory):
     place = tmp_path_factory.mktemp("sweeps") / "undisturbed"
     done = perform(definition_of(scene), place, cluster)
     assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
@@ -148,7 +140,7 @@ def undisturbed(scene: str, cluster: str, tmp_path_factory: pytest.TempPathFacto
     return table(place)
 
 
-def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
     """Rows are those of runs made here; the same command makes none again."""
     place, varied = tmp_path / "sweep", ("corner.friction=0.1,0.9",)
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
@@ -166,7 +158,7 @@ def test_a_small_sweep_by_the_command(scene: str, tmp_path: Path, capsys: pytest
 
 
 @pytest.mark.long
-def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str) -> None:
+def test_each_row_is_that_of_a_run(undisturbed, scene):
     """Inputs, both solutions, differences, checks and cost of a few rows against runs made here."""
     assert [row["run"] for row in undisturbed] == list(range(RUNS))
     definition = definition_of(scene)
@@ -188,7 +180,7 @@ def test_each_row_is_that_of_a_run(undisturbed: list[dict[str, Any]], scene: str
 
 
 @pytest.mark.long
-def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed: list[dict[str, Any]]) -> None:
+def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
     refused = [row for row in undisturbed if row["status"] == "refused"]
     assert {row["corner.reaction"] for row in refused} == {"none"}
     assert all('no meaning with corner.reaction = "none"' in row["reason"] for row in refused)
@@ -198,17 +190,7 @@ def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed: list[
 def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
     """`tailslap sweep` as a process of its own, returned when its first rows are on disk, or it is done."""
     varied = [part for text in VARIED for part in ("--vary", text)]
-    command = [
-        sys.executable,
-        "-m",
-        "tailslap.cli",
-        "sweep",
-        scene,
-        *varied,
-        "--out",
-        str(place),
-        *more,
-    ]
+    command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied, "--out", str(place), *more]
     process = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
@@ -234,9 +216,7 @@ def alive(pid: int) -> bool:
 
 @pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
-def test_killed_in_mid_sweep_and_resumed(
-    where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
-) -> None:
+def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     """kill -9 of the client; with local workers it has scheduler and workers in it, and these end too."""
     place = tmp_path / "sweep"
     process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
@@ -265,9 +245,7 @@ def known(row: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
-def test_interrupted_and_resumed(
-    where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
-) -> None:
+def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     """By Ctrl-C, which all processes of the terminal get."""
     place = tmp_path / "sweep"
     process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
@@ -296,9 +274,7 @@ def dies_once(mark: Path, run: int, *rest: Any) -> dict[str, Any]:
 
 @pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
-def test_a_worker_that_dies_is_survived(
-    where: str, scene: str, cluster: str, undisturbed: list[dict[str, Any]], tmp_path: Path
-) -> None:
+def test_a_worker_that_dies_is_survived(where, scene, cluster, undisturbed, tmp_path):
     """The first worker to compute a certain run is killed under it, with kill -9."""
     mark, place = tmp_path / "mark", tmp_path / "sweep"
     compute = partial(dies_once, mark)
@@ -316,9 +292,7 @@ def dies(runs: tuple[int, ...], pause: float, run: int, *rest: Any) -> dict[str,
 
 
 @pytest.mark.parametrize("where", ["local", pytest.param("cluster", marks=pytest.mark.long)])
-def test_a_run_that_kills_its_worker_again_and_again_is_a_row(
-    where: str, scene: str, request: pytest.FixtureRequest, tmp_path: Path
-) -> None:
+def test_a_run_that_kills_its_worker_again_and_again_is_a_row(where, scene, request, tmp_path):
     """The runs that shared its batch, or its processes, are not blamed."""
     definition = definition_of(scene, ("corner.friction=0.1:0.5:40",))
     # Dask gives up a worker that dies while it is being started.
@@ -334,9 +308,7 @@ def test_a_run_that_kills_its_worker_again_and_again_is_a_row(
     assert done.failures == len(killing)
 
 
-def test_processes_that_cannot_begin_are_told(
-    monkeypatch: pytest.MonkeyPatch, scene: str, tmp_path: Path
-) -> None:
+def test_processes_that_cannot_begin_are_told(monkeypatch, scene, tmp_path):
     """And no run is blamed."""
     monkeypatch.setattr(pools, "make_ready", partial(os._exit, 1))
     with pytest.raises(StoppedError, match="no worker is left; no run was finished") as stop:
@@ -345,7 +317,7 @@ def test_processes_that_cannot_begin_are_told(
     assert not (tmp_path / "sweep").exists()
 
 
-def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_breaks_in_a_run_is_its_row(monkeypatch):
     def broken(*arguments: object) -> None:
         raise ZeroDivisionError("by nought")
 
@@ -360,7 +332,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.mark.long
-def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) -> None:
+def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
     """kill -9 of scheduler and workers under a sweep; it resumes on another cluster, here on one local process."""
     place = tmp_path / "sweep"
 
@@ -392,9 +364,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene: str, tmp_path: Path) ->
     assert 0 < len(table(place)) < 14
 
 
-def test_a_scheduler_that_does_not_answer(
-    scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(pools, "ANSWER_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
         arguments = [
@@ -412,9 +382,7 @@ def test_a_scheduler_that_does_not_answer(
 
 
 @pytest.mark.long
-def test_other_versions_are_refused(
-    scene: str, cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
     with pytest.raises(pools.OtherProgramError):
         pools.run_batch("0.0.0", compute_row, [])
     monkeypatch.setattr(pools, "program", lambda: "9.9.9")
@@ -450,7 +418,7 @@ class Flaky:
         return error
 
 
-def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path: Path) -> None:
+def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path):
     """The connection may break before the client knows: the runs wait again, or the scheduler is called lost."""
     records = Records(tmp_path / "r.sqlite", {})
     parts = engine.Parts(abs, [3, 4, 5], lambda key: (-int(key),), lambda key: "died")

@@ -1,18 +1,14 @@
 """Verification: what a sweep varies, against values known by hand, and the refusal of what makes no sense."""
 
-from __future__ import annotations
-
 import json
 import math
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tailslap.campaign.definition import (
     Definition,
-    Given,
     TypedRange,
     latin_hypercube,
     make_definition,
@@ -21,8 +17,6 @@ from tailslap.campaign.definition import (
 )
 from tailslap.cli import _status
 from tailslap.errors import InputError
-
-pytestmark = pytest.mark.verification
 
 SCENE = "paper-table-3"
 MPH = 1609.344 / 3600.0
@@ -45,16 +39,16 @@ def grid(*varied: str, changes: tuple[str, ...] = ()) -> Definition:
         ("0.3", ("0.3",)),
     ],
 )
-def test_values_as_typed(text: str, found: Given) -> None:
+def test_values_as_typed(text, found):
     assert parse_varied(f"key={text}", False) == ("key", found)
 
 
-def test_sampled_ranges_have_no_count() -> None:
+def test_sampled_ranges_have_no_count():
     assert parse_varied("key=log:1:10", True)[1] == TypedRange("1", "10", None, True)
     assert split_outside("a:[b:c]:'d:e'", ":") == ["a", "[b:c]", "'d:e'"]
 
 
-def test_even_values_are_exact() -> None:
+def test_even_values_are_exact():
     """Of 0 to 0.6 in 13 values each is a twentieth times its number, to a rounding or two; the ends are exact."""
     (item,) = grid("corner.friction=0:0.6:13").variations
     exact = [float(Fraction(i, 20)) for i in range(13)]
@@ -63,20 +57,20 @@ def test_even_values_are_exact() -> None:
     assert item.settings == item.values
 
 
-def test_equal_ratios_are_exact() -> None:
+def test_equal_ratios_are_exact():
     (item,) = grid("plate.youngs_modulus=log:1e8:1e13:6").variations
     assert item.values == pytest.approx([1e8, 1e9, 1e10, 1e11, 1e12, 1e13], rel=1e-14)
     assert (item.values[0], item.values[-1]) == (1e8, 1e13)
 
 
-def test_units_become_si() -> None:
+def test_units_become_si():
     speed, angle = grid("impact.speed=50 mph:60 mph:3", "impact.angle=10deg,15deg").variations
     assert speed.values == pytest.approx([50 * MPH, 55 * MPH, 60 * MPH], rel=1e-14)
     assert angle.values == pytest.approx([math.radians(10), math.radians(15)], rel=1e-14)
     assert (speed.unit, angle.unit, angle.settings) == ("m/s", "rad", angle.values)
 
 
-def test_words_lists_and_whole_numbers() -> None:
+def test_words_lists_and_whole_numbers():
     element, counts, rows = grid(
         "plate.element=quad4,tri3", "plate.elements=[6,2],[12,4]", "time.rows=100:300:3"
     ).variations
@@ -86,7 +80,7 @@ def test_words_lists_and_whole_numbers() -> None:
     assert rows.values == rows.settings == (100, 200, 300)
 
 
-def test_a_grid_has_every_combination_once() -> None:
+def test_a_grid_has_every_combination_once():
     definition = grid("corner.friction=0.1,0.2,0.3", "plate.element=quad4,tri3")
     combinations = [tuple(definition.inputs_of(run).values()) for run in range(definition.runs)]
     assert combinations == [(f, e) for f in (0.1, 0.2, 0.3) for e in ("quad4", "tri3")]
@@ -97,14 +91,14 @@ def test_a_grid_has_every_combination_once() -> None:
 
 
 @pytest.mark.parametrize("runs", [2, 7, 64])
-def test_each_stratum_has_one_sample(runs: int) -> None:
+def test_each_stratum_has_one_sample(runs):
     shares = latin_hypercube(3, runs, 307)
     assert [sorted(column) for column in np.floor(shares * runs).astype(int).T] == [list(range(runs))] * 3
     assert not np.array_equal(shares, latin_hypercube(3, runs, 308))
     assert np.array_equal(shares, latin_hypercube(3, runs, 307))
 
 
-def test_samples_fill_their_ranges_evenly() -> None:
+def test_samples_fill_their_ranges_evenly():
     """One in each of 20 equal parts, of ratios where the range is in ratios; each word of two ten times."""
     varied = ("corner.friction=0.1:0.5", "plate.youngs_modulus=log:1e9:1e11", "plate.element=quad4,tri3")
     definition = make_definition(SCENE, (), varied, 20, 307)
@@ -116,7 +110,7 @@ def test_samples_fill_their_ranges_evenly() -> None:
     assert definition.inputs_of(4) == {item.key: item.values[4] for item in definition.variations}
 
 
-def test_the_definition_on_disk_tells_sweeps_apart() -> None:
+def test_the_definition_on_disk_tells_sweeps_apart():
     one = grid("corner.friction=0:0.6:3").as_written()
     assert one == grid("corner.friction=0:0.6:3").as_written() == json.loads(json.dumps(one))
     assert one != grid("corner.friction=0:0.6:4").as_written()
@@ -165,14 +159,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("arguments", "key", "message"), WRONG)
-def test_wrong_input_is_told_and_nothing_is_written(
-    arguments: list[str],
-    key: str,
-    message: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_wrong_input_is_told_and_nothing_is_written(arguments, key, message, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("kept")
     (tmp_path / "full").mkdir()
@@ -184,7 +171,7 @@ def test_wrong_input_is_told_and_nothing_is_written(
     assert {path.name for path in tmp_path.rglob("*")} == {"file", "full", "summary.json"}
 
 
-def test_a_scene_without_plate_is_refused(tmp_path: Path) -> None:
+def test_a_scene_without_plate_is_refused(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text('name = "x"\n[vehicle]\nlength = 10\nwidth = 2.4\nmass = 9979\n')
     with pytest.raises(InputError, match=r"plate: given nothing; a run needs"):

@@ -1,7 +1,5 @@
 """Verification: threads of the time loop sleep while they wait, and are not used where they would hurt."""
 
-from __future__ import annotations
-
 import threading
 import time
 
@@ -12,12 +10,10 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 LATE = 0.5
 
 
-def test_who_waits_long_sleeps() -> None:
+def test_who_waits_long_sleeps():
     """The processor time of a thread that waits half a second for another is a fraction of that."""
     _meet(new_meeting(), 1, 1)  # compiled
     meeting, spent = new_meeting(), []
@@ -37,7 +33,7 @@ def test_who_waits_long_sleeps() -> None:
     assert spent[0] < 0.1 * LATE
 
 
-def test_threads_meet_again_and_again() -> None:
+def test_threads_meet_again_and_again():
     """Three threads and 2 000 meetings, on however few cores: none is missed, and all come to the end."""
     meeting, done = new_meeting(), []
 
@@ -57,7 +53,7 @@ def test_threads_meet_again_and_again() -> None:
 @pytest.mark.parametrize(
     ("elements", "used"), [((20, 6), 1), ((200, 60), 1), ((200, 100), 2), ((320, 96), 3)]
 )
-def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int], used: int) -> None:
+def test_threads_are_as_many_as_the_mesh_has_work_for(elements, used):
     plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
     assert plan.scene.plate
     decisions = open_threads(plan, plan.scene.plate)
@@ -68,7 +64,7 @@ def test_threads_are_as_many_as_the_mesh_has_work_for(elements: tuple[int, int],
         assert str(ELEMENTS_A_THREAD) in decision.why
 
 
-def test_run_and_check_say_that_one_thread_is_used() -> None:
+def test_run_and_check_say_that_one_thread_is_used():
     plan = CornerCase(*read_scene("paper-table-3", ("time.threads=2",)))
     fe_plan = plan.plan()
     assert fe_plan.case.scene.time.threads == 1

@@ -5,15 +5,11 @@ With all else held, the peak force is g (1 - e)/dt: v_GY is in proportion to 1 -
 divides by dt. For X = 1 - e and Y = 1/dt, uniform e and dt, all moments are elementary.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import math
 import time
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,14 +18,7 @@ from scipy import stats
 from postprocess.report.report import write_report
 from postprocess.report.terminal import printed
 from postprocess.signals.filters import moving_mean
-from solver.impact import (
-    CrushLaw,
-    ImpactVehicle,
-    WallContact,
-    first_touch,
-    solve_impact,
-    solve_impacts,
-)
+from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.answers import COLUMNS, both_strikes, filtered, peaks_within
@@ -54,8 +43,6 @@ from tailslap.studies.uncertainty.compute import (
 )
 from tailslap.studies.uncertainty.report import spread_report
 
-pytestmark = pytest.mark.verification
-
 TRUCK, IMPACT = "mash-tl4-sut", "impact-mash-tl4-sut"
 HELD = ("impact.friction", "impact.speed", "impact.angle")
 E_LOW, E_HIGH, DT_LOW, DT_HIGH = 0.0, 0.4, 0.08, 0.18  # the default ranges
@@ -72,19 +59,19 @@ def run(name: str, *ranges: str, fixed: tuple[str, ...] = (), samples: int = 100
 
 
 @pytest.fixture(scope="module")
-def product() -> Spread:
+def product():
     """Restitution and duration alone vary."""
     return run(TRUCK, fixed=HELD)
 
 
 @pytest.fixture(scope="module")
-def complete() -> Spread:
+def complete():
     """The default study."""
     return run(TRUCK)
 
 
 @pytest.fixture(scope="module")
-def impacts() -> Spread:
+def impacts():
     """The study of a whole impact, as small as it gets."""
     plan = impact_of()
     return impact_spread(plan, impact_ranges(plan), 288)
@@ -113,7 +100,7 @@ def factor(spread: Spread) -> float:
     return spread.own["peak_force"] * spread.case.scene.strike.duration / (1.0 - impact.restitution)
 
 
-def test_sobol_indices_of_a_product(product: Spread) -> None:
+def test_sobol_indices_of_a_product(product):
     """V = E X^2 E Y^2 - (E X E Y)^2; alone, V_X = Var X (E Y)^2; in all, V_X = Var X E Y^2; and so for Y."""
     x, xx, y, yy = moments()
     variance, var_x, var_y = xx * yy - (x * y) ** 2, xx - x * x, yy - y * y
@@ -126,7 +113,7 @@ def test_sobol_indices_of_a_product(product: Spread) -> None:
         assert np.all((low < exact) & (exact < high))
 
 
-def test_distribution_of_a_product(product: Spread) -> None:
+def test_distribution_of_a_product(product):
     x, xx, y, yy = moments()
     g, found = factor(product), product.band("peak_force")
     assert found.mean == pytest.approx(g * x * y, rel=1e-6)
@@ -144,7 +131,7 @@ def below(ratio: float) -> float:
     return float(np.clip((DT_HIGH - x / ratio) / (DT_HIGH - DT_LOW), 0.0, 1.0).mean())
 
 
-def test_one_input_has_all_the_variance_and_a_uniform_force() -> None:
+def test_one_input_has_all_the_variance_and_a_uniform_force():
     """Restitution alone: F = g (1 - e)/dt is uniform, and its index is 1."""
     spread = run(TRUCK, fixed=(*HELD, "strike.duration"))
     top = factor(spread) / spread.case.scene.strike.duration
@@ -156,7 +143,7 @@ def test_one_input_has_all_the_variance_and_a_uniform_force() -> None:
     assert (*indices(spread, "first_order"), *indices(spread, "total")) == pytest.approx((1.0, 1.0), abs=1e-3)
 
 
-def test_indices_lie_between_zero_and_one_and_alone_below_in_all(complete: Spread) -> None:
+def test_indices_lie_between_zero_and_one_and_alone_below_in_all(complete):
     first, total = indices(complete, "first_order"), indices(complete, "total")
     assert np.all((first > 0.0) & (first < total) & (total < 1.0))
     assert first.sum() < 1.0 < total.sum()
@@ -173,7 +160,7 @@ def ishigami(rows: int) -> np.ndarray:
     return np.array(forces)
 
 
-def test_estimators_are_scipys_and_give_ishigamis_indices() -> None:
+def test_estimators_are_scipys_and_give_ishigamis_indices():
     """Exact: V = V_1 + V_2 + V_13, V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225."""
     table = ishigami(2**14)
     (f_a, f_b), f_ab, found = table[:2], table[2:], sobol_indices(table, seed=1)
@@ -186,7 +173,7 @@ def test_estimators_are_scipys_and_give_ishigamis_indices() -> None:
     assert found.total == pytest.approx(np.array([v_1 + v_13, v_2, v_13]) / variance, abs=2e-3)
 
 
-def test_the_bootstrap_is_the_estimators_on_rows_drawn_with_replacement() -> None:
+def test_the_bootstrap_is_the_estimators_on_rows_drawn_with_replacement():
     table = ishigami(256)
     centred = table - np.mean(table[:2])
     (f_a, f_b), f_ab = centred[:2], centred[2:]
@@ -201,7 +188,7 @@ def test_the_bootstrap_is_the_estimators_on_rows_drawn_with_replacement() -> Non
         assert interval == pytest.approx(np.percentile(drawn, [2.5, 97.5], axis=0)[:, i], abs=1e-12)
 
 
-def test_the_bootstrap_s_intervals_are_those_of_random_rows() -> None:
+def test_the_bootstrap_s_intervals_are_those_of_random_rows():
     """For independent rows, half the 95 % interval is 1.96 standard deviations of the indices over repetitions."""
     random, found, half = np.random.default_rng(2), [], []
     for seed in range(60):
@@ -225,9 +212,7 @@ def test_the_bootstrap_s_intervals_are_those_of_random_rows() -> None:
         (TRUCK, (), ("start.angle=0.2", "impact.convention=newton")),
     ],
 )
-def test_each_combination_is_the_plan_s_own_solution(
-    name: str, ranges: tuple[str, ...], changes: tuple[str, ...]
-) -> None:
+def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
     plan = CornerCase(*read_scene(name, changes))
     keys = [item.key for item in corner_ranges(plan, ranges)]
     inputs, tables = sampled(
@@ -239,7 +224,7 @@ def test_each_combination_is_the_plan_s_own_solution(
         assert changed.force.peak_force == pytest.approx(force, rel=1e-12)
 
 
-def test_mixtures_take_one_input_from_the_second_table() -> None:
+def test_mixtures_take_one_input_from_the_second_table():
     ranges = corner_ranges(plan_of(TRUCK))
     inputs, tables = sampled(ranges, 100, lambda given: {"sum": sum(given.values(), np.zeros(()))})
     keys, values = list(inputs), np.array([*inputs.values()]).reshape(len(ranges), len(ranges) + 2, -1)
@@ -251,9 +236,7 @@ def test_mixtures_take_one_input_from_the_second_table() -> None:
     assert tables["sum"].size >= 100
 
 
-def test_what_the_theory_refuses_is_counted_and_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
     """Friction from cot(phi) on does not turn the vehicle; a range from 0 to twice that is refused by half."""
     phi = math.radians(15.0) + math.atan2(2.438, 10.0)
     limit, out = 1.0 / math.tan(phi), tmp_path / "out"
@@ -278,9 +261,7 @@ def test_what_the_theory_refuses_is_counted_and_said(
     assert "wrong side of the centre of mass" in page
 
 
-def test_a_study_of_which_nothing_is_left_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_study_of_which_nothing_is_left_is_refused(tmp_path, capsys):
     out = tmp_path / "out"
     arguments = ["study", "uncertainty", TRUCK, "--range", "impact.friction=2.5:3", "--out", str(out)]
     assert _status(arguments) == 2
@@ -288,7 +269,7 @@ def test_a_study_of_which_nothing_is_left_is_refused(
     assert not out.exists()
 
 
-def test_the_same_call_gives_the_same_files(tmp_path: Path) -> None:
+def test_the_same_call_gives_the_same_files(tmp_path):
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
         assert (
@@ -310,7 +291,7 @@ def test_the_same_call_gives_the_same_files(tmp_path: Path) -> None:
     assert "seed 307" in (tmp_path / "one" / "report.html").read_text()
 
 
-def test_the_result_folder_has_the_scene_s_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert _status(["study", "uncertainty", TRUCK, "--samples", "1000"]) == 0
     assert [path.name for path in (tmp_path / "results").iterdir()] == [f"{TRUCK}-uncertainty"]
@@ -319,7 +300,7 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path: Path, monkeypatch: pyt
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 
-def test_default_ranges() -> None:
+def test_default_ranges():
     """MASH: 2.5 mph, 1.5 deg; 110 lb for the pickup, 55 lb for the car; the truck's tolerance is not known."""
     found = {item.key: item for item in corner_ranges(plan_of("mash-tl3-pickup"))}
     expected = {
@@ -338,7 +319,7 @@ def test_default_ranges() -> None:
     assert "vehicle.mass" not in {item.key for item in corner_ranges(plan_of(TRUCK))}
 
 
-def test_only_what_the_force_depends_on_varies() -> None:
+def test_only_what_the_force_depends_on_varies():
     """[start] overrides Stage 1; without friction no coefficient counts."""
     assert [item.key for item in corner_ranges(plan_of("paper-table-3"))] == [
         "impact.friction",
@@ -347,7 +328,7 @@ def test_only_what_the_force_depends_on_varies() -> None:
     assert [item.key for item in corner_ranges(plan_of("paper-abaqus"))] == ["strike.duration"]
 
 
-def test_given_ranges_take_units_and_replace_the_default() -> None:
+def test_given_ranges_take_units_and_replace_the_default():
     given = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
     found = {item.key: item for item in corner_ranges(plan_of(TRUCK), given, ("impact.angle",))}
     assert (found["impact.speed"].lower, found["impact.speed"].upper) == pytest.approx((50 * MPH, 60 * MPH))
@@ -380,30 +361,28 @@ def test_given_ranges_take_units_and_replace_the_default() -> None:
         ((), (*HELD, "strike.duration", "impact.restitution"), "--fix", "nothing varies"),
     ],
 )
-def test_wrong_ranges_are_told_which_key(
-    ranges: tuple[str, ...], fixed: tuple[str, ...], key: str, message: str
-) -> None:
+def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
     with pytest.raises(InputError) as caught:
         corner_ranges(plan_of(TRUCK), ranges, fixed)
     assert caught.value.key == key
     assert message in caught.value.allowed
 
 
-def test_a_default_range_that_does_not_fit_says_whose_it_is() -> None:
+def test_a_default_range_that_does_not_fit_says_whose_it_is():
     with pytest.raises(
         InputError, match=r"impact\.angle: given .* by default .*1\.5 deg, MASH.*--range gives"
     ):
         corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
 
 
-def test_a_force_that_does_not_change_has_no_indices() -> None:
+def test_a_force_that_does_not_change_has_no_indices():
     """[start] gives the state after the impact, so that the speed, forced to vary here, has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(InputError, match="the same all over"):
         corner_spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 
 
-def test_bands_by_hand() -> None:
+def test_bands_by_hand():
     found = band_of(np.array([1.0, 2.0, 3.0, 4.0, 5.0, np.nan]))
     assert (found.mean, found.percentiles[1]) == (3.0, 3.0)
     assert found.standard_deviation == pytest.approx(math.sqrt(2.5), rel=1e-15)
@@ -416,7 +395,7 @@ def test_bands_by_hand() -> None:
     assert table.values.tolist() == [1.0, 2.0, 3.0], "mixtures are not of the distribution"
 
 
-def test_a_hundred_thousand_combinations_in_two_seconds() -> None:
+def test_a_hundred_thousand_combinations_in_two_seconds():
     plan = plan_of("mash-tl3-pickup")
     ranges = corner_ranges(plan)
     began = time.process_time()
@@ -425,7 +404,7 @@ def test_a_hundred_thousand_combinations_in_two_seconds() -> None:
     assert spread.computed >= 100_000
 
 
-def test_more_rows_come_closer(complete: Spread) -> None:
+def test_more_rows_come_closer(complete):
     """A quarter of the combinations agrees with the whole within its own intervals."""
     fewer = run(TRUCK, samples=25_000)
     assert fewer.rows * 4 == complete.rows
@@ -434,7 +413,7 @@ def test_more_rows_come_closer(complete: Spread) -> None:
     assert np.all((low < exact) & (exact < high))
 
 
-def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_study_lists_the_known_ones(capsys):
     assert _status(["study", "certainty", TRUCK]) == 2
     message = capsys.readouterr().err
     assert 'NAME: given "certainty"' in message
@@ -443,7 +422,7 @@ def test_an_unknown_study_lists_the_known_ones(capsys: pytest.CaptureFixture[str
     assert _status(["study", "uncertainty", TRUCK, "--samples", "10"]) == 2
 
 
-def test_what_is_held_and_how_the_scene_s_own_force_compares(complete: Spread) -> None:
+def test_what_is_held_and_how_the_scene_s_own_force_compares(complete):
     report = spread_report(complete)
     assert report.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
     below_own = np.mean(complete.samples["peak_force"] < complete.case.force.peak_force)
@@ -454,7 +433,7 @@ def test_what_is_held_and_how_the_scene_s_own_force_compares(complete: Spread) -
     assert summary["rows_left_out"] == summary["refused"] == complete.rows
 
 
-def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass() -> None:
+def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
     """F = v sqrt(k m) of a point mass, here too where the path is the same: k ~ v^2, k ~ m; T ~ sqrt(m/k)."""
     plan, ones = impact_of(), np.ones(3)
     faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
@@ -477,22 +456,19 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass() -> None
             assert values[2] / values[0] == pytest.approx(1.7, rel=1e-9)
 
 
-def test_many_impacts_are_the_single_one() -> None:
+def test_many_impacts_are_the_single_one():
     """Against the one at a smaller step, with yaw inertia and centre of mass of their own."""
     plan = impact_of(
         "vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2", "contact.initial_force=20 kN"
     )
-    exact, many = (
-        both_strikes(plan.answer),
-        measured(plan, {"impact.speed": np.array([25.034, 25.034])}),
-    )
+    exact, many = (both_strikes(plan.answer), measured(plan, {"impact.speed": np.array([25.034, 25.034])}))
     plan_speed = plan.scene.impact.speed if plan.scene.impact else 0.0
     assert plan_speed == pytest.approx(25.034, rel=1e-4)
     for name in COLUMNS:
         assert many[name] == pytest.approx(exact[name], rel=1e-3), name
 
 
-def test_rows_of_the_force_history_hold_impulse_and_mean() -> None:
+def test_rows_of_the_force_history_hold_impulse_and_mean():
     given = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0, "angle": 0.26, "friction": 0.47}
     impacts = solve_impacts(**given, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
     assert impacts.mean_force.shape[1:] == (1, 2)
@@ -510,7 +486,7 @@ def test_rows_of_the_force_history_hold_impulse_and_mean() -> None:
     assert solve_impacts(**given, stiffness=1e6, restitution=0.2).mean_force.shape == (0,)
 
 
-def test_filtered_peaks_are_those_in_the_strike() -> None:
+def test_filtered_peaks_are_those_in_the_strike():
     """A rectangle of 80 ms and 1 N, and 10 ms later one of 2 N: the mean of the first does not know the second."""
     force = np.zeros(400)
     force[100:180], force[190:300] = 1.0, 2.0
@@ -520,7 +496,7 @@ def test_filtered_peaks_are_those_in_the_strike() -> None:
     assert all(map(math.isnan, peaks_within(curves, 1e-3, math.nan, math.nan).values()))
 
 
-def test_stiffness_alone_has_all_of_the_variance() -> None:
+def test_stiffness_alone_has_all_of_the_variance():
     plan = impact_of()
     fixed = tuple(item.key for item in impact_ranges(plan) if item.key != "contact.stiffness")
     ranges = impact_ranges(plan, (), fixed)
@@ -531,7 +507,7 @@ def test_stiffness_alone_has_all_of_the_variance() -> None:
         assert (source["first_order"], source["total"]) == pytest.approx((1.0, 1.0), abs=0.05)
 
 
-def test_indices_of_both_strikes_and_order_of_the_bands(impacts: Spread) -> None:
+def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
     for name, sources in impacts.sources.items():
         assert sum(row["total"] for row in sources) > 0.8, name  # at least 1, but for the few rows
         assert all(row["total"] > -0.02 for row in sources)
@@ -542,7 +518,7 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts: Spread) -> None
         assert low < impacts.own[name] < high
 
 
-def test_validation_uncertainty_by_hand() -> None:
+def test_validation_uncertainty_by_hand():
     """u_val^2 = 3^2 + 4^2 without u_D; E = 13 needs u_D = 12."""
     band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
     near, far = (
@@ -563,7 +539,7 @@ def test_validation_uncertainty_by_hand() -> None:
     assert "unless u_D" in far["verdict"]
 
 
-def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts: Spread) -> None:
+def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
     assert [each["row"] for each in impacts.beside] == [*"abcdef"] * 2
     by_row = {each["row"]: each for each in impacts.beside[:6]}
     assert [by_row[name]["measured"] for name in "abcdef"] == [680e3, 595e3, 415e3, 351e3, 360e3, 375e3]
@@ -572,12 +548,12 @@ def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts: Spre
     assert "57.4 mph" in by_row["b"]["known"]
 
 
-def test_another_test_level_has_no_rows() -> None:
+def test_another_test_level_has_no_rows():
     plan = impact_of(name="impact-mash-tl3-car")
     assert impact_spread(plan, impact_ranges(plan), 288).beside == ()
 
 
-def test_curves_go_through_the_scenes_own_values(impacts: Spread) -> None:
+def test_curves_go_through_the_scenes_own_values(impacts):
     assert [curve["key"] for curve in input_curves(impacts.case)] == [each["key"] for each in impacts.curves]
     for each in impacts.curves:
         for name in ("strike_1.raw", "strike_2.impulse"):
@@ -592,28 +568,28 @@ def test_curves_go_through_the_scenes_own_values(impacts: Spread) -> None:
         ({"contact.stiffness": None, "contact.restitution": None}, "contact.stiffness"),
     ],
 )
-def test_contacts_that_the_study_cannot_vary_are_refused(changes: dict[str, Any], key: str) -> None:
+def test_contacts_that_the_study_cannot_vary_are_refused(changes, key):
     plan = impact_of().varied(changes)
     with pytest.raises(InputError) as caught:
         demand_corners(plan)
     assert caught.value.key == key
 
 
-def test_ranges_that_make_no_impact_are_refused(tmp_path: Path) -> None:
+def test_ranges_that_make_no_impact_are_refused(tmp_path):
     for given in ("impact.angle=0 deg:20 deg", "strike.duration=0.1:0.2", "contact.restitution=0.5:1.5"):
         arguments = ["study", "uncertainty", IMPACT, "--range", given, "--out", str(tmp_path / "out")]
         assert _status(arguments) == 2
     assert not (tmp_path / "out").exists()
 
 
-def test_the_study_of_strikes_says_where_it_went(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_study_of_strikes_says_where_it_went(capsys):
     assert _status(["study", "strike", IMPACT]) == 2
     said = capsys.readouterr().err
     assert "study uncertainty" in said
     assert "study flexibility" in said
 
 
-def test_page_files_and_terminal_of_a_whole_impact(impacts: Spread, tmp_path: Path) -> None:
+def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
     report = spread_report(impacts)
     write_report(report, tmp_path)
     page = (tmp_path / "report.html").read_text()
@@ -630,7 +606,7 @@ def test_page_files_and_terminal_of_a_whole_impact(impacts: Spread, tmp_path: Pa
     assert max(map(len, printed(report.terminal).splitlines())) <= 96
 
 
-def test_impacts_without_a_second_strike_are_told(impacts: Spread) -> None:
+def test_impacts_without_a_second_strike_are_told(impacts):
     tables = {name: table.copy() for name, table in impacts.tables.items()}
     tables["strike_2.impulse"][0, :3] = np.nan
     found = replace(impacts, tables=tables)

@@ -1,7 +1,5 @@
 """Verification: with `--units us` pictures and the pages of modes, modal runs and comparisons are in American units."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable
@@ -15,11 +13,8 @@ import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import write_animation
 from postprocess.report.units import US
-from tailslap import Result
 from tailslap.cli import _status
 from tailslap.errors import InputError
-
-pytestmark = pytest.mark.verification
 
 FOOT, KIP = 0.3048, 4448.2216152605
 PSI = KIP / 1e3 / (FOOT / 12.0) ** 2
@@ -27,12 +22,12 @@ SQUARE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result():
     return tailslap.run("paper-table-3", {"output.fields": 3, "plate.elements": [8, 2]})
 
 
 @pytest.fixture(scope="module")
-def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(result, tmp_path_factory):
     return result.save(tmp_path_factory.mktemp("us") / "reference", pictures=False)
 
 
@@ -55,9 +50,7 @@ def numbers(texts: list[str]) -> list[float]:
     return [float(text) for text in texts if re.fullmatch(r"[\d.]+", text)]
 
 
-def test_contours_have_rulers_title_and_values_in_feet(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
     field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
     situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
     metres, feet = (
@@ -76,9 +69,7 @@ def test_contours_have_rulers_title_and_values_in_feet(
     assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
 
 
-def test_drawn_fields_are_in_feet_and_ksi(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
     """Title, range and rulers; the picture itself is the same but for round numbers."""
     series = result.fields
     feet, metres = (
@@ -98,13 +89,10 @@ def test_drawn_fields_are_in_feet_and_ksi(
     assert f"element values from {stress.min():.4g} to {stress.max():.4g} Pa" in metres
 
 
-def test_exported_pictures_take_units_and_tables_refuse_them(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, monkeypatch):
     given: list[str] = []
     monkeypatch.setattr(
-        "postprocess.fields.contours.draw_instants",
-        lambda *_, units, **__: given.append(units.name),
+        "postprocess.fields.contours.draw_instants", lambda *_, units, **__: given.append(units.name)
     )
     tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
     assert given == ["us"]
@@ -114,7 +102,7 @@ def test_exported_pictures_take_units_and_tables_refuse_them(
         tailslap.export(result, "png", tmp_path / "c", units="uk")
 
 
-def test_an_animation_has_axes_in_feet_and_kip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
     from matplotlib.axes import Axes
 
     labels: list[str] = []
@@ -145,7 +133,7 @@ def _html(place: Path) -> str:
     return (place / "report.html").read_text(encoding="utf-8")
 
 
-def test_modes_say_the_beam_in_feet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_modes_say_the_beam_in_feet(tmp_path, capsys):
     arguments = ["modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8,2]", "--units", "us"]
     assert _status([*arguments, "--out", str(tmp_path / "a")]) == 0
     text = page_text(tmp_path / "a")
@@ -153,7 +141,7 @@ def test_modes_say_the_beam_in_feet(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert not re.search(r"\d (m|m/s)\b", text)
 
 
-def test_a_modal_run_says_feet_and_json_stays_si(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_modal_run_says_feet_and_json_stays_si(capsys):
     assert _status(["modal", "paper-table-3", "--units", "us"]) == 0
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert _status(["modal", "paper-table-3", "--units", "us", "--json"]) == 0
@@ -164,7 +152,7 @@ def test_a_modal_run_says_feet_and_json_stays_si(capsys: pytest.CaptureFixture[s
         assert float(row[2]) == pytest.approx(values[key] / FOOT, rel=1e-6)
 
 
-def test_a_comparison_has_axes_and_numbers_in_american_units(folder: Path, tmp_path: Path) -> None:
+def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
     for units in ("us", "si"):
         given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
         assert _status(given) == 0
@@ -183,9 +171,7 @@ def test_a_comparison_has_axes_and_numbers_in_american_units(folder: Path, tmp_p
     assert (tmp_path / "us" / "metrics.csv").read_text() == (tmp_path / "si" / "metrics.csv").read_text()
 
 
-def test_a_run_draws_its_pictures_in_the_units_of_its_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch):
     given: list[str] = []
 
     def draw(situation: Situation, fields: Any, out: Path, units: Any) -> list[Path]:

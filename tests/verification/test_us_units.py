@@ -1,7 +1,5 @@
 """Verification: American units in scenes and in what `tailslap rigid --units us` prints, by the units' definitions."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -22,8 +20,6 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
 from tailslap.studies.flexibility.report import STIFF
-
-pytestmark = pytest.mark.verification
 
 INCH, FOOT, POUND, MPH = 0.0254, 0.3048, 0.45359237, 1609.344 / 3600.0
 POUND_FORCE = POUND * 9.80665
@@ -47,7 +43,7 @@ KIP, KSI = 1000.0 * POUND_FORCE, 1000.0 * POUND_FORCE / INCH**2
         ("impact.speed=56 mph", 56 * MPH),
     ],
 )
-def test_scenes_take_american_units(change: str, value: float) -> None:
+def test_scenes_take_american_units(change, value):
     key = change.partition("=")[0]
     table, _, name = key.partition(".")
     scene = read_scene("mash-tl4-sut", (change,))[0]
@@ -57,7 +53,7 @@ def test_scenes_take_american_units(change: str, value: float) -> None:
 @pytest.mark.parametrize(
     "change", ["plate.youngs_modulus=29000 kip", "vehicle.mass=22 kip", "plate.density=490 lbf/ft^3"]
 )
-def test_a_force_is_no_mass_and_no_stress(change: str) -> None:
+def test_a_force_is_no_mass_and_no_stress(change):
     with pytest.raises(InputError, match="the unit does not fit"):
         read_scene("mash-tl4-sut", (change,))
 
@@ -79,12 +75,12 @@ def test_a_force_is_no_mass_and_no_stress(change: str) -> None:
         *(("t", POUND / 1e3), ("kg m^2", POUND * FOOT**2), ("kN s", KIP / 1e3), ("kJ", KIP * FOOT / 1e3)),
     ],
 )
-def test_definitions(unit: str, size: float) -> None:
+def test_definitions(unit, size):
     """How many of the American unit one of the SI unit is."""
     assert US.of(unit)[0] * size == pytest.approx(1.0, rel=1e-14)
 
 
-def test_what_is_shown() -> None:
+def test_what_is_shown():
     assert shown(25.0, "m/s") == "25 m/s"
     assert shown(653321.7, "N") == "653.3217 kN"
     assert shown(KIP * 100.0, "N", "us") == "100 kip"
@@ -93,7 +89,7 @@ def test_what_is_shown() -> None:
     assert shown(np.pi / 12.0, "rad") == "15 deg"
 
 
-def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixture[str]) -> None:
+def test_rigid_prints_american_units_and_labels_them(capsys):
     assert _status(["rigid", "mash-tl4-sut", "--units", "us"]) == 0
     text = capsys.readouterr().out
     answer = CornerCase(*read_scene("mash-tl4-sut")).rigid_numbers()
@@ -138,18 +134,18 @@ def test_rigid_prints_american_units_and_labels_them(capsys: pytest.CaptureFixtu
         ),
     ],
 )
-def test_measures_are_rendered_in_the_units_of_the_reader(text: str, si: str, us: str) -> None:
+def test_measures_are_rendered_in_the_units_of_the_reader(text, si, us):
     """Values by the units' definitions, to as many digits, but three at least; texts without a measure as they are."""
     assert (SI.rendered(text), US.rendered(text)) == (si, us)
 
 
-def test_a_measure_is_converted_before_it_is_rounded() -> None:
+def test_a_measure_is_converted_before_it_is_rounded():
     """10.4778 kN s are 2.3555 kip s; rounded to 10.5 kN s first they would be 2.3605."""
     assert US.rendered(measure(10477.8, "N s", ".1f")) == "2.36 kip s"
     assert US.rendered(measure(10477.8, "N s", ".3f")) == f"{10477.8 / KIP:.5g} kip s"
 
 
-def test_a_report_is_in_american_units_everywhere() -> None:
+def test_a_report_is_in_american_units_everywhere():
     """Headline, lead, sentences, captions, cells, axes, ticks, and what charts say at the pointer."""
     two, three, force = measure(2.0, "m", "g"), measure(3.0, "m", "g"), measure(445.0, "kN", "g")
     line = Line(force, np.array([0.0, 445.0]), np.zeros(2), values=[force] * 2, at=[two, three])
@@ -183,7 +179,7 @@ def test_a_report_is_in_american_units_everywhere() -> None:
     assert in_units(Report(page, {}, ()), SI).page.footer == page.footer
 
 
-def test_records_that_name_their_unit_are_in_american_units() -> None:
+def test_records_that_name_their_unit_are_in_american_units():
     """Occupant risk, and the moduli of the study of flexibility."""
     risk = Table(RISK, [{"name": "THIV", "value": 9.144, "unit": "m/s", "time": 0.1, "lacks": ""}]).in_units(
         US
@@ -193,13 +189,13 @@ def test_records_that_name_their_unit_are_in_american_units() -> None:
     assert (stiff.columns[0].heading, stiff.columns[0].text(stiff.rows[0])) == ("E [ksi]", "2.90e+04")
 
 
-def test_si_stays_the_default() -> None:
+def test_si_stays_the_default():
     plan = CornerCase(*read_scene("mash-tl4-sut"))
     assert plan.rigid_text() == plan.rigid_text("si")
     assert "kip" not in "\n".join(plan.rigid_text())
 
 
-def test_json_is_si_always(capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_is_si_always(capsys):
     assert _status(["rigid", "mash-tl4-sut", "--json", "--units", "us"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -210,7 +206,7 @@ def test_json_is_si_always(capsys: pytest.CaptureFixture[str]) -> None:
     assert _status(["rigid", "mash-tl4-sut", "--units", "uk"]) == 2
 
 
-def test_rigid_imports_neither_statistics_nor_plots() -> None:
+def test_rigid_imports_neither_statistics_nor_plots():
     code = "import sys; from tailslap.cli import _status; _status(['rigid','mash-tl4-sut','--units','us'])\n"
     code += "print(sorted({'scipy.stats', 'scipy.special', 'matplotlib', 'rich', 'jinja2'} & {*sys.modules}))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -1,10 +1,7 @@
 """Verification: a scene is varied by values as by text, the given one is left alone, and what was changed is noted."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import Any
 
 import pytest
 
@@ -12,8 +9,6 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
 from tailslap.scene.write import scene_inputs
-
-pytestmark = pytest.mark.verification
 
 SCENE = "mash-tl4-sut"
 
@@ -30,18 +25,18 @@ SCENE = "mash-tl4-sut"
         ("strike.duration=0.2", "strike", {"duration": 0.2}),
     ],
 )
-def test_values_are_what_text_says(text: str, key: str, value: Any) -> None:
+def test_values_are_what_text_says(text, key, value):
     source = read_source(SCENE)
     assert vary(source, {key: value})[0] == read_scene(SCENE, (text,))[0]
 
 
-def test_changes_travel_as_json() -> None:
+def test_changes_travel_as_json():
     source = read_source(SCENE)
     changes = {"plate.elements": (10, 3), "plate.youngs_modulus": 0.1 + 0.2, "wall": None}
     assert vary(source, json.loads(json.dumps(changes)))[0] == vary(source, changes)[0]
 
 
-def test_the_given_tables_are_left_alone_and_changes_add_up() -> None:
+def test_the_given_tables_are_left_alone_and_changes_add_up():
     source = read_source(SCENE)
     before = json.dumps(source.given)
     first = vary(source, {"corner.friction": 0.1, "damping.ratio": 0.1})[1]
@@ -52,7 +47,7 @@ def test_the_given_tables_are_left_alone_and_changes_add_up() -> None:
     assert (second.damping.ratio, second.corner.friction) == (0.2, 0.3)
 
 
-def test_what_was_changed_is_noted_and_where_it_comes_from() -> None:
+def test_what_was_changed_is_noted_and_where_it_comes_from():
     scene, source = vary(read_source(SCENE), {"corner.friction": 0.1, "wall": None, "verify": None})
     assert source.text.endswith("# changed by --set corner.friction=0.1\n# changed by --set wall=\n")
     assert source.changed == {"corner.friction", "wall"}  # there was no table verify
@@ -61,7 +56,7 @@ def test_what_was_changed_is_noted_and_where_it_comes_from() -> None:
     assert origins["vehicle.mass"] == "scene"
 
 
-def test_changes_are_shown_as_they_could_be_given_again() -> None:
+def test_changes_are_shown_as_they_could_be_given_again():
     changes = {"plate.elements": (10, 3), "plate.element": "quad9", "damping": None, "time.rows": 20}
     texts = shown(changes)
     assert texts == ("plate.elements=[10, 3]", "plate.element=quad9", "damping=", "time.rows=20")
@@ -79,14 +74,14 @@ def test_changes_are_shown_as_they_could_be_given_again() -> None:
         ({"time.rows": 20.5}, "time.rows", "integer"),
     ],
 )
-def test_what_makes_no_scene_is_refused_by_its_key(changes: Any, key: str, allowed: str) -> None:
+def test_what_makes_no_scene_is_refused_by_its_key(changes, key, allowed):
     with pytest.raises(InputError) as caught:
         vary(read_source(SCENE), changes)
     assert caught.value.key == key
     assert allowed in caught.value.allowed
 
 
-def test_a_scene_is_its_own_source() -> None:
+def test_a_scene_is_its_own_source():
     scene = read_scene(SCENE)[0]
     assert vary(Source.of(scene), {})[0] == scene
     assert varied(scene, {"corner.friction": 0.2}).corner.model_fields_set >= {"friction"}

@@ -1,8 +1,5 @@
 """Verification: the highest frequency of large uniform plates, bounded by windows of them, against dense solutions."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,8 +11,6 @@ from fem.plate import windows as module
 from fem.plate.spectrum import FREE, Hold, hold_of
 from fem.plate.windows import Windows, element_stiffness
 from fem.stability.deformed import deformed_frequency
-
-pytestmark = pytest.mark.verification
 
 ANGLES = (0.26, 0.13, 0.0)
 
@@ -40,7 +35,7 @@ def dense(model: Any, hold: Hold = FREE) -> float:
 
 
 @pytest.fixture
-def small_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+def small_windows(monkeypatch):
     """Several windows in a plate small enough for a dense solution, and every plate counts as large."""
     monkeypatch.setattr(module, "SIZE", 5)
     monkeypatch.setattr(module, "EVEN", 0.05)
@@ -48,9 +43,7 @@ def small_windows(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("element", ["quad4", "quad4-reduced", "quad9"])
-def test_an_element_s_stiffness_assembled_is_the_plate_s(
-    plate_model: Callable[..., Any], element: str
-) -> None:
+def test_an_element_s_stiffness_assembled_is_the_plate_s(plate_model, element):
     model = plate_model(elements=(5, 3), plate={"element": element})
     table, loop = model.discretisation.table, model.loop
     one = element_stiffness(table, model.tangent_moduli, loop.hourglass)
@@ -63,9 +56,7 @@ def test_an_element_s_stiffness_assembled_is_the_plate_s(
 @pytest.mark.parametrize("plate", [{}, {"element": "quad4-reduced"}, {"lumping": "row-sum"}], ids=str)
 @pytest.mark.parametrize("scale", [0.0, 0.3, 3.0, 100.0])
 @pytest.mark.parametrize("patch", [0.0, 2.0])
-def test_bound_is_safe_and_close(
-    plate_model: Callable[..., Any], plate: dict[str, Any], scale: float, patch: float
-) -> None:
+def test_bound_is_safe_and_close(plate_model, plate, scale, patch):
     """At most by the unevenness of the masses above, and by what windows of five elements miss."""
     corner = {"penalty_scale": scale or 1.0, "patch_length": patch}
     model = plate_model(elements=(22, 11), plate=plate, corner=corner)
@@ -76,9 +67,7 @@ def test_bound_is_safe_and_close(
     assert exact * (1.0 - 1e-12) <= windows.bound(hold).frequency <= 1.02 * exact
 
 
-def test_bound_converges_with_the_size_of_windows(
-    plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bound_converges_with_the_size_of_windows(plate_model, monkeypatch):
     """Row-sum masses are even: what is left is what windows miss, and it goes."""
     monkeypatch.setattr(module, "EVEN", 0.05)
     model, apart = plate_model(elements=(40, 16), plate={"lumping": "row-sum"}), []
@@ -90,7 +79,7 @@ def test_bound_converges_with_the_size_of_windows(
     assert apart[2] < 1e-3
 
 
-def test_no_node_has_less_mass_than_its_elements_say(plate_model: Callable[..., Any]) -> None:
+def test_no_node_has_less_mass_than_its_elements_say(plate_model):
     """The elements' masses, less the factor, lie below the exact ones everywhere, and meet them at one node."""
     model = plate_model(elements=(22, 11))
     nodes = model.discretisation.table.connectivity
@@ -100,7 +89,7 @@ def test_no_node_has_less_mass_than_its_elements_say(plate_model: Callable[..., 
     assert (assembled / model.loop.mass).max() == pytest.approx(1.0, abs=1e-14)
 
 
-def test_windows_are_all_of_the_plate(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_windows_are_all_of_the_plate(monkeypatch):
     monkeypatch.setattr(module, "SIZE", 5)
     for count in (1, 4, 7, 11, 33, 58):
         for held in ([], [0], [count - 1], list(range(count // 2, count))):
@@ -114,7 +103,7 @@ def test_windows_are_all_of_the_plate(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("small_windows")
-def test_a_large_uniform_plate_takes_its_step_from_the_bound(plate_model: Callable[..., Any]) -> None:
+def test_a_large_uniform_plate_takes_its_step_from_the_bound(plate_model):
     model = plate_model(elements=(22, 11), corner={"penalty_scale": 30.0})
     exact = dense(model, hold_of(model.loop.corner, ANGLES))
     assert dense(model) < 0.5 * exact < exact * (1.0 + 1e-5) < model.highest_frequency < 1.02 * exact
@@ -124,9 +113,7 @@ def test_a_large_uniform_plate_takes_its_step_from_the_bound(plate_model: Callab
     assert np.hypot(*mode[:, node]) > 0.9 * np.linalg.norm(mode) == pytest.approx(0.9, rel=1e-9)
 
 
-def test_a_window_of_each_size_is_looked_at(
-    plate_model: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_window_of_each_size_is_looked_at(plate_model, monkeypatch):
     monkeypatch.setattr(module, "SIZE", 5)
     model, seen, plain = plate_model(elements=(22, 11)), set(), Windows._highest
 
@@ -144,18 +131,14 @@ def test_a_window_of_each_size_is_looked_at(
 @pytest.mark.parametrize(
     "given", [{"damping_ratio": 0.1}, {"bulk_viscosity": 0.06}, {"corner": {"damping_ratio": 0.1}}], ids=str
 )
-def test_damped_plates_take_theirs_from_lanczos(
-    plate_model: Callable[..., Any], given: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_damped_plates_take_theirs_from_lanczos(plate_model, given, monkeypatch):
     asked = plate_model(elements=(22, 11), **given)
     monkeypatch.setattr(models, "WINDOWS_FROM", 10**9)
     assert asked.stable_time_step == plate_model(elements=(22, 11), **given).stable_time_step
 
 
 @pytest.mark.usefixtures("small_windows")
-def test_uneven_and_distorted_plates_take_theirs_from_lanczos(
-    plate_model: Callable[..., Any], distorted_mesh: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_uneven_and_distorted_plates_take_theirs_from_lanczos(plate_model, distorted_mesh, monkeypatch):
     monkeypatch.setattr(module, "EVEN", 1e-6)
     uneven, distorted = plate_model(elements=(22, 11)), plate_model(mesh=distorted_mesh)
     monkeypatch.setattr(models, "WINDOWS_FROM", 10**9)

@@ -1,15 +1,11 @@
 """Verification: documents, messages and descriptions use the field's words, not this project's own."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
-pytestmark = pytest.mark.verification
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
@@ -58,12 +54,12 @@ DOCUMENTS = [
 
 
 @pytest.mark.parametrize("name", [str(path.relative_to(ROOT)) for path in DOCUMENTS])
-def test_a_document_uses_standard_words(name: str) -> None:
+def test_a_document_uses_standard_words(name):
     assert found_in((ROOT / name).read_text(encoding="utf-8")) == []
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_messages_and_descriptions_use_standard_words(package: str) -> None:
+def test_messages_and_descriptions_use_standard_words(package):
     found = {
         str(path.relative_to(ROOT)): words
         for path in sorted((ROOT / package).rglob("*.py"))
@@ -84,11 +80,11 @@ def test_messages_and_descriptions_use_standard_words(package: str) -> None:
         "foretold without a run",
     ],
 )
-def test_retired_words_are_noticed(text: str) -> None:
+def test_retired_words_are_noticed(text):
     assert len(found_in(text)) == 1
 
 
-def test_words_in_their_plain_meaning_pass() -> None:
+def test_words_in_their_plain_meaning_pass():
     assert (
         found_in("Numbers hold to rounding; they give the flexibility of all modes; the start is unstressed")
         == []
