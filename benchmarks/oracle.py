@@ -121,19 +121,30 @@ def table(path: Path) -> Iterator[tuple[str, Any]]:
 
 
 def values(path: Path) -> dict[str, Any]:
-    """What a file says, by name."""
-    if path.suffix == ".json":
-        return dict(leaves(json.loads(path.read_text())))
+    """Numbers and texts of a file, by name."""
     if path.suffix == ".parquet":
         return dict(table(path))
+    text = path.read_text()
+    if path.suffix == ".json" or text.startswith("{"):
+        return dict(leaves(json.loads(text)))
     if path.suffix == ".csv":
-        head, *rows = (line.split(",") for line in path.read_text().splitlines())
-        cells = (
-            (f"{key}.{n}", text) for n, row in enumerate(rows) for key, text in zip(head, row, strict=False)
-        )
-        return {name: number(text) for name, text in cells if not TIMES.search(name.rpartition(".")[0])}
-    lines = (line for line in path.read_text().splitlines() if not line.startswith("Cost"))
+        return columns(text)
+    lines = (line for line in text.splitlines() if not line.startswith("Cost"))
     return {f"line {n}": DURATION.sub("TIME", line) for n, line in enumerate(lines)}
+
+
+def columns(text: str) -> dict[str, Any]:
+    """Cells of a CSV file, without times; numbers are fractions of the largest of their column."""
+    head, *rows = (line.split(",") for line in text.splitlines())
+    found: dict[str, Any] = {}
+    for name, *cells in zip(head, *rows, strict=False):
+        numbers = [number(cell) for cell in cells]
+        most = max((abs(cell) for cell in numbers if isinstance(cell, float)), default=1.0) or 1.0
+        if not TIMES.search(name):
+            scaled = (cell / most if isinstance(cell, float) else cell for cell in numbers)
+            found |= {f"{name}.{row}": cell for row, cell in enumerate(scaled)}
+            found[f"{name}, largest"] = most
+    return found
 
 
 def number(text: str) -> Any:
@@ -145,11 +156,11 @@ def number(text: str) -> Any:
 
 
 def difference(old: Any, new: Any) -> float:
-    """Relative difference of two numbers; 0 where they are equal, infinite for what is no number."""
+    """Difference of two numbers, relative above 1; 0 where they are equal, infinite for what is no number."""
     if old == new or (old != old and new != new):
         return 0.0
     numbers = isinstance(old, int | float) and isinstance(new, int | float)
-    return abs(new - old) / max(abs(old), abs(new)) if numbers else float("inf")
+    return abs(new - old) / max(abs(old), abs(new), 1.0) if numbers else float("inf")
 
 
 def compared(old: Path, new: Path, tolerance: float) -> bool:
