@@ -1,5 +1,5 @@
 """`python -m tailslap`: the command line."""
 
-from tailslap.cli import main
+from tailslap import cli
 
-main()
+cli.main()

@@ -14,23 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from fem.laws.constraints import CONSTRAINTS
-from fem.laws.friction import FRICTION_LAWS
-from fem.laws.materials import MATERIALS
-from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
+from fem.laws import constraints, friction, materials
+from fem.plate import kinds
 from fem.registry import Registry
-from fem.start.start_kinds import START_KINDS
-from postprocess.report.files import plain
+from fem.start import start_kinds
+from postprocess.report import files, terminal
 from postprocess.report.table import Table
-from postprocess.report.terminal import labelled_text, printed
-from postprocess.report.units import SYSTEMS, US
-from tailslap.case import case_of
+from postprocess.units import SYSTEMS, US
+from tailslap import result
+from tailslap.case import case_of, cost
 from tailslap.case.case import Case
-from tailslap.case.cost import demand_run
 from tailslap.errors import InputError, Verbatim
 from tailslap.files import load
-from tailslap.result import FE, RIGID, Columns, Result, filled_by, run_headline, run_tables
-from tailslap.scene.read import read_source, remarks
+from tailslap.scene import read
 from tailslap.scene.vary import Source, parse_changes, shown, vary
 
 Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
@@ -45,12 +41,12 @@ Values = str | Sequence[Any]
 MODAL = "modal"
 
 REGISTRIES: dict[str, Registry[Any]] = {
-    "corner.reaction": FRICTION_LAWS,
-    "corner.constraint": CONSTRAINTS,
-    "material.law": MATERIALS,
-    "plate.element": ELEMENT_KINDS,
-    "plate.lumping": LUMPINGS,
-    "plate.start": START_KINDS,
+    "corner.reaction": friction.FRICTION_LAWS,
+    "corner.constraint": constraints.CONSTRAINTS,
+    "material.law": materials.MATERIALS,
+    "plate.element": kinds.ELEMENT_KINDS,
+    "plate.lumping": kinds.LUMPINGS,
+    "plate.start": start_kinds.START_KINDS,
 }
 """Where the object behind the name of each of these keys is registered."""
 
@@ -64,7 +60,7 @@ def run(
     *,
     tolerance: float | None = None,
     allow_large: bool = False,
-) -> Result:
+) -> result.Result:
     """Run a scene: rigid solution, mesh, FE run, comparison, checks. Nothing is written.
 
     Parameters
@@ -99,7 +95,7 @@ def run(
     """
     case = _affordable(scene, changes, allow_large)
     outcome = case.run(tolerance)
-    summary = plain(case.summary(outcome, True))
+    summary = files.plain(case.summary(outcome, True))
     histories = case.histories(outcome)
 
     def fields() -> Any:
@@ -112,21 +108,26 @@ def run(
 
         return series_of_ends(outcome)
 
-    return Result(
+    return result.Result(
         "run",
         summary["scene"],
         summary,
-        run_headline(summary),
+        result.run_headline(summary),
         summary["passed"],
-        run_tables(summary),
-        {FE: load.history(histories["history.csv"]), RIGID: load.history(histories["rigid.csv"])},
-        fill=filled_by(lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])),
+        result.run_tables(summary),
+        {
+            result.FE: load.history(histories["history.csv"]),
+            result.RIGID: load.history(histories["rigid.csv"]),
+        },
+        fill=result.filled_by(
+            lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])
+        ),
         make_fields=None if outcome.run.snapshots is None else fields,
         make_ends=ends if getattr(outcome.run, "strike", None) is not None else None,
     )
 
 
-def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") -> Result:
+def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") -> result.Result:
     """Solve the rigid-body method, or the rigid vehicle's whole impact, alone; loads no mesh or FE library.
 
     Parameters
@@ -155,27 +156,27 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     653
     """
     case = _case(scene, changes)
-    summary, columns = plain(case.rigid_numbers()), case.rigid_history()
+    summary, columns = files.plain(case.rigid_numbers()), case.rigid_history()
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        from postprocess.report.files import write_history, write_summary
+        from postprocess.report import files
 
-        write_summary(folder / "summary.json", summary)
-        write_history(folder / "rigid.csv", columns)
+        files.write_summary(folder / "summary.json", summary)
+        files.write_history(folder / "rigid.csv", columns)
 
-    return Result(
+    return result.Result(
         "rigid",
         summary["scene"],
         summary,
-        histories={RIGID: load.history(columns)},
-        text=labelled_text(case.rigid_text(units), 19),
+        histories={result.RIGID: load.history(columns)},
+        text=terminal.labelled_text(case.rigid_text(units), 19),
         fill=fill,
     )
 
 
 def check(
     scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: str = "si"
-) -> Result:
+) -> result.Result:
     """Say what a run would use, choose, leave out and cost; runs nothing.
 
     Parameters
@@ -210,8 +211,8 @@ def check(
     case = _case(scene, changes)
     lines = case.check_text(allow_large)
     said = lines if units == "si" else [US.rendered(line) for line in lines]
-    return Result(
-        "check", case.scene.name, as_numbers(case.scene.name, lines), text=labelled_text(said, LABEL)
+    return result.Result(
+        "check", case.scene.name, as_numbers(case.scene.name, lines), text=terminal.labelled_text(said, LABEL)
     )
 
 
@@ -224,7 +225,7 @@ def modal(
     tolerance: float = 1e-5,
     allow_large: bool = False,
     units: str = "si",
-) -> Result:
+) -> result.Result:
     """Run a scene with a few modes of the plate.
 
     Parameters
@@ -264,8 +265,8 @@ def modal(
 
     fe_plan = _corner_plan(scene, changes, allow_large)
     found = modal_analysis.modal_run(fe_plan, modes, tolerance, steps)
-    summary = plain(modal_analysis.modal_numbers(fe_plan, found))
-    return Result(
+    summary = files.plain(modal_analysis.modal_numbers(fe_plan, found))
+    return result.Result(
         "modal",
         summary["scene"],
         summary,
@@ -277,7 +278,7 @@ def modal(
 
 def modes(
     scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
-) -> Result:
+) -> result.Result:
     """Natural frequencies and shapes of the free plate in its plane.
 
     Parameters
@@ -310,14 +311,14 @@ def modes(
     from tailslap.modal_analysis import modes as free
 
     found = free.find_modes(_corner_plan(scene, changes, allow_large), count)
-    summary = plain(free.summary(found))
-    return Result(
+    summary = files.plain(free.summary(found))
+    return result.Result(
         "modes",
         summary["scene"],
         summary,
         free.headline(found),
         tables={"Frequencies": free.modes_table(found)},
-        fill=filled_by(lambda place, pictures, units: free.modes_report(found)),
+        fill=result.filled_by(lambda place, pictures, units: free.modes_report(found)),
     )
 
 
@@ -330,7 +331,7 @@ def study(
     allow_large: bool = False,
     force: bool = True,
     **options: Any,
-) -> Result:
+) -> result.Result:
     """Run a prepared study of a scene.
 
     Parameters
@@ -377,15 +378,15 @@ def study(
     place, found = compute_study(chosen, os.fspath(scene), _texts(changes), out, allow_large, own, force)
     report = chosen.report(found)
     parts = [part for part in report.terminal if isinstance(part, Table)]
-    return Result(
+    return result.Result(
         f"study {name}",
         report.page.title,
-        plain(report.summary),
+        files.plain(report.summary),
         report.page.headline,
         report.page.passed,
         {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables),
-        fill=filled_by(lambda place, pictures, units: report),
-        text=printed(report.terminal),
+        fill=result.filled_by(lambda place, pictures, units: report),
+        text=terminal.printed(report.terminal),
         place=place,
     )
 
@@ -401,7 +402,7 @@ def sweep(
     cluster: str | None = None,
     workers: int | None = None,
     units: str = "si",
-) -> Result:
+) -> result.Result:
     """Run a scene for many values of its keys, in worker processes.
 
     Parameters
@@ -459,11 +460,11 @@ def sweep(
 
 
 def compare(
-    reference: Result | str | os.PathLike[str],
-    *others: Result | str | os.PathLike[str],
+    reference: result.Result | str | os.PathLike[str],
+    *others: result.Result | str | os.PathLike[str],
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
-) -> Result:
+) -> result.Result:
     """Set histories beside a reference: differences, Sprague and Geers' metrics, residuals.
 
     Parameters
@@ -499,15 +500,15 @@ def compare(
     from tailslap.comparing import report
 
     found = report.compare_items((reference, *others), columns, only)
-    return Result(
+    return result.Result(
         "compare",
         " · ".join(item.label for item in found.items),
-        plain(report.summary(found)),
+        files.plain(report.summary(found)),
         report.headline(found),
         found.within,
         {"Metrics": report.metrics_table(found)},
-        {item.label: Columns(item.columns, item.units) for item in found.items},
-        fill=filled_by(lambda place, pictures, units: report.compare_report(found)),
+        {item.label: result.Columns(item.columns, item.units) for item in found.items},
+        fill=result.filled_by(lambda place, pictures, units: report.compare_report(found)),
     )
 
 
@@ -521,7 +522,7 @@ def _case(scene: Scene, changes: Changes | None) -> Case:
     else:
         values = parse_changes(changes or (), source.given)
     varied, source = vary(source, values)
-    for remark in remarks(source):
+    for remark in read.remarks(source):
         warnings.warn(remark, stacklevel=3)
     return case_of(varied, source)
 
@@ -529,7 +530,7 @@ def _case(scene: Scene, changes: Changes | None) -> Case:
 def _affordable(scene: Scene, changes: Changes | None, allow_large: bool) -> Case:
     """The case of a scene with a plate that this machine can carry. Raises InputError."""
     case = _case(scene, changes)
-    demand_run(case.scene, case.duration, allow_large)
+    cost.demand_run(case.scene, case.duration, allow_large)
     return case
 
 
@@ -550,7 +551,7 @@ def _source(scene: Scene) -> Source:
     if isinstance(scene, Mapping):
         return Source(given={key: _plain(value) for key, value in scene.items()})
     if isinstance(scene, str | os.PathLike):
-        return read_source(os.fspath(scene))
+        return read.read_source(os.fspath(scene))
     allowed = "allowed is a name, the path of a TOML file, or a dict of tables"
     raise InputError("scene", type(scene).__name__, allowed)
 

@@ -22,8 +22,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 import tailslap
 from postprocess.fields import FORMATS
-from tailslap import options, studies
-from tailslap.errors import InputError, Interrupted, escaped, machine_fault, shortened
+from tailslap import errors, options, studies
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -47,10 +46,10 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], **given: Any) -> int:
         from tailslap.case import case_of
-        from tailslap.scene.read import read_scene, remarks
+        from tailslap.scene import read
 
-        scene, source = read_scene(name, changes)
-        for remark in remarks(source):
+        scene, source = read.read_scene(name, changes)
+        for remark in read.remarks(source):
             click.echo(f"tailslap: remark: {remark}", err=True)
         return function(case_of(scene, source), **given)
 
@@ -78,10 +77,10 @@ def deliver(
 ) -> int:
     """Fill the folder `place` and say what was found, or as JSON the summary; 1 if something failed."""
     report = filled(fill, place, pictures, units)
-    from postprocess.report.files import summary_text
+    from postprocess.report import files
     from postprocess.report.report import report_text
 
-    click.echo(summary_text(report.summary) if as_json else report_text(report, place, page))
+    click.echo(files.summary_text(report.summary) if as_json else report_text(report, place, page))
     return DONE if report.passed else CHECK_FAILED
 
 
@@ -118,13 +117,13 @@ def run(
     as_json: bool,
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
-    from tailslap.files.checkpoints import checkpointed
+    from tailslap.files import checkpoints
     from tailslap.files.folder import demand_own, demand_place
 
     place = out or RESULTS / case.scene.name
     demand_own(place, case.scene.name, force)
     demand_place(place)
-    with checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
+    with checkpoints.checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
         found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
         if not no_pictures:  # what was computed is there, whatever becomes of the pictures
             filled(found.fill, place, False, units)
@@ -137,7 +136,7 @@ def run(
 def rigid(case: Case, as_json: bool, units: str) -> int:
     """The rigid-body method, or the rigid vehicle's whole impact, alone."""
     if as_json and units == "us":
-        raise InputError("--units", units, "--json is in SI always; leave out one of the two")
+        raise errors.InputError("--units", units, "--json is in SI always; leave out one of the two")
     found = tailslap.rigid(case, units=units)
     return options.tell(found.summary, found.text, as_json)
 
@@ -362,13 +361,13 @@ def modal(case: Case, as_json: bool, **given: Any) -> int:
 @options.with_options(options.JSON, options.QUIET)
 def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
-    from postprocess.report.terminal import labelled_text
-    from tailslap.scene.read import shipped_scenes, title
+    from postprocess.report import terminal
+    from tailslap.scene import read
 
-    shipped = {name: title(text) for name, text in shipped_scenes().items()}
+    shipped = {name: read.title(text) for name, text in read.shipped_scenes().items()}
     width = max(map(len, shipped))
     lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
-    return options.tell(shipped, labelled_text(lines, width + 2), as_json)
+    return options.tell(shipped, terminal.labelled_text(lines, width + 2), as_json)
 
 
 @commands.command()
@@ -376,9 +375,9 @@ def scenes(as_json: bool) -> int:
 @options.with_options(options.JSON, options.QUIET)
 def new(name: str, as_json: bool) -> int:
     """Write NAME.toml: a scene with every key, its meaning, and an example."""
-    from tailslap.scene.write import write_new_scene
+    from tailslap.scene import write
 
-    path = write_new_scene(name)
+    path = write.write_new_scene(name)
     return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
 
@@ -402,16 +401,15 @@ def completion(shell: str, as_json: bool) -> int:
 @options.with_options(options.JSON, options.QUIET)
 def paper(out: Path | None, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
+    from tailslap import progress, result
     from tailslap.paper import page, tables
-    from tailslap.progress import announced
-    from tailslap.result import filled_by
 
     def report(folder: Path, pictures: bool, units: str) -> Report:
-        with announced("Computing the paper's tables ..."):
+        with progress.announced("Computing the paper's tables ..."):
             return page.paper_report(tables.review())
 
     name = "paper.html"
-    return deliver(filled_by(report, name), out or RESULTS / "paper", as_json, page=name)
+    return deliver(result.filled_by(report, name), out or RESULTS / "paper", as_json, page=name)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -431,15 +429,15 @@ def _status(arguments: list[str] | None) -> int:
         status = _run(arguments)
         sys.stdout.flush()
         return status
-    except InputError as error:
+    except errors.InputError as error:
         return _complain(str(error), WRONG_INPUT)
     except click.ClickException as error:
         said = io.StringIO()
         error.show(said)
-        click.echo(escaped(said.getvalue()), err=True, nl=False)
+        click.echo(errors.escaped(said.getvalue()), err=True, nl=False)
         return WRONG_INPUT
     except (KeyboardInterrupt, click.Abort) as error:
-        kept = error.__cause__ if isinstance(error.__cause__, Interrupted) else error
+        kept = error.__cause__ if isinstance(error.__cause__, errors.Interrupted) else error
         return _complain(str(kept) or "interrupted; nothing was written", INTERRUPTED)
     except BrokenPipeError:
         return DONE
@@ -448,11 +446,11 @@ def _status(arguments: list[str] | None) -> int:
     except ImportError as error:
         return _complain(f"{error}\n`python3 bootstrap.py` in the checkout says what is missing", CANNOT_RUN)
     except OSError as error:
-        return _complain(machine_fault(error), CANNOT_RUN)
+        return _complain(errors.machine_fault(error), CANNOT_RUN)
     except Exception as error:  # a fault of the program: one line, as everywhere; the rest on demand
         if os.environ.get("TAILSLAP_TRACEBACK"):
             raise
-        why = f"a fault of the program, {type(error).__name__}: {shortened(str(error))}"
+        why = f"a fault of the program, {type(error).__name__}: {errors.shortened(str(error))}"
         return _complain(f"{why}\nwith TAILSLAP_TRACEBACK=1 it shows where; please report it", CANNOT_RUN)
 
 
@@ -472,7 +470,7 @@ def _run(arguments: list[str] | None) -> int:
 
 
 def _complain(message: str, status: int) -> int:
-    click.echo(f"tailslap: {escaped(message)}", err=True)
+    click.echo(f"tailslap: {errors.escaped(message)}", err=True)
     return status
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from tailslap.progress import shown_as
+from tailslap import progress
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -73,34 +73,34 @@ def _quiet(context: click.Context, parameter: click.Parameter, given: bool) -> N
     if given:
         nowhere = context.with_resource(open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         context.with_resource(redirect_stdout(nowhere))
-        context.with_resource(shown_as("none"))
+        context.with_resource(progress.shown_as("none"))
 
 
 def _progress(context: click.Context, parameter: click.Parameter, given: bool) -> None:
     if given:
-        context.with_resource(shown_as("lines"))
+        context.with_resource(progress.shown_as("lines"))
 
 
 def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Names of shipped scenes and TOML files, for the completion of a shell."""
-    from tailslap.scene.read import shipped_scenes
+    from tailslap.scene import read
 
-    names = [*shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
+    names = [*read.shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
     return [name for name in names if name.startswith(typed)]
 
 
 def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Keys of a scene, with the equals sign."""
-    from tailslap.scene.meanings import MEANINGS
+    from tailslap.scene import meanings
 
-    return [f"{key}=" for key in MEANINGS if key.startswith(typed)]
+    return [f"{key}=" for key in meanings.MEANINGS if key.startswith(typed)]
 
 
 def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
     """Print the numbers as JSON, or the text; the exit status of success."""
-    from postprocess.report.files import summary_text
+    from postprocess.report import files
 
-    click.echo(summary_text(numbers) if as_json else text)
+    click.echo(files.summary_text(numbers) if as_json else text)
     return 0
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.report.table import Table
-from postprocess.report.units import measure
+from postprocess.units import measure
 from tailslap.errors import InputError, Missing, Verbatim
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def filled_by(make: Callable[[Path, bool, str], Report], page: str = "report.htm
     def fill(place: Path, pictures: bool, units: str) -> Report:
         report = make(place, pictures, units)
         from postprocess.report.report import in_units, write_report
-        from postprocess.report.units import SYSTEMS
+        from postprocess.units import SYSTEMS
 
         if units != "si":
             report = in_units(report, SYSTEMS[units])
@@ -336,9 +336,9 @@ class Result:
     def __str__(self) -> str:
         if self.text:
             return self.text
-        from postprocess.report.terminal import printed
+        from postprocess.report import terminal
 
-        return printed((*self.tables.values(), self.headline or repr(self)))
+        return terminal.printed((*self.tables.values(), self.headline or repr(self)))
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -367,16 +367,16 @@ def _table_html(title: str, table: Table) -> str:
 
 def run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Tables of a run from its summary: what was found, and the checks that failed."""
-    from postprocess.comparison.quantities import KEYS, comparison_rows
+    from postprocess.comparison import quantities
     from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]
     found = {}
     if fe.get("strikes") is not None:
         found["Strikes"] = strikes_table({"FE": fe["strikes"], "rigid": rigid["strikes"]})
-    elif all(fe[key] is not None for key in KEYS):
+    elif all(fe[key] is not None for key in quantities.KEYS):
         columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
-        found["At the tail-slap"] = Table(columns, comparison_rows(fe, rigid, None))
+        found["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
     failed = [check for check in summary["checks"] if not check["passed"]]
     return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})
 

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from postprocess.fields.series import ELEMENTS, UNITS, FieldSeries
-from postprocess.report.units import SI, Units
 from postprocess.svg.scale import round_step, round_ticks
+from postprocess.units import SI, Units
 
 SIZE = (1600, 700)
 SIDE, TOP, BOTTOM = 70, 190, 120

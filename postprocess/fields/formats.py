@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.fields.series import UNITS, VTK_TYPES, FieldSeries, Table, padded
-from postprocess.report.files import write_history
+from postprocess.report import files
 
 
 def write_vtkhdf(path: Path, series: FieldSeries) -> Path:
@@ -120,7 +120,7 @@ def write_csv(path: Path, table: Table) -> Path:
     """Write a heading of names with units, and a line a row, 17 digits."""
     columns, units = table
     named = {f"{name} [{units[name]}]" if units.get(name) else name: v for name, v in columns.items()}
-    return write_history(path, named)
+    return files.write_history(path, named)
 
 
 def write_parquet(path: Path, table: Table) -> Path:

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.figures.histories import style
-from postprocess.figures.impact import EDGE
-from postprocess.report.units import SI, Units
+from postprocess.figures import histories, impact
 from postprocess.svg.drawing import Floats
+from postprocess.units import SI, Units
 
 BODY, WALL = "#14467c", "#8a929b"
 SIZE, DPI = (8.0, 4.2), 90
@@ -28,7 +27,7 @@ def write_animation(
     """
     chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, MAX_FRAMES)).astype(int))
     pause = 10 * max(2, round(100.0 * slower * (t[-1] - t[0]) / (chosen.size - 1)))
-    with style():
+    with histories.style():
         first, *others = _frames(chosen, t, outlines, force, units)
     first.save(path, save_all=True, append_images=others, duration=pause, loop=0)
     return path
@@ -42,7 +41,7 @@ def _frames(chosen: np.ndarray, t: Floats, outlines: Floats, force: Floats, unit
     from PIL import Image
 
     (length, length_unit), (load, load_unit) = units.of("m"), units.of("N")
-    outlines, force, edge = length * outlines, load * force, length * EDGE
+    outlines, force, edge = length * outlines, load * force, length * impact.EDGE
     low, high = outlines.min(axis=(0, 1)) - edge, outlines.max(axis=(0, 1)) + edge
     figure = Figure(figsize=SIZE, dpi=DPI)
     canvas: Any = FigureCanvasAgg(figure)

@@ -15,16 +15,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
-from postprocess.svg.drawing import PALETTE, Floats
+from postprocess.svg import chart, drawing, scale
 from postprocess.svg.marks import Line
-from postprocess.svg.scale import SUPERSCRIPTS
 
-History = Mapping[str, Floats]
+History = Mapping[str, drawing.Floats]
 
 STRETCHES = 200
 COLOURS = ("fe", "red", "green", "violet")
-TIME = Axis("t [s]", margin=0.0)
+TIME = chart.Axis("t [s]", margin=0.0)
 
 
 class Panel(NamedTuple):
@@ -74,7 +72,7 @@ ENERGIES = tuple(
 )
 
 
-def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[Chart, ...]:
+def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[chart.Chart, ...]:
     """The plots of all known columns that the FE history has: motion first, then reaction, then energy.
 
     fe, rigid: column name -> values of shape (n,), SI, each with its instants "t" [s]; the rigid ones are
@@ -87,7 +85,7 @@ def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) ->
     return (*compared, *energies)
 
 
-def _draw_compared(panel: Panel, fe: History, rigid: History) -> Chart:
+def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
     t, values = fe["t"], fe[panel.name]
     with np.errstate(all="ignore"):
         exact = np.interp(t, rigid["t"], rigid[panel.name])
@@ -99,13 +97,13 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> Chart:
     )
     difference = Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
     plots = (
-        Plot(lines, Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), 130.0),
-        Plot((difference,), Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
+        chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), 130.0),
+        chart.Plot((difference,), chart.Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
     )
-    return draw_chart(panel.name, panel.caption, plots, TIME, panel.group)
+    return chart.draw_chart(panel.name, panel.caption, plots, TIME, panel.group)
 
 
-def _draw_columns(panel: Panel, fe: History) -> Chart:
+def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
     found = {label: fe[name] for name, label in panel.columns if name in fe}
     if panel.from_start:
         found = {label: values - values[0] for label, values in found.items()}
@@ -119,12 +117,12 @@ def _draw_columns(panel: Panel, fe: History) -> Chart:
         )
         for (label, values), colour in zip(found.items(), COLOURS, strict=False)
     )
-    axis = Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
+    axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
     height = 216.0 - (18.0 if len(lines) > 1 else 0.0)
-    return draw_chart(panel.name, panel.caption, (Plot(lines, axis, height),), TIME, panel.group)
+    return chart.draw_chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
 
 
-def thinned(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+def thinned(t: drawing.Floats, values: drawing.Floats) -> tuple[drawing.Floats, drawing.Floats]:
     """Times and values, shape (k,), k <= 402: both ends, smallest and largest value of each stretch."""
     if len(t) <= 2 * STRETCHES:
         return t, values
@@ -136,7 +134,7 @@ def thinned(t: Floats, values: Floats) -> tuple[Floats, Floats]:
     return t[index], values[index]
 
 
-def power_of_ten(values: Floats) -> int:
+def power_of_ten(values: drawing.Floats) -> int:
     """Exponent, a multiple of three, that leaves the largest magnitude between 1 and 1000; 0 for zeros."""
     size = float(np.max(np.abs(values), initial=0.0))
     return 3 * math.floor(math.log10(size) / 3) if 1e-250 < size < math.inf else 0
@@ -146,15 +144,15 @@ def unit_with_power(unit: str, power: int) -> str:
     """A unit with a power of ten before it, or where it has one, with its prefix."""
     if power == 3 and unit in ("N", "J"):
         return "k" + unit
-    return f"10{str(power).translate(SUPERSCRIPTS)} {unit}" if power else unit
+    return f"10{str(power).translate(scale.SUPERSCRIPTS)} {unit}" if power else unit
 
 
 class Curve(NamedTuple):
     """A history of some origin: its label, instants [s] and values, shape (instants,) each."""
 
     label: str
-    t: Floats
-    values: Floats
+    t: drawing.Floats
+    values: drawing.Floats
 
 
 ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
@@ -165,13 +163,13 @@ WIDTH, HEIGHT = 6.4, 2.5
 """Size of a panel that matplotlib draws [inches]."""
 
 
-def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str) -> Chart:
+def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str) -> chart.Chart:
     """Curves over one another as SVG for a page; name: of its file, heading: of their axis, with unit."""
     lines = tuple(
         Line(curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)])
         for number, curve in enumerate(curves)
     )
-    return draw_chart(name, caption, (Plot(lines, Axis(heading)),), TIME)
+    return chart.draw_chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME)
 
 
 @dataclass(frozen=True)
@@ -221,7 +219,7 @@ def plot_overlays(panels: Mapping[str, Sequence[Curve]]) -> HistoryPlot:
         for axes, (heading, curves) in zip(grid, panels.items(), strict=True):
             for number, (label, t, values) in enumerate(curves):
                 dashes = DASHES[(number // len(ORIGINS) + number) % len(DASHES)]
-                colour = PALETTE[ORIGINS[number % len(ORIGINS)]]
+                colour = drawing.PALETTE[ORIGINS[number % len(ORIGINS)]]
                 axes.plot(t, values, label=label, color=colour, ls=dashes, lw=1.4)
             axes.set_ylabel(heading)
         grid[-1].set_xlabel("t [s]")

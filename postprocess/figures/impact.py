@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.figures.histories import STRETCHES, TIME, thinned
-from postprocess.report.units import measure
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures import histories
+from postprocess.svg import chart
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Shades, Span, Words
+from postprocess.units import measure
 
 CORNERS = {"front": "red", "rear": "fe"}
 
@@ -69,7 +69,7 @@ def draw_positions(
     instants: Sequence[float],
     strikes: Sequence[StrikeMark] = (),
     path: Floats | None = None,
-) -> Chart:
+) -> chart.Chart:
     """Outlines at these instants [s], later ones darker, over the wall Y = 0; strikes as bars below its face.
 
     outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m].
@@ -88,9 +88,9 @@ def draw_positions(
         marks += _position(outline, instant, (number + 1) / len(outlines), high[1])
     for strike, row in zip(strikes, rows, strict=True):
         marks += _strike(strike, row, high[0])
-    x, y = Axis("X along the wall [m]", low[0], high[0]), Axis("Y [m]", low[1], high[1])
-    return draw_chart(
-        "positions", caption, (Plot(tuple(marks), y, None, has_grid=False),), x, "Motion", WIDTH
+    x, y = chart.Axis("X along the wall [m]", low[0], high[0]), chart.Axis("Y [m]", low[1], high[1])
+    return chart.draw_chart(
+        "positions", caption, (chart.Plot(tuple(marks), y, None, has_grid=False),), x, "Motion", WIDTH
     )
 
 
@@ -114,7 +114,7 @@ def _strike(strike: StrikeMark, height: float, end: float) -> list[Mark]:
     return [bar, Words(text, place, height, (shift, 3.5), anchor, strike.colour)]
 
 
-START = replace(TIME, low=0.0)
+START = replace(histories.TIME, low=0.0)
 WIDE = 540.0
 """Time from first touch on; width of the plots over time [pixels]."""
 
@@ -135,30 +135,30 @@ def draw_forces(
     curves: Mapping[str, Floats],
     strikes: Sequence[StrikeMark] = (),
     levels: Mapping[str, float] | None = None,
-) -> Chart:
+) -> chart.Chart:
     """Curves of one force by the names of `force_curves`, shape (n,) [N], over t [s]; drawn in kN.
 
     levels: what a design force is called -> force [N], drawn as a line.
     """
     lines = [
-        Line(label, *thinned(t, curves[key] / 1e3), **look)
+        Line(label, *histories.thinned(t, curves[key] / 1e3), **look)
         for key, (label, look) in LINES.items()
         if key in curves
     ]
     across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
-    plot = Plot((*shaded(strikes), *across, *lines), Axis("force on the wall [kN]"), 230.0)
-    return draw_chart(name, caption, (plot,), START, "Force", WIDE)
+    plot = chart.Plot((*shaded(strikes), *across, *lines), chart.Axis("force on the wall [kN]"), 230.0)
+    return chart.draw_chart(name, caption, (plot,), START, "Force", WIDE)
 
 
-def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
+def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> chart.Chart:
     """Force [N] over crush [m] of each contact point by its name, shape (n,) each; drawn in kN and mm."""
     caption = "Force over crush of each contact point: what a loop encloses is lost"
     lines = tuple(
         Line(label, *_cornered(crush * 1e3, force / 1e3), corner_colour(label))
         for label, (crush, force) in contacts.items()
     )
-    plot = Plot(lines, Axis("force [kN]", low=0.0), 230.0, nearest="xy")
-    return draw_chart("loops", caption, (plot,), Axis("crush [mm]", low=0.0), "Force")
+    plot = chart.Plot(lines, chart.Axis("force [kN]", low=0.0), 230.0, nearest="xy")
+    return chart.draw_chart("loops", caption, (plot,), chart.Axis("crush [mm]", low=0.0), "Force")
 
 
 def _cornered(x: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -175,14 +175,14 @@ LAYERS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
 
 def draw_energies(
     t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strikes: Sequence[StrikeMark] = ()
-) -> Chart:
+) -> chart.Chart:
     """What the motion gave up, as a line, and below it what it went into, layer upon layer; in kJ.
 
     t [s], kinetic and each of `parts` [J], shape (n,): crush lost, friction, damping, crush stored, strain and so on,
     the first at the bottom. Where layers and line part, the balance is open.
     """
     caption = "Energy that the motion gave up (line), and what it went into (layers)"
-    shown = np.unique(np.linspace(0, t.size - 1, 2 * STRETCHES).astype(int))
+    shown = np.unique(np.linspace(0, t.size - 1, 2 * histories.STRETCHES).astype(int))
     kept = {label: values[shown] / 1e3 for label, values in parts.items() if np.any(values)}
     tops = np.cumsum([np.zeros(shown.size), *kept.values()], axis=0)
     layers = tuple(
@@ -190,8 +190,8 @@ def draw_energies(
         for number, (label, colour) in enumerate(zip(kept, LAYERS, strict=False))
     )
     line = Line("given up", t[shown], (kinetic[0] - kinetic[shown]) / 1e3, "ink", 1.3)
-    plot = Plot((*shaded(strikes), *layers, line), Axis("energy [kJ]"), 220.0)
-    return draw_chart("energies", caption, (plot,), START, "Energy", WIDE)
+    plot = chart.Plot((*shaded(strikes), *layers, line), chart.Axis("energy [kJ]"), 220.0)
+    return chart.draw_chart("energies", caption, (plot,), START, "Energy", WIDE)
 
 
 COLUMNS = 240
@@ -200,7 +200,7 @@ COLUMNS = 240
 
 def draw_side_force(
     t: Floats, distances: Floats, force: Floats, unit: str, strikes: Sequence[StrikeMark] = ()
-) -> Chart:
+) -> chart.Chart:
     """Force at each distance from the front and instant, the largest darkest; nothing where there is none.
 
     t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force, shape (n, k), in `unit`, for
@@ -224,6 +224,6 @@ def draw_side_force(
         ],
     )
     x = replace(START, high=float(t[-1]))
-    y = Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
-    plot = Plot((*shades.keys(unit), cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
-    return draw_chart("side-force", caption, (plot,), x, "Force", WIDE)
+    y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
+    plot = chart.Plot((*shades.keys(unit), cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
+    return chart.draw_chart("side-force", caption, (plot,), x, "Force", WIDE)

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from postprocess.figures.rows import STRIKES
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.figures import rows
+from postprocess.svg import chart
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Level, Line, Mark, Span, key
 
@@ -47,7 +47,7 @@ def draw_precision(
     error_label: str,
     front: tuple[str, Sequence[tuple[float, float]]],
     floor: tuple[str, float],
-) -> list[Chart]:
+) -> list[chart.Chart]:
     """A plot of each line that has points, all over the same axes.
 
     front: label, times and errors of the Pareto front, quick to slow; floor: label, and what the truth is known to.
@@ -63,8 +63,8 @@ def draw_precision(
         behind.append(Line(floor[0], np.array(x), np.array(2 * known), "soft", 1.0, "1 3"))
     if front[1]:
         behind.append(_steps(*front, x[1]))
-    across = Axis("time to solution, set-up included [s]", *x, is_log=True)
-    up, charts = Axis(error_label, *y, is_log=True), []
+    across = chart.Axis("time to solution, set-up included [s]", *x, is_log=True)
+    up, charts = chart.Axis(error_label, *y, is_log=True), []
     for number, each in enumerate(shown, 1):
         failed = ~np.array(each.passed)
         marks = [*behind, each.mark(each.label, "fe", 1.6, 2.6)]
@@ -72,8 +72,10 @@ def draw_precision(
             times, errors = np.array(each.times)[failed], np.array(each.errors)[failed]
             marks.append(Line("failed a check", times, errors, "red", 0.0, dots=2.6))
         caption = f"{title}: {'what one choice adds to its mesh, ' if each.dashed else ''}{each.label}"
-        plot = Plot(tuple(marks), up, 170.0, nearest="xy")
-        charts.append(draw_chart(f"{name}-{number}", caption, (plot,), across, "Work and precision", 330.0))
+        plot = chart.Plot(tuple(marks), up, 170.0, nearest="xy")
+        charts.append(
+            chart.draw_chart(f"{name}-{number}", caption, (plot,), across, "Work and precision", 330.0)
+        )
     return charts
 
 
@@ -115,7 +117,7 @@ class SweepAxis(NamedTuple):
 
 def draw_sweep(
     name: str, axis: SweepAxis, lines: Sequence[SweepLine], label: str, caption: str, levels: Sequence[float]
-) -> Chart:
+) -> chart.Chart:
     """The lines, in per cent, and levels, sizes that are marked; red where a run failed its checks, plates that failed
     shaded half-way to their neighbours."""
     frequencies = np.array(axis.frequencies)
@@ -132,9 +134,9 @@ def draw_sweep(
         marks += _sweep_marks(axis, line, colour)
     marks += [key("numerical error", "soft", 0.7, "4 2")] if any(line.errors for line in lines) else []
     words = "first frequency of the plate [Hz], rigid to soft"
-    x = Axis(words, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
-    plot = Plot(tuple(marks), Axis(f"{label} [%]", is_log=True), 260.0)
-    return draw_chart(name, caption, (plot,), x, "Sweeps", WIDTH)
+    x = chart.Axis(words, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
+    plot = chart.Plot(tuple(marks), chart.Axis(f"{label} [%]", is_log=True), 260.0)
+    return chart.draw_chart(name, caption, (plot,), x, "Sweeps", WIDTH)
 
 
 def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str) -> list[Mark]:
@@ -163,7 +165,7 @@ def draw_plates(
     frequencies: Sequence[float],
     passed: Sequence[bool],
     panels: Mapping[str, Mapping[int, tuple[Sequence[float], float]]],
-) -> Chart:
+) -> chart.Chart:
     """A plot a quantity; dashed lines: the rigid vehicle; red: plates that are not to be relied on.
 
     panels: by label of the axis, for each strike its values over the frequencies, and the rigid vehicle's.
@@ -172,12 +174,12 @@ def draw_plates(
     for label, strikes in panels.items():
         marks: list[Mark] = []
         for strike, (values, rigid) in strikes.items():
-            shown, (name, colour) = np.array(values, dtype=float), STRIKES[strike]
+            shown, (name, colour) = np.array(values, dtype=float), rows.STRIKES[strike]
             marks.append(Line(name, f, np.where(good, shown, np.nan), colour, dots=2.6))
             marks.append(Line("", f, np.full(f.shape, rigid), colour, 1.0, "5 3"))
             bad = Line("not to be relied on", f[~good], shown[~good], "red", 0.0, dots=2.6)
             marks += [] if good.all() else [bad]
-        plots.append(Plot(tuple(marks), Axis(label, low=0.0), 120.0))
+        plots.append(chart.Plot(tuple(marks), chart.Axis(label, low=0.0), 120.0))
     caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
-    x = Axis("first frequency of the plate [Hz]", is_log=True)
-    return draw_chart("plates", caption, plots, x, width=WIDTH)
+    x = chart.Axis("first frequency of the plate [Hz]", is_log=True)
+    return chart.draw_chart("plates", caption, plots, x, width=WIDTH)

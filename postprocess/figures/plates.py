@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.report.units import measure
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.svg import chart, scale
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Line, Swatch, cells_about
-from postprocess.svg.scale import Scale, power_text, tick_texts
+from postprocess.units import measure
 
 COLOURS: Mapping[str, str] = {
     "right": "green",
@@ -50,39 +49,39 @@ class MapAxis:
         return places
 
     @property
-    def axis(self) -> Axis:
+    def axis(self) -> chart.Axis:
         """Its axis, with ticks at round values."""
         cells = cells_about(self.places, not self.is_even)
         low, high = float(cells.min()), float(cells.max())
-        ticks = Scale(low, high, is_log=not self.is_even).ticks(TICKS)
-        named = list(zip(ticks, tick_texts(ticks, not self.is_even), strict=True))
+        ticks = scale.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
+        named = list(zip(ticks, scale.tick_texts(ticks, not self.is_even), strict=True))
         if self.places[0] != self.values[0]:
             first = float(self.places[0])
             named = [(first, "0"), *(each for each in named if each[0] > 2.0 * first)]
-        return Axis(self.label, low, high, not self.is_even, named=tuple(named))
+        return chart.Axis(self.label, low, high, not self.is_even, named=tuple(named))
 
 
 def draw_map(
     name: str, across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]], caption: str
-) -> Chart:
+) -> chart.Chart:
     """Cells of equal size, verdicts[row][column]: rows go up, columns across; pages show the values of each."""
     x, y = (places.ravel() for places in np.meshgrid(across.places, up.places))
     kinds = [kind for row in verdicts for kind in row]
     at = [f"{_rounded(a)}; {_rounded(b)}" for b in up.values for a in across.values]
     ends = cells_about(x, not across.is_even), cells_about(y, not up.is_even)
     cells = Boxes("verdict", *ends, [COLOURS[kind] for kind in kinds], kinds, at)
-    plot = Plot((cells,), up.axis, HEIGHT, nearest="xy", has_grid=False)
-    return draw_chart(name, caption, (plot,), across.axis, "Maps", WIDTH)
+    plot = chart.Plot((cells,), up.axis, HEIGHT, nearest="xy", has_grid=False)
+    return chart.draw_chart(name, caption, (plot,), across.axis, "Maps", WIDTH)
 
 
 def _rounded(value: float) -> str:
-    return power_text(float(f"{value:.3g}"))
+    return scale.power_text(float(f"{value:.3g}"))
 
 
-def draw_meanings(meanings: Mapping[str, str], caption: str) -> Chart:
+def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
     """What every colour means, the same for all maps."""
     keys = [Swatch(f"{kind}: {meaning}", COLOURS[kind]) for kind, meaning in meanings.items()]
-    return draw_legend("map-legend", caption, keys, "Maps", LEGEND)
+    return chart.draw_legend("map-legend", caption, keys, "Maps", LEGEND)
 
 
 Integers = NDArray[np.integer]
@@ -94,7 +93,7 @@ MAX_EDGES = 3000
 """A finer mesh is drawn by its outline alone: the page stays small."""
 
 
-def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> Chart:
+def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> chart.Chart:
     """One mode: positions [m] and displacements of largest length one, shape (nodes, 2); cells (elements, corners).
     Pages show the length of the displacement on the outline."""
     edges, outline = mesh_edges(cells)
@@ -115,9 +114,9 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
         ),
     )
     (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
-    x, y = Axis(low=left, high=right, named=()), Axis(low=low, high=high, named=())
-    plot = Plot(marks, y, None, nearest="xy", has_grid=False, has_legend=False)
-    return draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
+    x, y = chart.Axis(low=left, high=right, named=()), chart.Axis(low=low, high=high, named=())
+    plot = chart.Plot(marks, y, None, nearest="xy", has_grid=False, has_legend=False)
+    return chart.draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
 
 
 def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.report.units import measure
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.svg import chart
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Line, Mark, Span, Words, key
+from postprocess.units import measure
 
 WIDTH, WIDE, NARROW = 400.0, 480.0, 320.0
 
@@ -52,11 +52,11 @@ class BandBar(NamedTuple):
     dots: Sequence[tuple[str, float, bool]] = ()
 
 
-def _row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> Plot:
+def _row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> chart.Plot:
     """A plot of rows with these names, the first on top, whose heights are those of `_heights`; row: pixels of one."""
     named = tuple(zip(_heights(names).tolist(), names, strict=True))
-    axis = Axis("", -0.6, len(names) - 0.4, named=named)
-    return Plot(tuple(marks), axis, row * len(names) + 8.0, nearest="y", has_grid=False)
+    axis = chart.Axis("", -0.6, len(names) - 0.4, named=named)
+    return chart.Plot(tuple(marks), axis, row * len(names) + 8.0, nearest="y", has_grid=False)
 
 
 def _heights(names: Sequence[str]) -> Floats:
@@ -71,7 +71,7 @@ def _across(rows: Floats) -> Floats:
 
 def draw_histogram(
     edges: Floats, counts: Floats, percentiles: Sequence[tuple[int, float]], scene_value: float
-) -> Chart:
+) -> chart.Chart:
     """The distribution of the peak force, in kN: counts between edges [N], percentiles and the scene's own value."""
     caption = "Peak force of the combinations: share of them in each bar"
     fraction, own, top = 100.0 * counts / counts.sum(), np.full(2, scene_value / 1e3), 1.12
@@ -83,12 +83,12 @@ def draw_histogram(
         Line("", own, ends, "rigid", 2.0),
         key("the scene's own values", "rigid", 2.0),
     ]
-    plot = Plot(tuple(marks), Axis("share [%]", *ends.tolist()), 220.0)
-    x = Axis("peak force [kN]", margin=0.0)
-    return draw_chart("histogram", caption, (plot,), x, "Distribution", WIDTH)
+    plot = chart.Plot(tuple(marks), chart.Axis("share [%]", *ends.tolist()), 220.0)
+    x = chart.Axis("peak force [kN]", margin=0.0)
+    return chart.draw_chart("histogram", caption, (plot,), x, "Distribution", WIDTH)
 
 
-def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak force") -> Chart:
+def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak force") -> chart.Chart:
     """Bars of the first-order and total indices of inputs, the first on top, with their intervals.
 
     inputs: rows with `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`.
@@ -102,25 +102,27 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
         intervals = [(*row[f"{index}_interval"], np.nan) for row in inputs]
         marks.append(Line("", np.ravel(intervals), np.repeat(rows, 3), "ink", 1.4))
     plot = _row_plot(names, marks, 34.0)
-    return draw_chart("sensitivity", caption, (plot,), Axis("Sobol index"), "Sensitivity", WIDTH)
+    return chart.draw_chart("sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", WIDTH)
 
 
-def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[Chart]:
+def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]:
     """A chart an input, with a plot for each kind of quantity, and before them one of what their lines are."""
     first = next(iter(panels[0].lines.values()))
     lines = [replace(line, x=np.zeros(0), y=np.zeros(0)) for line in _lines(panels[0].values, first)]
     keys = [*lines, key("the scene's own", "grey", 1.0, "2 2")]
     words = "What the lines are; impulse and duration are drawn as the first peak of their strike"
-    drawn = [draw_legend("inputs-legend", words, keys, width=NARROW)]
+    drawn = [chart.draw_legend("inputs-legend", words, keys, width=NARROW)]
     for panel in panels:
         own = Span("", panel.own, panel.own, "grey")
         plots = [
-            Plot((*_lines(panel.values, strikes), own), Axis(label, low=0.0), 110.0, has_legend=False)
+            chart.Plot(
+                (*_lines(panel.values, strikes), own), chart.Axis(label, low=0.0), 110.0, has_legend=False
+            )
             for label, strikes in panel.lines.items()
         ]
-        x = Axis(panel.label, is_log=panel.logarithmic, margin=0.0)
+        x = chart.Axis(panel.label, is_log=panel.logarithmic, margin=0.0)
         heading = f"{caption} {panel.label.partition(' [')[0]}"
-        drawn.append(draw_chart(panel.name, heading, plots, x, width=NARROW))
+        drawn.append(chart.draw_chart(panel.name, heading, plots, x, width=NARROW))
     return drawn
 
 
@@ -132,7 +134,7 @@ def _lines(x: Floats, strikes: Mapping[int, Mapping[str, Floats]]) -> list[Line]
     ]
 
 
-def draw_bands(bars: Sequence[BandBar]) -> Chart:
+def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
     """A bar from 5 to 95 % a peak, its median, the scene's own value, and measured forces as dots with their row."""
     caption = (
         "Peak lateral force: 5 to 95 %, median (stroke) and the scene's own value (dot); rows of the paper"
@@ -162,7 +164,7 @@ def draw_bands(bars: Sequence[BandBar]) -> Chart:
         ]
         marks += _dots(name, colour, sorted(dots, key=lambda dot: dot[0])) if dots else []
     plot = _row_plot(labels, marks, 46.0)
-    return draw_chart("bands", caption, (plot,), Axis("peak lateral force [kN]"), width=WIDE)
+    return chart.draw_chart("bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=WIDE)
 
 
 def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.comparison.quantities import TAIL_SLAP, Compared
+from postprocess.comparison import quantities
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Line, Mark, Shades, Swatch, Words, cells_about
 from postprocess.svg.scale import Scale, power_text
@@ -57,7 +57,7 @@ class SweepRows:
     fe: Mapping[str, Values]
     rigid: Mapping[str, Values]
     difference: Mapping[str, Values]
-    compared: Compared = TAIL_SLAP
+    compared: quantities.Compared = quantities.TAIL_SLAP
 
     @property
     def worst(self) -> Values:

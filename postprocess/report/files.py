@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from postprocess.report.units import SI
+from postprocess.units import SI
 
 FORMAT = "%.17g"
 NOT_FINITE = re.compile(r"-?(nan|inf)")

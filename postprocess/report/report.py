@@ -10,12 +10,12 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from postprocess.report.files import plain, write_history, write_summary
+from postprocess.report import files
 from postprocess.report.page import Page, Section, write_page
 from postprocess.report.table import Table
 from postprocess.report.terminal import Part, place_line, printed
-from postprocess.report.units import SI, Units
 from postprocess.svg.chart import Chart
+from postprocess.units import SI, Units
 
 PAGE, SUMMARY = "report.html", "summary.json"
 SHOWN = ("figures", "tables", "sentences")
@@ -74,11 +74,11 @@ def shown_in(part: Any, units: Units) -> Any:
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
     """Fill a folder: page, summary, tables, histories, texts, and the figures as SVG."""
     write_page(folder / page, report.page)
-    write_summary(folder / SUMMARY, report.summary)
+    files.write_summary(folder / SUMMARY, report.summary)
     for name, table in report.tables.items():
         write_table(folder / name, table)
     for name, columns in report.histories.items():
-        write_history(folder / name, columns)
+        files.write_history(folder / name, columns)
     for name, text in report.texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     for chart in report.page.charts:
@@ -91,7 +91,7 @@ def write_table(path: Path, table: Table) -> Path:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(column.key for column in table.columns)
-        writer.writerows(plain(list(record.values())) for record in table.records())
+        writer.writerows(files.plain(list(record.values())) for record in table.records())
     return path
 
 

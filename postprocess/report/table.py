@@ -9,8 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from postprocess.report.numbers import number, shown
-from postprocess.report.units import SI, Units
+from postprocess.units import SI, Units, number, shown
 
 Form = str | Callable[[Any], str]
 

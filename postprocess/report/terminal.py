@@ -8,16 +8,16 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain, zip_longest
 
-from postprocess.report.page import NO_BREAK, Section, glued
+from postprocess.report import page
 from postprocess.report.table import Table
-from postprocess.report.units import SI
+from postprocess.units import SI
 
 WIDEST, NARROWEST, LEAST = 100, 40, 12
 """Columns that lines have at most and at least, and that a column of words keeps."""
 
 GAP = "  "
 
-Part = Table | Section | str
+Part = Table | page.Section | str
 Lines = list[list[str]]
 
 
@@ -37,12 +37,12 @@ def wrapped(text: str, before: str = "") -> list[str]:
     wrapper = textwrap.TextWrapper(
         line_width(), before, " " * len(before), break_long_words=False, break_on_hyphens=False
     )
-    return [line.replace(NO_BREAK, " ") for line in wrapper.wrap(glued(SI.rendered(text)))]
+    return [line.replace(page.NO_BREAK, " ") for line in wrapper.wrap(page.glued(SI.rendered(text)))]
 
 
 def place_line(label: str, place: object) -> str:
     """A label and a path, which is not broken however long it is."""
-    return f"{label} {place}".replace(" ", NO_BREAK)
+    return f"{label} {place}".replace(" ", page.NO_BREAK)
 
 
 def labelled(text: str, indent: int) -> list[str]:
@@ -59,7 +59,7 @@ def labelled_text(lines: Iterable[str], indent: int) -> str:
 
 def _single(part: Part) -> Iterator[Table | str]:
     """A section's title, tables and sentences; other parts as they are."""
-    if not isinstance(part, Section):
+    if not isinstance(part, page.Section):
         yield part
         return
     yield f"{part.title}\n{'=' * len(part.title)}"

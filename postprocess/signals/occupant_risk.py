@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.signals.filters import cfc_filter, low_pass, moving_mean
+from postprocess.signals import filters
 
 Floats = NDArray[np.float64]
 
@@ -158,8 +158,8 @@ def severity_indices(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
     axes = [
         np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in ((motion.ax, 12.0), (motion.ay, 9.0))
     ]
-    means = [moving_mean(a, interval, 0.05) for a in axes]
-    filtered = [low_pass(cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
+    means = [filters.moving_mean(a, interval, 0.05) for a in axes]
+    filtered = [filters.low_pass(filters.cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
     return tuple(
         _largest(f"ASI {edition}", "-", PLANAR, motion.t, np.hypot(*found)[1:])
         for edition, found in (("1998, 50 ms mean", means), ("2010, 13 Hz", filtered))
@@ -193,7 +193,7 @@ def _after(
 ) -> RiskMeasure:
     """The largest 10 ms mean [g] that begins after the contact and ends within the history."""
     t, half = motion.t, 0.5 * RIDEDOWN
-    means = np.abs(moving_mean(values, motion.interval, RIDEDOWN)) / GRAVITY
+    means = np.abs(filters.moving_mean(values, motion.interval, RIDEDOWN)) / GRAVITY
     later = np.zeros(t.size, bool) if contact is None else (t >= contact.time + half) & (t <= t[-1] - half)
     return _largest(name, "g", lacks, t[later], means[later])
 

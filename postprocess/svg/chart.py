@@ -13,10 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from postprocess.report.units import SI, Units
-from postprocess.svg.drawing import coloured, text_width, words
+from postprocess.svg import drawing
 from postprocess.svg.marks import Level, Mark, found_ranges
 from postprocess.svg.scale import Scale, fitted, tick_texts
+from postprocess.units import SI, Units
 
 SIZE, SMALL = 12.0, 11.0
 """Letters of labels, and of ticks."""
@@ -107,9 +107,9 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
         for scale, plot in zip(scales, plots, strict=True)
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
-    left = 8.0 + max(text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
+    left = 8.0 + max(drawing.text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
     beside = [
-        text_width(line, 10.0)
+        drawing.text_width(line, 10.0)
         for plot in plots
         for level in _levels(plot)
         for line in _level_lines(plot, level)
@@ -143,7 +143,7 @@ def drawn(frame: Frame) -> str:
         + (_grid(frame) if plot.has_grid else "")
         + "".join(mark.draw(x, y) for mark in plot.marks)
         + (
-            coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
+            drawing.coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
             if frame.y_ticks
             else ""
         )
@@ -157,16 +157,16 @@ def _grid(frame: Frame) -> str:
     lines = "".join(
         f"M{frame.x.start:.2f} {frame.y.at(value):.2f}H{frame.x.end:.2f}" for value, _ in frame.y_ticks
     )
-    return coloured(f'<path d="{lines}" stroke="currentColor" stroke-width="0.8"/>', "grid")
+    return drawing.coloured(f'<path d="{lines}" stroke="currentColor" stroke-width="0.8"/>', "grid")
 
 
 def _y_axis(frame: Frame) -> str:
     texts = [
-        words(text, frame.x.start - 5.0, float(frame.y.at(value)) + 4.0, "end", SMALL)
+        drawing.words(text, frame.x.start - 5.0, float(frame.y.at(value)) + 4.0, "end", SMALL)
         for value, text in frame.y_ticks
     ]
-    return coloured("".join(texts), "soft") + coloured(
-        words(frame.plot.y.label, 0.0, frame.y.end - 7.0), "ink"
+    return drawing.coloured("".join(texts), "soft") + drawing.coloured(
+        drawing.words(frame.plot.y.label, 0.0, frame.y.end - 7.0), "ink"
     )
 
 
@@ -188,8 +188,8 @@ def _level_names(frame: Frame) -> str:
         placed.append((level, lines, lowest))
     lower = max(0.0, frame.y.end + 22.0 - lowest) if placed else 0.0
     drawn = [
-        coloured(
-            words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
+        drawing.coloured(
+            drawing.words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
             level.colour,
         )
         for level, lines, at in placed
@@ -280,12 +280,12 @@ def _legend(plot: Plot, width: float) -> tuple[str, float]:
         return "", 0.0
     across, row, keys = 0.0, 0, []
     for label, mark in shown.items():
-        wide = 24.0 + text_width(label, SMALL)
+        wide = 24.0 + drawing.text_width(label, SMALL)
         if across and across + wide > width:
             across, row = 0.0, row + 1
-        text = words(label, 23.0, 9.0, size=SMALL)
+        text = drawing.words(label, 23.0, 9.0, size=SMALL)
         place = f'<g transform="translate({across:.1f} {row * ROW + 2.0:.1f})">'
-        keys.append(place + mark.key() + coloured(text, "ink") + "</g>")
+        keys.append(place + mark.key() + drawing.coloured(text, "ink") + "</g>")
         across += wide + 12.0
     return "".join(keys), (row + 1) * ROW + 2.0
 
@@ -296,11 +296,17 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
     down = last.y.start + 15.0
     texts = [
-        words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
+        drawing.words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
         for value, text in ticks
         for row, line in enumerate(text.split("\n"))
     ]
     marks = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
-    label = words(axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle")
+    label = drawing.words(
+        axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle"
+    )
     line = f'<path d="{marks}" stroke="currentColor" stroke-width="0.8"/>'
-    return coloured(line, "grey") + coloured("".join(texts), "soft") + coloured(label, "ink")
+    return (
+        drawing.coloured(line, "grey")
+        + drawing.coloured("".join(texts), "soft")
+        + drawing.coloured(label, "ink")
+    )

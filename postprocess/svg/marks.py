@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from postprocess.svg.drawing import Floats, Range, coloured, extent, named, path, viridis, words
-from postprocess.svg.scale import Scale, tick_texts
+from postprocess.svg import drawing, scale
 
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
 
@@ -22,10 +21,12 @@ class Mark:
     ACROSS: ClassVar[tuple[str, ...]] = ()
     UP: ClassVar[tuple[str, ...]] = ()
 
-    def ranges(self) -> tuple[Range, Range]:
+    def ranges(self) -> tuple[drawing.Range, drawing.Range]:
         """Smallest and largest x and y, of the entries that ACROSS and UP name."""
         along, up = ([np.ravel(getattr(self, name)) for name in names] for names in (self.ACROSS, self.UP))
-        return extent(np.concatenate([np.zeros(0), *along])), extent(np.concatenate([np.zeros(0), *up]))
+        return drawing.extent(np.concatenate([np.zeros(0), *along])), drawing.extent(
+            np.concatenate([np.zeros(0), *up])
+        )
 
     def scaled(self, along: float, up: float) -> Mark:
         """The same with x and y so many times as large."""
@@ -33,7 +34,7 @@ class Mark:
         changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
         return replace(self, **changed)  # type: ignore[type-var]
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """SVG elements."""
         return ""
 
@@ -50,8 +51,8 @@ class Line(Mark):
     ACROSS = ("x",)
     UP = ("y",)
     label: str
-    x: Floats
-    y: Floats
+    x: drawing.Floats
+    y: drawing.Floats
     colour: str = "fe"
     width: float = 1.4
     dashes: str = ""
@@ -59,22 +60,22 @@ class Line(Mark):
     values: Sequence[Any] = ()
     at: Sequence[str] = ()
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """A path, and dots at its points where it has any; of dots alone each is a stroke of no length."""
         places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
         sound = np.isfinite(places).all(axis=-1)
-        edge = path(places) if self.width else "".join(f"M{a:.2f} {b:.2f}Z" for a, b in places[sound])
+        edge = drawing.path(places) if self.width else "".join(f"M{a:.2f} {b:.2f}Z" for a, b in places[sound])
         values, at = (list(compress(of, sound)) for of in (self.values or self.y, self.at))
-        shown = f'<path {named(self.label, values, at)}d="{edge}" fill="none"{self._look()}/>'
+        shown = f'<path {drawing.named(self.label, values, at)}d="{edge}" fill="none"{self._look()}/>'
         dotted = places[sound] if self.dots and self.width else places[:0]
         dots = "".join(f'<circle cx="{a:.2f}" cy="{b:.2f}" r="{self.dots:g}"/>' for a, b in dotted)
-        return coloured(shown + dots, self.colour)
+        return drawing.coloured(shown + dots, self.colour)
 
     def key(self) -> str:
         """A piece of the line."""
         dot = f'<circle cx="9" cy="5" r="{self.dots:g}"/>' if self.dots else ""
         line = f'<path d="M0 5H18"{self._look()}/>' if self.width else ""
-        return coloured(line + dot, self.colour)
+        return drawing.coloured(line + dot, self.colour)
 
     def _look(self) -> str:
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
@@ -92,11 +93,11 @@ class Level(Mark):
     value: float
     colour: str = "difference"
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """The line; charts set the name, which may have to make room for others."""
         height = float(y.at(self.value))
         line = f'<path d="M{x.start:.2f} {height:.2f}H{x.end:.2f}" stroke-dasharray="5 2" '
-        return coloured(line + 'stroke="currentColor"/>', self.colour)
+        return drawing.coloured(line + 'stroke="currentColor"/>', self.colour)
 
 
 @dataclass(frozen=True)
@@ -113,10 +114,12 @@ class Words(Mark):
     colour: str = "ink"
     size: float = 10.0
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """The text, with an edge that sets it off from lines."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
-        return coloured(words(self.label, across, down, self.anchor, self.size, HALO), self.colour)
+        return drawing.coloured(
+            drawing.words(self.label, across, down, self.anchor, self.size, HALO), self.colour
+        )
 
 
 @dataclass(frozen=True)
@@ -138,10 +141,10 @@ def key(label: str, colour: str, width: float, dashes: str = "", dots: float = 0
 
 def patch(colour: str, strength: float = 1.0) -> str:
     """A filled key of the legend."""
-    return coloured(f'<rect width="18" height="10" fill-opacity="{strength:g}"/>', colour)
+    return drawing.coloured(f'<rect width="18" height="10" fill-opacity="{strength:g}"/>', colour)
 
 
-def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:
+def found_ranges(marks: Sequence[Mark]) -> tuple[drawing.Range, drawing.Range]:
     """Ranges of all marks together."""
     each = np.array([mark.ranges() for mark in marks])
     (low_x, low_y), (high_x, high_y) = each[:, :, 0].min(axis=0), each[:, :, 1].max(axis=0)
@@ -159,19 +162,22 @@ class Layer(Mark):
     ACROSS = ("x",)
     UP = ("low", "high")
     label: str
-    x: Floats
-    low: Floats
-    high: Floats
+    x: drawing.Floats
+    low: drawing.Floats
+    high: drawing.Floats
     colour: str = "steel"
     strength: float = 0.7
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """The upper line forth, the lower line back."""
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
         back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
-        name, edge = named(self.label, self.high - self.low), path(np.concatenate([forth, back]))
-        return coloured(f'<path {name}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour)
+        name, edge = (
+            drawing.named(self.label, self.high - self.low),
+            drawing.path(np.concatenate([forth, back])),
+        )
+        return drawing.coloured(f'<path {name}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour)
 
     def key(self) -> str:
         """A patch of it."""
@@ -186,14 +192,14 @@ class Boxes(Mark):
     ACROSS = ("x",)
     UP = ("y",)
     label: str
-    x: Floats
-    y: Floats
+    x: drawing.Floats
+    y: drawing.Floats
     colour: str | Sequence[str] = "steel"
     values: Sequence[Any] = ()
     at: Sequence[str] = ()
     strength: float = 1.0
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """A path a colour, with a gap between boxes that are not small, and an unseen one through the centres."""
         left, right = np.sort(x.at(self.x)).T
         top, bottom = np.sort(y.at(self.y)).T
@@ -208,7 +214,7 @@ class Boxes(Mark):
             return shown
         centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
         unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
-        return f'{shown}<path {named(self.label, self.values, self.at)}d="{unseen}"/>'
+        return f'{shown}<path {drawing.named(self.label, self.values, self.at)}d="{unseen}"/>'
 
     def _shown(self, drawn: list[str], look: str) -> str:
         """The boxes of each colour as one path."""
@@ -216,7 +222,7 @@ class Boxes(Mark):
         paths = {
             one: "".join(compress(drawn, [each == one for each in colours])) for one in dict.fromkeys(colours)
         }
-        return "".join(coloured(f'<path d="{edge}"{look}/>', one) for one, edge in paths.items())
+        return "".join(drawing.coloured(f'<path d="{edge}"{look}/>', one) for one, edge in paths.items())
 
     def key(self) -> str:
         """A patch, if it has one colour."""
@@ -233,15 +239,17 @@ class Span(Mark):
     end: float
     colour: str = "soft"
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """The band, and the name at its top."""
         left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
         if self.start == self.end:
             line = f'<path d="M{left:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
-            return coloured(line + words(self.label, left + 3.0, y.end + 11.0, size=10.0), self.colour)
+            return drawing.coloured(
+                line + drawing.words(self.label, left + 3.0, y.end + 11.0, size=10.0), self.colour
+            )
         box = f'x="{left:.2f}" y="{y.end:.2f}" width="{right - left:.2f}" height="{y.start - y.end:.2f}"'
-        name = words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 10.0)
-        return coloured(f'<rect {box} fill-opacity="0.1"/>{name}', self.colour)
+        name = drawing.words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 10.0)
+        return drawing.coloured(f'<rect {box} fill-opacity="0.1"/>{name}', self.colour)
 
 
 @dataclass(frozen=True)
@@ -250,18 +258,20 @@ class Outline(Mark):
 
     ACROSS = ("x",)
     UP = ("y",)
-    x: Floats
-    y: Floats
+    x: drawing.Floats
+    y: drawing.Floats
     colour: str = "fe"
     strength: float = 1.0
     fill: float = 0.04
     label: str = ""
 
-    def draw(self, x: Scale, y: Scale) -> str:
+    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """A closed path."""
-        edge = path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
+        edge = drawing.path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" '
-        return coloured(f'<path d="{edge}Z" {look}stroke-opacity="{self.strength:.3g}"/>', self.colour)
+        return drawing.coloured(
+            f'<path d="{edge}Z" {look}stroke-opacity="{self.strength:.3g}"/>', self.colour
+        )
 
 
 COUNT = 65
@@ -280,28 +290,28 @@ class Shades:
     is_log: bool = False
 
     @classmethod
-    def of(cls, values: Floats, is_log: bool = False) -> Shades:
+    def of(cls, values: drawing.Floats, is_log: bool = False) -> Shades:
         """Those of the finite values, one at least."""
-        low, high = extent(values)
+        low, high = drawing.extent(values)
         if is_log:
             return cls(low, high if high > low else 10.0 * low, True)
         more = 0.5 * max(0.0, UNIFORM * max(abs(low), abs(high), 1e-300) - (high - low))
         return cls(low - more, high + more)
 
-    def colours(self, values: Floats) -> list[str]:
+    def colours(self, values: drawing.Floats) -> list[str]:
         """As "#rrggbb", of finite values."""
-        share = np.clip(Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
-        table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * viridis(COUNT)).astype(np.uint8)]
+        share = np.clip(scale.Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
+        table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * drawing.viridis(COUNT)).astype(np.uint8)]
         return [table[number] for number in np.rint((COUNT - 1) * share).astype(int)]
 
     def keys(self, unit: str) -> list[Swatch]:
         """Round values for the legend, in this unit."""
-        ticks = Scale(self.low, self.high, is_log=self.is_log).ticks(6)
-        texts = [f"{text} {unit}".rstrip() for text in tick_texts(ticks, self.is_log)]
+        ticks = scale.Scale(self.low, self.high, is_log=self.is_log).ticks(6)
+        texts = [f"{text} {unit}".rstrip() for text in scale.tick_texts(ticks, self.is_log)]
         return [Swatch(*pair) for pair in zip(texts, self.colours(np.array(ticks)), strict=True)]
 
 
-def cells_about(values: Floats, is_log: bool) -> Floats:
+def cells_about(values: drawing.Floats, is_log: bool) -> drawing.Floats:
     """Ends of the cell about each value, half-way to its neighbours, by ratios if is_log: shape (n, 2) for values of
     shape (n,), two different ones at least. No cell reaches below zero where no value does."""
     centres, place = np.unique(np.log(values) if is_log else values, return_inverse=True)

@@ -17,7 +17,7 @@ from postprocess.report.page import Page, Section, write_page
 from postprocess.report.report import page_in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
-from postprocess.report.units import SYSTEMS, Units
+from postprocess.units import SYSTEMS, Units
 from tailslap.campaign.definition import Definition, Variation
 from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep, read_columns
 from tailslap.case.report import footer

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from postprocess.comparison.quantities import Compared
-from postprocess.report.units import SI, Units
+from postprocess.units import SI, Units
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary

@@ -11,11 +11,10 @@ import numpy as np
 
 import tailslap
 from postprocess.fields.series import FILE, FieldSeries, write_fields
-from postprocess.report.numbers import duration, grouped, number
 from postprocess.report.page import Page, Section
 from postprocess.report.table import Column, Table, pairs
-from postprocess.report.units import measure
 from postprocess.signals.design_forces import design_forces
+from postprocess.units import duration, grouped, measure, number
 from tailslap.case.case import Case, FePlan, Outcome
 from tailslap.case.checks import Check
 from tailslap.case.cost import loop_seconds

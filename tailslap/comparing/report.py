@@ -11,12 +11,11 @@ import tailslap
 from postprocess.comparison.metrics import LIMITS, Beside, beside
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
-from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns
-from postprocess.report.units import SI
 from postprocess.svg.chart import Chart
+from postprocess.units import SI, percent
 from tailslap.case.report import footer
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
 from tailslap.errors import InputError, Verbatim

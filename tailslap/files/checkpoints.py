@@ -23,8 +23,8 @@ import numpy as np
 
 import tailslap
 from tailslap.errors import Interrupted
+from tailslap.files import manifest
 from tailslap.files.folder import resolved
-from tailslap.files.manifest import whole_file
 
 if TYPE_CHECKING:
     from fem.run.observers import Arrays, Checkpoint
@@ -82,7 +82,7 @@ class FileCheckpoint:
         if began < self._due:
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(self._path) as partial, partial.open("wb") as file:
+        with manifest.whole_file(self._path) as partial, partial.open("wb") as file:
             named: dict[str, Any] = {DEFINITION: np.array(self._definition), **arrays()}
             np.savez(file, **named)
         spent = time.monotonic() - began

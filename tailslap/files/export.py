@@ -12,7 +12,7 @@ from tailslap.files.load import load
 from tailslap.result import FE, RIGID, Result
 
 if TYPE_CHECKING:
-    from postprocess.report.units import Units
+    from postprocess.units import Units
 
 FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", "msh": "fields.msh"}
 """The file to open."""
@@ -97,16 +97,16 @@ def export(
 
 def _drawn_fields(field: str | None) -> tuple[str, ...]:
     """Fields to draw. Raises InputError for one that there is not."""
-    from postprocess.fields.series import SCALARS
+    from postprocess.fields import series
 
-    if field is not None and field not in SCALARS:
-        raise InputError("--field", field, f"allowed is one of {', '.join(SCALARS)}")
-    return SCALARS if field is None else (field,)
+    if field is not None and field not in series.SCALARS:
+        raise InputError("--field", field, f"allowed is one of {', '.join(series.SCALARS)}")
+    return series.SCALARS if field is None else (field,)
 
 
 def _units(to: str, units: str) -> Units:
     """Units of pictures. Raises InputError for others, and where there are no pictures."""
-    from postprocess.report.units import SYSTEMS
+    from postprocess.units import SYSTEMS
 
     if units not in SYSTEMS:
         raise InputError("--units", units, f"allowed is one of {', '.join(SYSTEMS)}")
@@ -116,15 +116,14 @@ def _units(to: str, units: str) -> Units:
 
 
 def _write_tables(found: Result, to: str, folder: Path) -> None:
-    from postprocess.fields.formats import write_csv, write_parquet
-    from postprocess.fields.series import field_tables
+    from postprocess.fields import formats, series
 
-    write = write_csv if to == "csv" else write_parquet
+    write = formats.write_csv if to == "csv" else formats.write_parquet
     names = {FE: "history", RIGID: "rigid"}
     if not found.histories:
         raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed is a run or a sweep")
     for label, columns in found.histories.items():
         write(folder / f"{names.get(label, label)}.{to}", (columns.arrays, columns.units))
     if found.make_fields is not None:
-        for name, table in field_tables(found.fields).items():
+        for name, table in series.field_tables(found.fields).items():
             write(folder / f"{name}.{to}", table)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import click
 
-from tailslap.errors import InputError, Interrupted, place_error
+from tailslap import errors
 from tailslap.files import manifest
 from tailslap.files.manifest import Entry
 
@@ -89,7 +89,7 @@ def demand_own(place: Path, scene: str, force: bool) -> None:
             allowed = (
                 f"it holds the result of the scene {other!r}; --force replaces it, or give another folder"
             )
-            raise InputError("--out", str(place), allowed)
+            raise errors.InputError("--out", str(place), allowed)
 
 
 def resolved(place: Path) -> Path:
@@ -97,7 +97,7 @@ def resolved(place: Path) -> Path:
     try:
         return Path(os.path.realpath(place))
     except OSError as error:
-        raise place_error(place, "the folder has no path", error) from None
+        raise errors.place_error(place, "the folder has no path", error) from None
 
 
 def make_folders(folder: Path, place: Path) -> list[Path]:
@@ -110,7 +110,7 @@ def make_folders(folder: Path, place: Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         remove_folders(missing)
-        raise place_error(place, "the folder cannot be made", error) from None
+        raise errors.place_error(place, "the folder cannot be made", error) from None
     return missing
 
 
@@ -128,7 +128,7 @@ def _unfinished(place: Path) -> Iterator[Path]:
         try:
             folder = stack.enter_context(manifest.unfinished(place, lambda path: path.mkdir(0o700)))
         except OSError as error:
-            raise place_error(place, "the folder cannot be written", error) from None
+            raise errors.place_error(place, "the folder cannot be written", error) from None
         yield folder
 
 
@@ -147,15 +147,17 @@ def _find_earlier(place: Path) -> Earlier:
     except FileNotFoundError:
         return Earlier()
     except NotADirectoryError:
-        raise InputError("--out", str(place), "this is a file, or in one; allowed is a folder") from None
+        raise errors.InputError(
+            "--out", str(place), "this is a file, or in one; allowed is a folder"
+        ) from None
     except OSError as error:
-        raise place_error(place, "the folder cannot be read", error) from None
+        raise errors.place_error(place, "the folder cannot be read", error) from None
     if not names:
         return Earlier()
     listed = manifest.read_manifest(place)
     if listed is None or SWEEP in names:
         shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
-        raise InputError("--out", str(place), f"it holds other files ({shown}); {ALLOWED}")
+        raise errors.InputError("--out", str(place), f"it holds other files ({shown}); {ALLOWED}")
     ours = frozenset(item for item in listed if item.path in names)
     known = {item.path for item in ours}
     for name in sorted(known):
@@ -164,8 +166,8 @@ def _find_earlier(place: Path) -> Earlier:
     return Earlier(ours, tuple(name for name in names if name not in {manifest.NAME, *known}), False)
 
 
-def _refusal(place: Path, why: str) -> InputError:
-    return InputError("--out", str(place), f"{why}; move that file away, or give another folder")
+def _refusal(place: Path, why: str) -> errors.InputError:
+    return errors.InputError("--out", str(place), f"{why}; move that file away, or give another folder")
 
 
 def _put_in_place(folder: Path, place: Path) -> None:
@@ -183,14 +185,14 @@ def _put_in_place(folder: Path, place: Path) -> None:
     except BaseException as error:
         _discard(folder, new)
         if isinstance(error, OSError):
-            raise place_error(place, "the result cannot be moved there", error) from None
+            raise errors.place_error(place, "the result cannot be moved there", error) from None
         raise
     if aside is not None:
         try:
             _discard(aside, earlier.ours)
         except KeyboardInterrupt:
             said = f"interrupted; the result is in {place}, and the rest of the earlier one in {aside}"
-            raise Interrupted(said) from None
+            raise errors.Interrupted(said) from None
 
 
 def _exchange(folder: Path, place: Path, earlier: Earlier) -> Path | None:
@@ -213,7 +215,7 @@ def _exchange(folder: Path, place: Path, earlier: Earlier) -> Path | None:
             why = (
                 f"moving the result there failed, and so did undoing it; what was there before is in {aside}"
             )
-            raise InputError("--out", str(place), f"{why}, or in {place} still") from None
+            raise errors.InputError("--out", str(place), f"{why}, or in {place} still") from None
         raise
     return aside
 

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
-from postprocess.report.files import read_history
+from postprocess.report import files
+from tailslap import result
 from tailslap.errors import InputError, Verbatim
-from tailslap.files.manifest import NAME, read_manifest
-from tailslap.result import FE, RIGID, Columns, Result, run_headline, run_tables
+from tailslap.files import manifest
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
-FILES = {FE: "history.csv", RIGID: "rigid.csv"}
+FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv"}
 
 ENERGY_ERROR = Column("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
 
@@ -38,12 +38,12 @@ def column_units(names: Iterable[str]) -> dict[str, str]:
     return {name: known[name].unit for name in names if name in known}
 
 
-def history(columns: Mapping[str, Any]) -> Columns:
+def history(columns: Mapping[str, Any]) -> result.Columns:
     """Columns with the units that their names have."""
-    return Columns(columns, column_units(columns))
+    return result.Columns(columns, column_units(columns))
 
 
-def load(folder: str | os.PathLike[str]) -> Result:
+def load(folder: str | os.PathLike[str]) -> result.Result:
     """Read a result folder again, of a run, a study or a sweep.
 
     Parameters
@@ -66,31 +66,33 @@ def load(folder: str | os.PathLike[str]) -> Result:
     >>> import tailslap
     >>> tailslap.load("results/mash-tl4-sut").history["v_gy"]  # doctest: +SKIP
     """
-    from postprocess.fields.series import FILE, read_fields
+    from postprocess.fields import series
 
     place = Path(folder)
     summary = _summary(place)
     if (place / SWEEP).is_file():
         return sweep_result(place)
     histories = {
-        label: history(read_history(place / name))
+        label: history(files.read_history(place / name))
         for label, name in FILES.items()
         if (place / name).is_file()
     }
-    if FE not in histories:
+    if result.FE not in histories:
         name, passed = str(summary.get("scene", "")), summary.get("passed")
         fill = _copies(place)
-        return Result(_command(summary), name, summary, passed=passed, histories=histories, fill=fill)
-    return Result(
+        return result.Result(_command(summary), name, summary, passed=passed, histories=histories, fill=fill)
+    return result.Result(
         "run",
         summary["scene"],
         summary,
-        run_headline(summary),
+        result.run_headline(summary),
         summary["passed"],
-        run_tables(summary),
+        result.run_tables(summary),
         histories,
         fill=_copies(place),
-        make_fields=(lambda: read_fields(place / FILE)) if (place / FILE).is_file() else None,
+        make_fields=(lambda: series.read_fields(place / series.FILE))
+        if (place / series.FILE).is_file()
+        else None,
     )
 
 
@@ -102,7 +104,7 @@ def _command(summary: Mapping[str, Any]) -> str:
     return next((command for key, command in known.items() if key in summary), "paper")
 
 
-def sweep_result(place: Path) -> Result:
+def sweep_result(place: Path) -> result.Result:
     """The table of a sweep's folder."""
     import pyarrow.parquet as pq
 
@@ -111,7 +113,7 @@ def sweep_result(place: Path) -> Result:
     summary = _summary(place)
     scene = str(summary.get("scene", place.name))
     passed = not any(status in ("failed", "error") for status in columns["status"])
-    return Result("sweep", scene, summary, passed=passed, histories={"table": Columns(columns)})
+    return result.Result("sweep", scene, summary, passed=passed, histories={"table": result.Columns(columns)})
 
 
 def _summary(place: Path) -> dict[str, Any]:
@@ -129,8 +131,8 @@ def _copies(place: Path) -> Any:
     """Make a function that fills another folder with the files of this one."""
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        for entry in read_manifest(place) or ():
-            if entry.path != NAME and (pictures or not entry.path.startswith("contour_")):
+        for entry in manifest.read_manifest(place) or ():
+            if entry.path != manifest.NAME and (pictures or not entry.path.startswith("contour_")):
                 shutil.copyfile(place / entry.path, folder / entry.path)
 
     return fill

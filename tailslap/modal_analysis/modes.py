@@ -20,11 +20,10 @@ from fem.modal.mode_kinds import (
 )
 from fem.plate.elastic import FreeModes, free_modes, most_modes
 from postprocess.figures.plates import draw_mode
-from postprocess.report.numbers import percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
-from postprocess.report.units import measure
+from postprocess.units import measure, percent
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.model import plate_density
 from tailslap.case.report import study_page

@@ -13,7 +13,7 @@ from postprocess.comparison.quantities import KEYS, comparison_rows, largest_rel
 from postprocess.report.report import shown_in
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
-from postprocess.report.units import SYSTEMS
+from postprocess.units import SYSTEMS
 from tailslap.case.checks import Check
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.errors import InputError

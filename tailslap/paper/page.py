@@ -16,12 +16,12 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import COMPARED, TIME, History, thinned
-from postprocess.report.numbers import percent
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Form, Table, pairs
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Line
+from postprocess.units import percent
 from tailslap.case.report import footer
 from tailslap.paper import data, tables
 from tailslap.paper.tables import FIGURES, Numbers

@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tailslap.errors import InputError, Verbatim, shortened
+from tailslap import errors
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
 
@@ -68,15 +68,17 @@ def read_source(name: str) -> Source:
 def source_of_text(text: str, name: str = "SCENE") -> Source:
     """The same for a scene's text; name: what errors call it."""
     if len(max(text.split("\n"), key=len)) > MAX_LINE:
-        raise InputError(name, Verbatim("a very long line"), f"allowed are lines of {MAX_LINE} characters")
+        raise errors.InputError(
+            name, errors.Verbatim("a very long line"), f"allowed are lines of {MAX_LINE} characters"
+        )
     try:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
-        said = f"the parser says: {shortened(str(error))}"
-        raise InputError(name, Verbatim("a file that is not TOML"), said) from None
+        said = f"the parser says: {errors.shortened(str(error))}"
+        raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), said) from None
     if depth_exceeds(given, MAX_DEPTH):
         allowed = f"allowed are {MAX_DEPTH} levels"
-        raise InputError(name, Verbatim("tables or lists nested too deep"), allowed)
+        raise errors.InputError(name, errors.Verbatim("tables or lists nested too deep"), allowed)
     return Source(text.rstrip("\n") + "\n", given)
 
 
@@ -85,32 +87,34 @@ def scene_text(name: str) -> str:
     shipped = shipped_scenes()
     path = Path(name)
     if len(name) > MAX_NAME:
-        raise InputError("SCENE", name, f"allowed is a path of {MAX_NAME} characters")
+        raise errors.InputError("SCENE", name, f"allowed is a path of {MAX_NAME} characters")
     if name in shipped and not path.is_file():
         return shipped[name]
     if path.suffix != ".toml" and not os.path.lexists(path):
         near = difflib.get_close_matches(name, shipped, 1)
         hint = f'; did you mean "{near[0]}"?' if near else ""
-        raise InputError("SCENE", name, f"allowed is a .toml file or one of {', '.join(shipped)}{hint}")
+        raise errors.InputError(
+            "SCENE", name, f"allowed is a .toml file or one of {', '.join(shipped)}{hint}"
+        )
     try:
         return _read(path, name)
     except FileNotFoundError:
-        raise InputError("SCENE", name, "there is no such file") from None
+        raise errors.InputError("SCENE", name, "there is no such file") from None
     except UnicodeDecodeError:
-        raise InputError("SCENE", name, "the file is not text in UTF-8") from None
+        raise errors.InputError("SCENE", name, "the file is not text in UTF-8") from None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
-        raise InputError("SCENE", name, f"the file cannot be read: {why}") from None
+        raise errors.InputError("SCENE", name, f"the file cannot be read: {why}") from None
 
 
 def _read(path: Path, name: str) -> str:
     """Text of a regular file of moderate size; line ends as TOML has them. Devices and pipes are not even opened."""
     if not stat.S_ISREG(path.stat().st_mode):
-        raise InputError("SCENE", name, "this is no regular file; allowed is a .toml file")
+        raise errors.InputError("SCENE", name, "this is no regular file; allowed is a .toml file")
     with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
         content = file.read(MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
-        raise InputError("SCENE", name, f"the file is too large; allowed are {MAX_BYTES} bytes")
+        raise errors.InputError("SCENE", name, f"the file is too large; allowed are {MAX_BYTES} bytes")
     return content.decode("utf-8").replace("\r\n", "\n")
 
 

@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticKnownError
 
-from fem.laws.constraints import CONSTRAINTS
+from fem.laws import constraints, materials
 from fem.laws.friction import FRICTION_LAWS
-from fem.laws.materials import MATERIALS
-from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
+from fem.plate import kinds
 from fem.registry import Registry
-from fem.start.start_kinds import START_KINDS
+from fem.start import start_kinds
 from tailslap.errors import InputError, Missing
 from tailslap.scene.units import Quantity
 
@@ -86,7 +85,7 @@ def _start_name(given: object) -> object:
     return given
 
 
-StartName = Annotated[str, _registered(START_KINDS), BeforeValidator(_start_name)]
+StartName = Annotated[str, _registered(start_kinds.START_KINDS), BeforeValidator(_start_name)]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
@@ -140,7 +139,7 @@ class Corner(Table):
 
     reaction: Annotated[str, _registered(FRICTION_LAWS)] = "drag"
     friction: Friction | None = None
-    constraint: Annotated[str, _registered(CONSTRAINTS)] = "penalty"
+    constraint: Annotated[str, _registered(constraints.CONSTRAINTS)] = "penalty"
     penalty_scale: Scale = 1.0
     damping_ratio: DampingRatio | None = None
     patch_length: Length | None = None
@@ -202,9 +201,9 @@ class Plate(Table):
     first_frequency: Frequency | None = None
     poissons_ratio: PoissonsRatio
     elements: ElementCounts | None = None
-    element: Annotated[str, _registered(ELEMENT_KINDS)] = "quad4"
+    element: Annotated[str, _registered(kinds.ELEMENT_KINDS)] = "quad4"
     distortion: Distortion = 0.0
-    lumping: Annotated[str, _registered(LUMPINGS)] = "exact"
+    lumping: Annotated[str, _registered(kinds.LUMPINGS)] = "exact"
     start: StartName = "inertia-relief"
 
     @property
@@ -224,13 +223,13 @@ class Plate(Table):
     @property
     def relieved(self) -> bool:
         """Whether the plate starts with the elastic state of its acceleration."""
-        return START_KINDS[self.start].relieved
+        return start_kinds.START_KINDS[self.start].relieved
 
 
 class Material(Table):
     """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
 
-    law: Annotated[str, _registered(MATERIALS)]
+    law: Annotated[str, _registered(materials.MATERIALS)]
 
 
 class Damping(Table):

@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fem.laws.constraints import CONSTRAINTS
+from fem.laws import constraints
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene.meanings import MEANINGS
+from tailslap.scene import meanings
 from tailslap.scene.schema import Contact, Damping, Scene, Wall
 
 OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
@@ -55,7 +55,7 @@ def _known(location: tuple[int | str, ...]) -> str:
         model = next(k for k in (kinds, *getattr(kinds, "__args__", ())) if hasattr(k, "model_fields"))
     table = "".join(f"{part}." for part in location[:-1])
     near = difflib.get_close_matches(str(location[-1]), model.model_fields, 1)
-    elsewhere = [key for key in MEANINGS if key.rpartition(".")[2] == location[-1]]
+    elsewhere = [key for key in meanings.MEANINGS if key.rpartition(".")[2] == location[-1]]
     hint = f"; did you mean {(table + near[0]) if near else elsewhere[0]}?" if near or elsewhere else ""
     return f"allowed are {', '.join(model.model_fields)}{hint}"
 
@@ -117,7 +117,7 @@ def _check_plate(scene: Scene) -> None:
         if table and not scene.plate:
             raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
     for key in ("penalty_scale", "damping_ratio"):
-        constraint = CONSTRAINTS[scene.corner.constraint]
+        constraint = constraints.CONSTRAINTS[scene.corner.constraint]
         if key not in constraint.keys and key in scene.corner.model_fields_set:
             allowed = f'constraint = "{constraint.name}" has no spring; leave it out'
             raise InputError(f"corner.{key}", getattr(scene.corner, key), allowed)

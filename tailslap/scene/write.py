@@ -12,9 +12,9 @@ from typing import Any, get_args
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from fem.laws.materials import MATERIALS
+from fem.laws import materials
 from tailslap.errors import InputError
-from tailslap.scene.meanings import MEANINGS
+from tailslap.scene import meanings
 from tailslap.scene.schema import Plate, Scene, Table
 from tailslap.scene.units import Quantity
 from tailslap.scene.validate import validate
@@ -106,7 +106,8 @@ def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:
     values = [toml_value(value) for value in (given, default) if value is not None]
     front = "" if given is not None else "# "
     return (
-        f"{front}{name} = {(values or [example(field)])[0]}".ljust(34) + f"  # {MEANINGS[f'{table}.{name}']}"
+        f"{front}{name} = {(values or [example(field)])[0]}".ljust(34)
+        + f"  # {meanings.MEANINGS[f'{table}.{name}']}"
     )
 
 
@@ -120,7 +121,7 @@ def example(field: FieldInfo) -> str:
             return toml_value(mark)
     if field.annotation is int:
         return "10"
-    return "[20, 6]" if "tuple" in str(field.annotation) else toml_value(next(iter(MATERIALS)))
+    return "[20, 6]" if "tuple" in str(field.annotation) else toml_value(next(iter(materials.MATERIALS)))
 
 
 @dataclass(frozen=True)

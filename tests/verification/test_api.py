@@ -17,7 +17,7 @@ import pytest
 
 import tailslap
 from fem import FRICTION_LAWS, MATERIALS
-from postprocess.report.numbers import number
+from postprocess.units import number
 from tailslap import Columns, InputError, Result
 from tailslap.api import named
 from tailslap.cli import main

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.report.numbers import percent
 from postprocess.report.terminal import printed
+from postprocess.units import percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status

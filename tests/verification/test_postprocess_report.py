@@ -14,7 +14,6 @@ from typing import Any
 
 import pytest
 
-from postprocess.report.numbers import duration, grouped, number, shown
 from postprocess.report.page import (
     NO_BREAK,
     Page,
@@ -28,6 +27,7 @@ from postprocess.report.page import (
 from postprocess.report.report import Report, report_text, write_report
 from postprocess.report.table import Column, Table, pairs
 from postprocess.svg.chart import Chart
+from postprocess.units import duration, grouped, number, shown
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.report import corner_report

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import pytest
 
 from postprocess.report.files import write_summary
-from postprocess.report.numbers import duration, known
 from postprocess.report.report import write_table
 from postprocess.report.table import Column, columns, listed
+from postprocess.units import duration, known
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import pytest
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import write_animation
-from postprocess.report.units import US
+from postprocess.units import US
 from tailslap.cli import _status
 from tailslap.errors import InputError
 

@@ -10,9 +10,9 @@ import pytest
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table
-from postprocess.report.units import SI, US, measure
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
+from postprocess.units import SI, US, measure
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.report import RISK
 from tailslap.cli import _status

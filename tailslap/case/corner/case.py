@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison.quantities import KEYS
-from postprocess.report.units import SI, Units
+from postprocess.units import SI, Units
 from tailslap.case.corner.rigid import RigidStages
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from postprocess.figures.histories import Panel, draw_histories
 from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from postprocess.report.units import SI, Units
+from postprocess.units import SI, Units
 from solver.stage_3 import strike_force
 from tailslap.case import report
 from tailslap.case.checks import advice, failed_names

@@ -10,7 +10,7 @@ from fem.laws.materials import MATERIALS
 from fem.plate.kinds import LUMPINGS
 from fem.start.start_kinds import START_KINDS
 from postprocess.comparison.quantities import largest
-from postprocess.report.units import measure
+from postprocess.units import measure
 from tailslap.case.checks import failed_names
 from tailslap.case.corner.checks import reaction_checks
 from tailslap.case.corner.decisions import damping_is_open, suppressing_rate

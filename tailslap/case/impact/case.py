@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from postprocess.report.units import SI, Units
+from postprocess.units import SI, Units
 from solver.impact import Strike
 from tailslap.case.impact.answers import COMPARED, END, ImpactAnswer, strike_numbers
 from tailslap.case.impact.rigid import CURVES, RigidImpact

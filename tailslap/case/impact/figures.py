@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postprocess.report.page import Picture
-from postprocess.report.units import SI, Units
+from postprocess.units import SI, Units
 from solver.impact import CORNERS
 from tailslap.case.impact.answers import ImpactAnswer, nearest_corner
 from tailslap.case.impact.run import ImpactOutcome

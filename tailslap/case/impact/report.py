@@ -12,7 +12,7 @@ import numpy as np
 from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from postprocess.report.units import SI, Units, measure
+from postprocess.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.checks import failed_names
 from tailslap.case.impact import figures

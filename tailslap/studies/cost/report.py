@@ -9,13 +9,12 @@ import numpy as np
 
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.loglog import Series, draw_precision
-from postprocess.report.numbers import duration, known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
-from postprocess.report.units import measure
 from postprocess.svg.chart import Chart
 from postprocess.svg.scale import power_text
+from postprocess.units import duration, known, measure
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute
 from tailslap.studies.cost.compute import FE, LEVELS, Found, Row, cheapest, front, is_valid, own_error

@@ -8,12 +8,11 @@ from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.loglog import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
-from postprocess.report.numbers import known, percent
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed
-from postprocess.report.units import measure
 from postprocess.svg.chart import Chart
+from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz
 from tailslap.case.impact.answers import COLUMNS
 from tailslap.case.impact.answers import QUANTITIES as OF_STRIKES

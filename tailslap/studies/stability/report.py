@@ -7,11 +7,11 @@ from itertools import combinations
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
-from postprocess.report.numbers import known
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, text_table
 from postprocess.svg.chart import Chart
+from postprocess.units import known
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.report import study_page, study_summary

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.report.units import measure
+from postprocess.units import measure
 from solver import RectangularBody, corner_impulse, strike_force, tail_slap
 from solver.impact import solve_impacts
 from tailslap.campaign import sampling

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures import rows as figures
-from postprocess.report.numbers import grouped, known
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, pairs
-from postprocess.report.units import measure
+from postprocess.units import grouped, known, measure
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
 from tailslap.case.impact.answers import COLUMNS, QUANTITIES
 from tailslap.case.report import study_page, study_summary
