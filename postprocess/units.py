@@ -135,11 +135,11 @@ def number(value: object, digits: int = 7) -> str:
     return "not a number" if math.isnan(value) else ("infinite" if value > 0 else "-infinite")
 
 
-def percent(share: float | None, decimals: int = 2) -> str:
+def percent(fraction: float | None, decimals: int = 2) -> str:
     """A relative difference with its sign, or with none where it rounds to zero."""
-    if share is None or not math.isfinite(share):
-        return number(share)
-    text = f"{100.0 * share:+.{decimals}f}"
+    if fraction is None or not math.isfinite(fraction):
+        return number(fraction)
+    text = f"{100.0 * fraction:+.{decimals}f}"
     return f"{text if float(text) else text[1:]} %"
 
 

@@ -455,7 +455,7 @@ def _status(arguments: list[str] | None) -> int:
 
 
 def _run(arguments: list[str] | None) -> int:
-    """Not by `commands.main`, which ends with 1 where the reader of a pipe leaves."""
+    """Run the command; `commands.main` would end with 1 where the reader of a pipe leaves."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     if COMPLETE in os.environ:
         from click.shell_completion import shell_complete

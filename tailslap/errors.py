@@ -29,7 +29,7 @@ class InputError(Exception):
         super().__init__(f"{shortened(key)}: given {_shown(given)}; {allowed}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
-        """It travels between processes with what it was made of."""
+        """Pickle the error by its three parts: workers raise it too."""
         return type(self), (self.key, self.given, self.allowed)
 
 

@@ -1,4 +1,4 @@
-"""How alike two histories are, and how far values on three meshes are from their limit.
+"""Metrics of two histories (Sprague and Geers), and grid convergence of values on three meshes.
 
 Histories are compared by Sprague and Geers' metrics, and the residuals of an analysis of variance.
 
@@ -121,7 +121,7 @@ class Beside:
 
     @property
     def within(self) -> bool:
-        """Whether all metrics are within their customary limits."""
+        """True if all metrics are within their customary limits."""
         limits = asdict(LIMITS)
         return all(abs(value) <= limits[name] for name, value in asdict(self.metrics).items())
 
@@ -163,7 +163,7 @@ ROUNDING = 1e-14
 
 @dataclass(frozen=True)
 class GridConvergence:
-    """What three grids say. values: fine, medium, coarse; ratios: r_21, r_32; behaviour: how they follow each other.
+    """Convergence on three grids. values: fine, medium, coarse; ratios: r_21, r_32; behaviour: of their sequence.
 
     order: the observed one, NaN where there is none; extrapolated: to grid size zero. gci_fine, gci_coarse:
     relative, of the fine and the medium grid; asymptotic: gci_coarse / (r_21^p gci_fine), 1 in the asymptotic range.

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 @dataclass(frozen=True)
 class ComparedQuantity:
-    """How one compared quantity is called: mapping key, words, symbol and SI unit."""
+    """Names of a compared quantity: mapping key, words, symbol and SI unit."""
 
     key: str
     title: str
@@ -56,7 +56,7 @@ KEYS = tuple(QUANTITIES)
 
 @dataclass(frozen=True)
 class Compared:
-    """What is compared of FE and rigid vehicle: quantities by key, the one that a map shows, where they are taken."""
+    """Comparison of FE and rigid vehicle: quantities by key, the one that a map shows, the instant of both."""
 
     quantities: Mapping[str, ComparedQuantity]
     mapped: str

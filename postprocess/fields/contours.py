@@ -59,7 +59,7 @@ class ContourField:
 
 @dataclass(frozen=True)
 class Situation:
-    """What all pictures of one instant share.
+    """Geometry and texts that all pictures of one instant share.
 
     plate: deformed nodes [m] and elements; wall: the same, the line Y = 0 without one; corner and centroid: the points
     P and G [m] to mark; time: of the strike [s].

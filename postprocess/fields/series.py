@@ -80,7 +80,7 @@ class FieldSeries:
         return self.cells[:, : 3 if self.cell_type.startswith("triangle") else 4]
 
     def places(self, magnify: float = 1.0) -> np.ndarray:
-        """Where the nodes are, with the elastic deformation times `magnify`, shape (instants, nodes, 2) [m]."""
+        """Places of the nodes, with the elastic deformation times `magnify`, shape (instants, nodes, 2) [m]."""
         elastic = self.nodal["elastic_displacement"]
         return np.asarray(self.points + self.nodal["displacement"] + (magnify - 1.0) * elastic)
 

@@ -28,7 +28,7 @@ class StrikeMark:
 
     @property
     def colour(self) -> str:
-        """Of everything that shows this corner."""
+        """Colour of all marks of this corner."""
         return corner_colour(self.corner)
 
 
@@ -176,7 +176,7 @@ LAYERS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
 def draw_energies(
     t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strikes: Sequence[StrikeMark] = ()
 ) -> chart.Chart:
-    """What the motion gave up, as a line, and below it what it went into, layer upon layer; in kJ.
+    """Draw the energy that the motion lost, as a line, and below it the parts that it went into, in layers [kJ].
 
     t [s], kinetic and each of `parts` [J], shape (n,): crush lost, friction, damping, crush stored, strain and so on,
     the first at the bottom. Where layers and line part, the balance is open.

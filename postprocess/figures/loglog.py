@@ -34,7 +34,7 @@ class Series(NamedTuple):
     dashed: bool = False
 
     def mark(self, label: str, colour: str, width: float, dots: float) -> Line:
-        """It as a line of a plot."""
+        """Line of a plot with these values."""
         dashes = "5 3" if self.dashed else ""
         times, errors = np.array(self.times), np.array(self.errors)
         return Line(label, times, errors, colour, width * self.joined, dashes, dots)

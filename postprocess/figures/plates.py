@@ -34,7 +34,7 @@ class MapAxis:
 
     @property
     def is_even(self) -> bool:
-        """Whether the values have even steps; two values have, unless a decade or more lies between them."""
+        """True if the values have even steps; two values have, unless a decade or more lies between them."""
         steps = np.diff(self.values)
         if len(self.values) == 2:
             return bool(self.values[0] == 0.0 or self.values[1] < 10.0 * self.values[0])
@@ -79,7 +79,7 @@ def _rounded(value: float) -> str:
 
 
 def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
-    """What every colour means, the same for all maps."""
+    """Draw the meaning of every colour of all maps."""
     keys = [Swatch(f"{kind}: {meaning}", COLOURS[kind]) for kind, meaning in meanings.items()]
     return chart.draw_legend("map-legend", caption, keys, "Maps", LEGEND)
 

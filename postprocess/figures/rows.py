@@ -60,7 +60,7 @@ def _row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> chart.
 
 
 def _heights(names: Sequence[str]) -> Floats:
-    """Where the rows are, shape (n,)."""
+    """Heights of the rows, shape (n,)."""
     return np.arange(len(names), dtype=float)[::-1]
 
 
@@ -73,17 +73,17 @@ def draw_histogram(
     edges: Floats, counts: Floats, percentiles: Sequence[tuple[int, float]], scene_value: float
 ) -> chart.Chart:
     """The distribution of the peak force, in kN: counts between edges [N], percentiles and the scene's own value."""
-    caption = "Peak force of the combinations: share of them in each bar"
+    caption = "Peak force of the combinations: fraction of them in each bar"
     fraction, own, top = 100.0 * counts / counts.sum(), np.full(2, scene_value / 1e3), 1.12
     across = np.stack([edges[:-1], edges[1:]], axis=-1) / 1e3
     up, ends = np.stack([0.0 * fraction, fraction], axis=-1), np.array([0.0, top * float(fraction.max())])
     marks: list[Mark] = [
-        Boxes("share", across, up, "steel", fraction.tolist(), strength=0.6),
+        Boxes("fraction", across, up, "steel", fraction.tolist(), strength=0.6),
         *(Span(f"{percent} %", force / 1e3, force / 1e3, "fe") for percent, force in percentiles),
         Line("", own, ends, "rigid", 2.0),
         key("the scene's own values", "rigid", 2.0),
     ]
-    plot = chart.Plot(tuple(marks), chart.Axis("share [%]", *ends.tolist()), 220.0)
+    plot = chart.Plot(tuple(marks), chart.Axis("fraction [%]", *ends.tolist()), 220.0)
     x = chart.Axis("peak force [kN]", margin=0.0)
     return chart.draw_chart("histogram", caption, (plot,), x, "Distribution", WIDTH)
 
@@ -93,7 +93,7 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
 
     inputs: rows with `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`.
     """
-    caption = f"Share of the variance of {of} that comes from each input, and its 95 % interval"
+    caption = f"Fraction of the variance of {of} that comes from each input, and its 95 % interval"
     names, marks = [row["key"] for row in inputs], list[Mark]()
     for index, label, shift, colour in INDICES:
         values, rows = np.array([row[index] for row in inputs]), _heights(names) + shift

@@ -38,7 +38,7 @@ class Varied:
 
     @property
     def numeric(self) -> bool:
-        """Whether the values are numbers."""
+        """True if the values are numbers."""
         return bool(np.issubdtype(self.values.dtype, np.number))
 
     @property
@@ -273,7 +273,7 @@ def _scale_marks(place: int, scale: Scaled) -> list[Mark]:
 
 
 def _points(scales: Sequence[Scaled], shown: Values) -> Line:
-    """What pages show of each row where it meets a scale."""
+    """Values that pages show of each row where it meets a scale."""
     places, heights, said, at = [], [], [], []
     for place, scale in enumerate(scales):
         places += [float(place)] * len(shown)

@@ -62,7 +62,7 @@ class Section:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to show."""
+        """True if there is nothing to show."""
         tables = any(table.rows for table in self.tables)
         return not (self.lead or self.figures or tables or self.sentences)
 

@@ -24,7 +24,7 @@ SHOWN = ("figures", "tables", "sentences")
 
 @dataclass(frozen=True)
 class Report:
-    """What a command leaves and says.
+    """Files and terminal text of a command.
 
     tables, histories, texts: by the names of their files, which are .csv for the first two. terminal: what is printed
     before the place of the page. passed: None where nothing is judged.
@@ -39,7 +39,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing failed."""
+        """True if nothing failed."""
         return self.page.passed is not False
 
 
@@ -50,7 +50,7 @@ def in_units(report: Report, units: Units) -> Report:
 
 
 def page_in_units(page: Page, units: Units) -> Page:
-    """A page alike."""
+    """Return the page in these units."""
     sections = [shown_in(section, units) for section in page.sections]
     said = "SI units" if units is SI else f"{units.name.upper()} units, files in SI"
     footer = page.footer.replace("SI units", said)
@@ -58,7 +58,7 @@ def page_in_units(page: Page, units: Units) -> Page:
 
 
 def shown_in(part: Any, units: Units) -> Any:
-    """A text, a table, a chart or a section alike; what else there is stays as it is."""
+    """Return a text, table, chart or section in these units; other objects as they are."""
     if isinstance(part, str):
         return units.rendered(part)
     if isinstance(part, Table | Chart):
@@ -96,5 +96,5 @@ def write_table(path: Path, table: Table) -> Path:
 
 
 def report_text(report: Report, place: Path, page: str = PAGE) -> str:
-    """What is said on the terminal, and where the page is."""
+    """Text for the terminal, with the place of the page."""
     return printed((*report.terminal, place_line("Report:", place / page)))

@@ -19,7 +19,7 @@ MANY, LONG = 9, 105
 
 @dataclass(frozen=True)
 class Column:
-    """How one entry of a record is shown.
+    """Column of a table: form of one entry of each record.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class Table:
 
     @property
     def is_wide(self) -> bool:
-        """Whether its headings need smaller letters to stand side by side on a page."""
+        """True if its headings need smaller letters to stand side by side on a page."""
         return len(self.columns) > MANY or sum(len(column.heading) + 2 for column in self.columns) > LONG
 
     def mark(self, row: int) -> str:
@@ -132,7 +132,7 @@ class Table:
         return self.marks.get(row, "")
 
     def in_units(self, units: Units) -> Table:
-        """The same table, shown in other units."""
+        """Return the table in other units."""
         columns = [
             replace(column, units=units, below=column.below and replace(column.below, units=units))
             for column in self.columns

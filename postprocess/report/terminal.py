@@ -28,7 +28,7 @@ def printed(parts: Iterable[Part]) -> str:
 
 
 def line_width() -> int:
-    """How long lines may be."""
+    """Largest length of a line."""
     return max(NARROWEST, min(shutil.get_terminal_size().columns, WIDEST))
 
 

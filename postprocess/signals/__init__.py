@@ -1,1 +1,1 @@
-"""What roadside engineers read off an impact: filtered forces, peaks, durations, design forces, occupant risk."""
+"""Measures of roadside engineers: filtered forces, peaks, durations, design forces, occupant risk."""

@@ -106,7 +106,7 @@ def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) ->
 
 
 def _coefficients(corner: float) -> tuple[Floats, Floats]:
-    """Of input and output in the difference equation, SAE's a0 to a2 and 1, -b1, -b2."""
+    """Coefficients of input and output in the difference equation, SAE's a0 to a2 and 1, -b1, -b2."""
     scale = 1.0 + math.sqrt(2.0) * corner + corner**2
     entering = corner**2 / scale * np.array([1.0, 2.0, 1.0])
     leaving = np.array([scale, 2.0 * (corner**2 - 1.0), 1.0 - math.sqrt(2.0) * corner + corner**2]) / scale
@@ -192,7 +192,7 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
 
 
 def _valley(falling: Floats) -> int:
-    """How many samples after its first, the peak, the force has its first low bottom."""
+    """Samples from the first one, the peak, to the first low bottom of the force."""
     low = int(np.argmax(falling <= falling.min() + LOWEST * falling[0]))
     rising = np.diff(falling[low:]) >= 0.0
     return low + (int(np.argmax(rising)) if rising.any() else rising.size)

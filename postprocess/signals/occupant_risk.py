@@ -60,7 +60,7 @@ class VehicleMotion:
 
 @dataclass(frozen=True)
 class FlightEnd:
-    """Where a free flight ends: instant [s], velocity relative to the vehicle [m/s], forward and to the left."""
+    """End of a free flight: instant [s], velocity relative to the vehicle [m/s], forward and to the left."""
 
     time: float
     forward: float

@@ -43,11 +43,11 @@ class Axis:
 
     @property
     def unit(self) -> str:
-        """What stands in brackets behind the label."""
+        """Unit in brackets behind the label."""
         return self.label.partition("[")[2].rstrip("]")
 
     def named_as(self, label: str) -> Axis:
-        """The same with a label."""
+        """Return the axis with another label."""
         return replace(self, label=label)
 
     def scaled(self, factor: float, unit: str) -> Axis:
@@ -217,11 +217,11 @@ class Chart:
 
     @property
     def is_legend(self) -> bool:
-        """Whether it is the legend of several charts, and shows nothing else."""
+        """True if it is the legend of several charts, and shows nothing else."""
         return bool(self.plots) and all(plot.height == 0.0 for plot in self.plots)
 
     def in_units(self, units: Units) -> Chart:
-        """The same in other units."""
+        """Return the chart drawn in other units."""
         along, x_unit = units.of(self.x.unit)
         plots = []
         for plot in self.plots:

@@ -1,4 +1,4 @@
-"""What marks and charts write: colours by name, paths, words; and the ranges of numbers.
+"""SVG text of marks and charts: colours by name, paths, words; and the ranges of numbers.
 
 A colour is a name of `PALETTE`, which a page may give another colour (`page.css`, where it is dark), or "#rrggbb".
 """

@@ -29,7 +29,7 @@ class Mark:
         )
 
     def scaled(self, along: float, up: float) -> Mark:
-        """The same with x and y so many times as large."""
+        """Return the mark with x and y times these factors."""
         changed = {name: along * np.asarray(getattr(self, name)) for name in self.ACROSS}
         changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
         return replace(self, **changed)  # type: ignore[type-var]
@@ -157,7 +157,7 @@ SMALL_BOX = 4.0
 
 @dataclass(frozen=True)
 class Layer(Mark):
-    """What lies between two lines over the same x, shape (n,); the value shown on pages is their distance."""
+    """Area between two lines over the same x, shape (n,); the value shown on pages is their distance."""
 
     ACROSS = ("x",)
     UP = ("low", "high")
@@ -291,7 +291,7 @@ class Shades:
 
     @classmethod
     def of(cls, values: drawing.Floats, is_log: bool = False) -> Shades:
-        """Those of the finite values, one at least."""
+        """Shades of the finite values, one at least."""
         low, high = drawing.extent(values)
         if is_log:
             return cls(low, high if high > low else 10.0 * low, True)
@@ -299,10 +299,10 @@ class Shades:
         return cls(low - more, high + more)
 
     def colours(self, values: drawing.Floats) -> list[str]:
-        """As "#rrggbb", of finite values."""
-        share = np.clip(scale.Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
+        """Colours of finite values, as "#rrggbb"."""
+        fraction = np.clip(scale.Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
         table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * drawing.viridis(COUNT)).astype(np.uint8)]
-        return [table[number] for number in np.rint((COUNT - 1) * share).astype(int)]
+        return [table[number] for number in np.rint((COUNT - 1) * fraction).astype(int)]
 
     def keys(self, unit: str) -> list[Swatch]:
         """Round values for the legend, in this unit."""

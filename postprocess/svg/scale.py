@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SMALLEST, LARGEST = 1e-4, 1e6
-"""Values of a linear axis outside these are told as powers of ten."""
+"""Values of a linear axis outside these are written as powers of ten."""
 
 
 @dataclass(frozen=True)

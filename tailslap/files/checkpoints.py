@@ -38,7 +38,7 @@ _current: ContextVar[Checkpoints | None] = ContextVar("checkpoints", default=Non
 
 
 class Checkpoints:
-    """Those of one command; resume: whether what an earlier one has left counts."""
+    """Checkpoints of one command; resume: True if those that an earlier command left count."""
 
     def __init__(self, place: Path, definition: Mapping[str, Any], resume: bool) -> None:
         self._place, self._definition, self._resume = resolved(place), _digest(definition), resume

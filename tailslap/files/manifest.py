@@ -94,7 +94,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def listed_file(path: Path) -> Iterator[Path]:
-    """As `whole_file`, for a file that the folder's manifest lists; what the user has put there is refused.
+    """Write a file that the folder's manifest lists, whole or not at all; a user's own file is refused.
 
     Both states of the file are listed before it is replaced: killed in between, it is known in either.
     """

@@ -1,4 +1,4 @@
-"""What each key of a scene means, in a line; unit, bounds and default are the schema's."""
+"""Meaning of each key of a scene, in a line; unit, bounds and default are the schema's."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MEANINGS = MappingProxyType(
         "corner.patch_length": "length of side over which the corner is held; if left out one node",
         "contact.stiffness": "of the crush law of each corner; if left out nothing crushes",
         "contact.initial_force": "of the crush law, at no crush",
-        "contact.restitution": "its square is the share of the crush energy that is given back",
+        "contact.restitution": "its square is the fraction of the crush energy that is given back",
         "contact.friction": "between vehicle and wall",
         "contact.side_stiffness": "of a layer along the sides; if left out the corners alone touch",
         "contact.patch_length": "length of side over which a corner's force is spread",
@@ -43,7 +43,7 @@ MEANINGS = MappingProxyType(
         "plate.poissons_ratio": "of the plate",
         "plate.elements": "along and across; if left out the program chooses",
         "plate.element": "kind of element",
-        "plate.distortion": "of the mesh, as a share of the element's size",
+        "plate.distortion": "of the mesh, as a fraction of the element's size",
         "plate.lumping": "how the mass is put on the nodes",
         "plate.start": "elastic state at the start",
         "material.law": "of the plate",

@@ -61,12 +61,12 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[Scene, Source]:
 
 
 def read_source(name: str) -> Source:
-    """What the scene says, not yet validated. Raises InputError."""
+    """Read a scene's tables, not yet validated. Raises InputError."""
     return source_of_text(scene_text(name), name)
 
 
 def source_of_text(text: str, name: str = "SCENE") -> Source:
-    """The same for a scene's text; name: what errors call it."""
+    """Parse a scene's text into its tables, not yet validated; name: of the scene in errors. Raises InputError."""
     if len(max(text.split("\n"), key=len)) > MAX_LINE:
         raise errors.InputError(
             name, errors.Verbatim("a very long line"), f"allowed are lines of {MAX_LINE} characters"

@@ -37,7 +37,7 @@ Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', least=1e-3, 
 Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=1e-6, most=1e9)]
 PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", least=-0.999, most=0.4999)]
 Scale = Annotated[float, Quantity("a factor", "", "1.0", least=1e-6, most=1e6)]
-Share = Annotated[float, Quantity("a share", "", "0.9", least=1e-6, most=1.0)]
+Fraction = Annotated[float, Quantity("a fraction", "", "0.9", least=1e-6, most=1.0)]
 DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", least=1e-9, most=1.0)]
 Viscosity = Annotated[
     float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", least=1e-9, most=10.0)
@@ -52,7 +52,7 @@ Inertia = Annotated[
 ]
 Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', least=1e-9, most=1e12)]
 Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", least=1e-15, below=1.0)]
-Distortion = Annotated[float, Quantity("a share of the element's size", "", "0.2", least=0.0, most=0.3)]
+Distortion = Annotated[float, Quantity("a fraction of the element's size", "", "0.2", least=0.0, most=0.3)]
 
 
 def _registered(registry: Registry[Any]) -> BeforeValidator:
@@ -146,17 +146,17 @@ class Corner(Table):
 
     @property
     def frictionless(self) -> bool:
-        """Whether the reaction is one without friction."""
+        """True if the reaction is one without friction."""
         return FRICTION_LAWS[self.reaction].frictionless
 
     @property
     def rigid_reaction(self) -> str:
-        """What the rigid-body theory calls the reaction."""
+        """Name of the reaction in the rigid-body theory."""
         return FRICTION_LAWS[self.reaction].rigid
 
     @property
     def constraint_is_open(self) -> bool:
-        """Whether the scene leaves the choice of the constraint to the program."""
+        """True if the scene leaves the choice of the constraint to the program."""
         return not self.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
 
 
@@ -179,7 +179,7 @@ class Contact(Table):
 
     @property
     def crushes(self) -> bool:
-        """Whether the vehicle crushes."""
+        """True if the vehicle crushes."""
         return self.stiffness is not None
 
 
@@ -222,8 +222,8 @@ class Plate(Table):
 
     @property
     def relieved(self) -> bool:
-        """Whether the plate starts with the elastic state of its acceleration."""
-        return start_kinds.START_KINDS[self.start].relieved
+        """True if the plate starts with the elastic state of its acceleration."""
+        return START_KINDS[self.start].relieved
 
 
 class Material(Table):
@@ -245,23 +245,23 @@ class Damping(Table):
 
 
 class Verify(Table):
-    """What the scene demands of its own result: agreement of the five quantities with the rigid motion."""
+    """Demands of the scene on its own result: agreement of the five quantities with the rigid motion."""
 
     tolerance: Tolerance
 
 
 class Time(Table):
-    """Share of the stable time step that is taken; rows of the history; threads of the time loop; end of a whole
+    """Fraction of the stable time step that is taken; rows of the history; threads of the time loop; end of a whole
     impact, which is left out 0.1 s after the second strike."""
 
-    safety_factor: Share = 0.9
+    safety_factor: Fraction = 0.9
     rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
     threads: Annotated[int, Field(ge=1, le=256, strict=True)] = 1
     end: EndOfImpact | None = None
 
 
 class Output(Table):
-    """What a run leaves beside its report. fields: instants of a run at which displacement, velocity and stress of the
+    """Output of a run beside its report. fields: instants of a run at which displacement, velocity and stress of the
     whole plate are kept."""
 
     fields: Annotated[int, Field(ge=1, le=10_000, strict=True)]

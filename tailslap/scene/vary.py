@@ -31,7 +31,7 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Source:
-    """Where a scene came from.
+    """Origin of a scene: its file, the tables as given, the keys changed since.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def vary(source: Source, changes: Changes) -> tuple[Scene, Source]:
 
 
 def varied(scene: Scene, changes: Changes) -> Scene:
-    """The same where nobody asks for the source."""
+    """Return the validated scene with these changes. Raises InputError."""
     return vary(Source.of(scene), changes)[0]
 
 
@@ -115,7 +115,7 @@ def parse_value(text: str) -> Any:
 
 
 def depth_exceeds(value: Any, most: int) -> bool:
-    """Whether tables and lists are nested deeper than this."""
+    """True if tables and lists are nested deeper than this."""
     level = [value]
     for _ in range(most + 1):
         level = [

@@ -145,7 +145,7 @@ def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
 def resolved_inputs(
     scene: Scene, source: Source, plate: Plate, chosen: frozenset[str] = frozenset()
 ) -> tuple[SceneInput, ...]:
-    """The same, with the modulus that the first frequency has given the plate; chosen: keys that it filled in."""
+    """Rows of `scene_inputs` with the plate's resolved modulus; chosen: keys that the program filled in."""
     rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
     origin = "from plate.first_frequency"
     known = scene.plate is not None and scene.plate.youngs_modulus is not None

@@ -79,7 +79,7 @@ def test_colours_of_numbers():
 def test_a_histogram_says_each_share():
     chart = draw_histogram(np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5)
     assert said(chart) == {"share": ["25", "75"]}
-    assert {"5 %", "95 %", "the scene's own values", "peak force [kN]", "share [%]"} <= set(words(chart))
+    assert {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"} <= set(words(chart))
     low, high = boxes(chart.svg, "steel")
     assert high[3] - high[1] == pytest.approx(3.0 * (low[3] - low[1]), rel=0.02)
 
