@@ -223,7 +223,7 @@ class Plate(Table):
     @property
     def relieved(self) -> bool:
         """True if the plate starts with the elastic state of its acceleration."""
-        return START_KINDS[self.start].relieved
+        return start_kinds.START_KINDS[self.start].relieved
 
 
 class Material(Table):
