@@ -1,4 +1,4 @@
-"""What a study is: a name, what it computes, what it reports; all else is the same for every study."""
+"""A study: its name, what it computes, what it reports; all else is done here for every study."""
 
 from __future__ import annotations
 
@@ -30,16 +30,6 @@ def later(name: str) -> Callable[..., Any]:
 
 
 @dataclass(frozen=True)
-class Call:
-    """A study as it was asked for: the scene's name and changes, its case, the result folder's place."""
-
-    name: str
-    changes: tuple[str, ...]
-    plan: Any
-    place: Path
-
-
-@dataclass(frozen=True)
 class Study:
     """A study.
 
@@ -48,15 +38,15 @@ class Study:
     name, summary : str
         Its name on the command line, and what `--help` says.
     compute : callable
-        Takes the `Call` and the study's own options by name, and returns what was found.
+        Takes the case, the result folder's place and the study's own options by name; returns what was found.
     report : callable
         Takes what was found and returns its `Report`; both may be named, by `later`.
     options : tuple of click.Option
         Options of its own.
     needs_plate : bool
-        Whether the scene must have the table [plate].
+        True if the scene must have the table [plate].
     folder : callable, optional
-        Takes the options and returns how the name of the default result folder ends; without it, in the study's name.
+        Takes the options and returns the ending of the default result folder's name; without it, the study's name.
     analyses : tuple of str
         Names of the analyses whose scenes it makes sense for.
     """
@@ -129,4 +119,4 @@ def compute_study(
     place = out or Path("results") / f"{scene.name}-{ending}"
     demand_place(place)
     demand_own(place, scene.name, force)
-    return place, study.compute(Call(name, changes, case, place), **options)
+    return place, study.compute(case, place, **options)

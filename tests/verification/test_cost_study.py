@@ -19,7 +19,6 @@ from tailslap.scene.vary import Source, vary
 from tailslap.studies.cost import compute as study
 from tailslap.studies.cost.compute import EXACT, FE, MODAL, ODE, Limit, Setting, limit_of, measure, row_of
 from tailslap.studies.cost.report import report
-from tailslap.studies.study import Call
 
 pytestmark = pytest.mark.verification
 
@@ -180,10 +179,9 @@ def test_interrupted_study_measures_only_what_is_missing(
         return record(TRUTH)
 
     monkeypatch.setattr(study, "measure", noted)
-    call = Call("paper-table-3", (), STUDIED, tmp_path / "out")
     with pytest.raises(KeyboardInterrupt):
-        study.compute(call)
-    found = study.compute(call)
+        study.compute(STUDIED, tmp_path / "out")
+    found = study.compute(STUDIED, tmp_path / "out")
     assert len(done) - 1 == len(set(done)) - 1 == len(found.rows)
     assert list(tmp_path.iterdir()) == []
 

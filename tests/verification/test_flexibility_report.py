@@ -41,7 +41,7 @@ from tailslap.studies.flexibility.compute import (
     start_samples,
     summed_up,
 )
-from tailslap.studies.flexibility.report import WORDS, flexibility_report, headline, plates_table
+from tailslap.studies.flexibility.report import WORDS, headline, plates_table, report
 
 pytestmark = pytest.mark.verification
 
@@ -139,10 +139,10 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., 
 
 def said(found: Flexibility, tmp_path: Path) -> tuple[str, str]:
     """Terminal and page, with plain spaces."""
-    report = flexibility_report(found)
-    write_report(report, tmp_path)
+    made = report(found)
+    write_report(made, tmp_path)
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    return " ".join(report_text(report, tmp_path).split()), page
+    return " ".join(report_text(made, tmp_path).split()), page
 
 
 @pytest.mark.long

@@ -41,7 +41,6 @@ from tailslap.studies.stability.compute import (
     verdict,
 )
 from tailslap.studies.stability.report import report
-from tailslap.studies.study import Call
 
 TRUCK = read_scene("mash-tl4-sut")[0]
 BASE = base_source(TRUCK)
@@ -326,8 +325,8 @@ def test_a_cells_file_can_be_run(tmp_path):
 
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
-    call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
-    found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
+    found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [changed_tables(found.base.given, cell)[0] for cell in found.cells.values()] == DRAWN[:4]
     assert len(found.of_kind("right")) == 4
     assert list(tmp_path.iterdir()) == []
@@ -348,11 +347,11 @@ def all_right(stop_at: str = "") -> Any:
 
 def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
-    call = Call("mash-tl4-sut", (), CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out")
+    case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
     with pytest.raises(Interrupted, match="2 parts are kept"):
-        study.compute(call, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+        study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
-    found = study.compute(call, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [row["steps"] for row in found.rows.values()] == [3, 3, 4, 4]
 
 

@@ -28,7 +28,6 @@ from tailslap.scene.vary import Changes, changed_tables
 from tailslap.studies.stability import compute as study
 from tailslap.studies.stability.compute import MAP_KINDS, Found, axes_of, base_source, map_cells
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report
-from tailslap.studies.study import Call
 
 COARSE = ("plate.elements=[10,3]",)
 
@@ -188,9 +187,9 @@ def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
 
 
 def test_random_cells_are_of_the_corner_alone(tmp_path):
-    call = Call(TRUCK, (), SimpleNamespace(scene=read_scene(TRUCK)[0]), tmp_path)
+    case = SimpleNamespace(scene=read_scene(TRUCK)[0])
     with pytest.raises(InputError, match="--random"):
-        study.compute(call, None, None, 5, 1, 1)
+        study.compute(case, tmp_path, None, None, 5, 1, 1)
 
 
 @pytest.fixture

@@ -13,17 +13,17 @@ import tailslap.studies
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
-from tailslap.case.case import CORNER, WHOLE_IMPACT
+from tailslap.case.case import CORNER, WHOLE_IMPACT, Case
 from tailslap.cli import _status
 from tailslap.studies import register, study_names
-from tailslap.studies.study import Call, Study
+from tailslap.studies.study import Study
 
 TRUCK = "mash-tl4-sut"
 
 
-def heavier(call: Call, factor: float) -> list[dict[str, Any]]:
+def heavier(case: Case, place: Path, factor: float) -> list[dict[str, Any]]:
     """Masses of the scene's vehicle."""
-    mass = call.plan.scene.vehicle.mass
+    mass = case.scene.vehicle.mass
     return [{"what": "as it is", "mass": mass}, {"what": "heavier", "mass": factor * mass}]
 
 
@@ -68,7 +68,7 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
 
 @pytest.mark.usefixtures("registry")
 def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
-    register(Study("toy", "", lambda call: [], masses_report, needs_plate=True))
+    register(Study("toy", "", lambda case, place: [], masses_report, needs_plate=True))
     assert _status(["study", "toy", TRUCK, "--out", str(tmp_path / "out")]) == 1
     assert _status(["study", "toy", TRUCK, "--set", "plate=", "--out", str(tmp_path / "none")]) == 2
     assert _status(["study", "toy", "nowhere"]) == 2

@@ -33,15 +33,13 @@ from tailslap.studies.uncertainty.compute import (
     Spread,
     beside,
     corner_ranges,
-    corner_spread,
     demand_corners,
     impact_ranges,
-    impact_spread,
     input_curves,
-    measured,
-    peak_forces,
+    solved,
+    spread,
 )
-from tailslap.studies.uncertainty.report import spread_report
+from tailslap.studies.uncertainty.report import report
 
 TRUCK, IMPACT = "mash-tl4-sut", "impact-mash-tl4-sut"
 HELD = ("impact.friction", "impact.speed", "impact.angle")
@@ -55,7 +53,7 @@ def plan_of(name: str, *changes: str) -> CornerCase:
 
 def run(name: str, *ranges: str, fixed: tuple[str, ...] = (), samples: int = 100_000) -> Spread:
     plan = plan_of(name)
-    return corner_spread(plan, corner_ranges(plan, ranges, fixed), samples)
+    return spread(plan, corner_ranges(plan, ranges, fixed), samples)
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +72,7 @@ def complete():
 def impacts():
     """The study of a whole impact, as small as it gets."""
     plan = impact_of()
-    return impact_spread(plan, impact_ranges(plan), 288)
+    return spread(plan, impact_ranges(plan), 288)
 
 
 def impact_of(*changes: str, name: str = IMPACT) -> ImpactCase:
@@ -120,7 +118,7 @@ def test_distribution_of_a_product(product):
     assert found.standard_deviation == pytest.approx(g * math.sqrt(xx * yy - (x * y) ** 2), rel=1e-4)
     for fraction, force in zip((0.05, 0.5, 0.95), found.percentiles, strict=True):
         assert below(force / g) == pytest.approx(fraction, abs=4e-4)  # 2e-3 for random points
-    histogram = spread_report(product).summary["peak_force"]["histogram"]
+    histogram = report(product).summary["peak_force"]["histogram"]
     fractions = np.array([below(edge / g) for edge in histogram["edges"]])
     assert histogram["counts"] / histogram["counts"].sum() == pytest.approx(np.diff(fractions), abs=4e-4)
 
@@ -215,11 +213,11 @@ def test_the_bootstrap_s_intervals_are_those_of_random_rows():
 def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
     plan = CornerCase(*read_scene(name, changes))
     keys = [item.key for item in corner_ranges(plan, ranges)]
-    inputs, tables = sampled(
-        corner_ranges(plan, ranges), 10, lambda given: {"f": peak_forces(plan.scene, given)}
-    )
+    inputs, tables = sampled(corner_ranges(plan, ranges), 10, plan.many)
     assert list(inputs) == keys
-    for column, force in zip(np.array([*inputs.values()]).T[:64].tolist(), tables["f"].ravel(), strict=False):
+    for column, force in zip(
+        np.array([*inputs.values()]).T[:64].tolist(), tables["peak_force"].ravel(), strict=False
+    ):
         changed = plan.varied(dict(zip(keys, column, strict=True)))
         assert changed.force.peak_force == pytest.approx(force, rel=1e-12)
 
@@ -379,7 +377,7 @@ def test_a_force_that_does_not_change_has_no_indices():
     """[start] gives the state after the impact, so that the speed, forced to vary here, has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(InputError, match="the same all over"):
-        corner_spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
+        spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 
 
 def test_bands_by_hand():
@@ -399,9 +397,9 @@ def test_a_hundred_thousand_combinations_in_two_seconds():
     plan = plan_of("mash-tl3-pickup")
     ranges = corner_ranges(plan)
     began = time.process_time()
-    spread = corner_spread(plan, ranges, 100_000)
+    found = spread(plan, ranges, 100_000)
     assert time.process_time() - began < 2.0
-    assert spread.computed >= 100_000
+    assert found.computed >= 100_000
 
 
 def test_more_rows_come_closer(complete):
@@ -423,13 +421,13 @@ def test_an_unknown_study_lists_the_known_ones(capsys):
 
 
 def test_what_is_held_and_how_the_scene_s_own_force_compares(complete):
-    report = spread_report(complete)
-    assert report.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
+    made = report(complete)
+    assert made.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
     below_own = np.mean(complete.samples["peak_force"] < complete.case.force.peak_force)
-    assert f"more than {100.0 * below_own:.0f} % of them" in report.page.headline
+    assert f"more than {100.0 * below_own:.0f} % of them" in made.page.headline
     nothing = {"peak_force": np.where(np.arange(complete.rows) < 0, 0.0, complete.tables["peak_force"])}
     nothing["peak_force"][0] = np.nan
-    summary = spread_report(replace(complete, tables=nothing)).summary
+    summary = report(replace(complete, tables=nothing)).summary
     assert summary["rows_left_out"] == summary["refused"] == complete.rows
 
 
@@ -442,7 +440,7 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
         "vehicle.mass": 9000.0 * heavier,
         "contact.stiffness": 1e6 * ones * faster**2 * heavier,
     }
-    columns = measured(plan, inputs)
+    columns = solved(plan, inputs)
     force = faster * np.sqrt(faster**2 * heavier * heavier)
     for strike in (1, 2):
         raw, impulse, duration = (
@@ -461,7 +459,10 @@ def test_many_impacts_are_the_single_one():
     plan = impact_of(
         "vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2", "contact.initial_force=20 kN"
     )
-    exact, many = (both_strikes(plan.answer), measured(plan, {"impact.speed": np.array([25.034, 25.034])}))
+    exact, many = (
+        both_strikes(plan.answer),
+        solved(plan, {"impact.speed": np.array([25.034, 25.034])}),
+    )
     plan_speed = plan.scene.impact.speed if plan.scene.impact else 0.0
     assert plan_speed == pytest.approx(25.034, rel=1e-4)
     for name in COLUMNS:
@@ -501,7 +502,7 @@ def test_stiffness_alone_has_all_of_the_variance():
     fixed = tuple(item.key for item in impact_ranges(plan) if item.key != "contact.stiffness")
     ranges = impact_ranges(plan, (), fixed)
     assert [item.key for item in ranges] == ["contact.stiffness"]
-    found = impact_spread(plan, ranges, 288)
+    found = spread(plan, ranges, 288)
     for name in ("strike_1.raw", "strike_2.mean_50ms", "strike_2.duration"):
         (source,) = found.sources[name]
         assert (source["first_order"], source["total"]) == pytest.approx((1.0, 1.0), abs=0.05)
@@ -522,9 +523,7 @@ def test_validation_uncertainty_by_hand():
     """u_val^2 = 3^2 + 4^2 without u_D; E = 13 needs u_D = 12."""
     band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
     near, far = (
-        beside(
-            ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)), "50 ms mean", "", 100.0, 3.0, band
-        )
+        beside(ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)), "50 ms mean", 100.0, 3.0, band)
         for force in (104.0, 87.0)
     )
     assert [near[name] for name in ("error", "within", "u_d_needed", "share_below")] == [
@@ -550,7 +549,7 @@ def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
 
 def test_another_test_level_has_no_rows():
     plan = impact_of(name="impact-mash-tl3-car")
-    assert impact_spread(plan, impact_ranges(plan), 288).beside == ()
+    assert spread(plan, impact_ranges(plan), 288).beside == ()
 
 
 def test_curves_go_through_the_scenes_own_values(impacts):
@@ -590,8 +589,8 @@ def test_the_study_of_strikes_says_where_it_went(capsys):
 
 
 def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
-    report = spread_report(impacts)
-    write_report(report, tmp_path)
+    made = report(impacts)
+    write_report(made, tmp_path)
     page = (tmp_path / "report.html").read_text()
     drawn = {path.stem for path in tmp_path.glob("*.svg")}
     assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
@@ -603,7 +602,7 @@ def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
         assert len(list(csv.DictReader(file))) == 2 * impacts.rows
     with (tmp_path / "curves.csv").open() as file:
         assert {line["input"] for line in csv.DictReader(file)} == {each["key"] for each in impacts.curves}
-    assert max(map(len, printed(report.terminal).splitlines())) <= 96
+    assert max(map(len, printed(made.terminal).splitlines())) <= 96
 
 
 def test_impacts_without_a_second_strike_are_told(impacts):
@@ -611,8 +610,8 @@ def test_impacts_without_a_second_strike_are_told(impacts):
     tables["strike_2.impulse"][0, :3] = np.nan
     found = replace(impacts, tables=tables)
     assert found.band("strike_2.impulse").values.size == 2 * found.rows - 3
-    report = spread_report(found)
-    assert report.summary["without_second_strike"] == 3
+    made = report(found)
+    assert made.summary["without_second_strike"] == 3
     assert any(
-        "3 impacts have no second strike" in text for part in report.page.sections for text in part.sentences
+        "3 impacts have no second strike" in text for part in made.page.sections for text in part.sentences
     )

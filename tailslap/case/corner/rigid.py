@@ -23,10 +23,11 @@ from solver import (
     corner_impulse,
     plane_motion,
     strike_force,
+    tail_slap,
 )
 from tailslap.case.case import CORNER, Case
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.schema import Scene
+from tailslap.scene.schema import Scene, Start
 from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Changes, varied
 
@@ -128,6 +129,41 @@ class RigidStages(Case):
         speed, duration = self.motion.strike.v_gy, self.scene.strike.duration
         with _refusals(self.scene, "strike"):
             return strike_force(self.scene.vehicle.mass, speed, duration)
+
+    def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Peak force [N] of each of n combinations, by Stages 1 to 3 of the scene with columns in place of numbers.
+
+        Parameters
+        ----------
+        inputs : dict of ndarray, shape (n,)
+            By key of the scene [SI]; they are not validated.
+
+        Returns
+        -------
+        dict of ndarray, shape (n,)
+            "peak_force"; NaN where the theory refuses a combination.
+        """
+        import numpy as np
+
+        scene: Any = self.scene
+        for key, value in inputs.items():
+            table, _, name = key.partition(".")
+            changed = (getattr(scene, table) or Start()).model_copy(update={name: value})
+            scene = scene.model_copy(update={table: changed})
+        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or Start()
+        body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
+        begin: tuple[Any, Any, Any] = (start.angle, start.omega, start.corner_speed)
+        if impact is not None:
+            given = (impact.speed, impact.angle, impact.friction, impact.restitution, impact.convention)
+            stage_1 = corner_impulse(body, *given, invalid="nan")
+            computed = (impact.angle, stage_1.omega, stage_1.corner_speed)
+            begin = tuple(own if value is None else value for value, own in zip(begin, computed, strict=True))
+        given = (*begin, scene.corner_friction, scene.corner.rigid_reaction)
+        state = tail_slap(body, *given, invalid="nan")
+        speed = np.asarray(state.v_gy)
+        known = np.isfinite(speed)
+        force = strike_force(vehicle.mass, np.where(known, speed, 0.0), scene.strike.duration).peak_force
+        return {"peak_force": np.where(known, force, np.nan)}
 
     @property
     def duration(self) -> float:

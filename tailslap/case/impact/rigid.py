@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -20,9 +20,10 @@ from solver.impact import (
     WallContact,
     first_touch,
     solve_impact,
+    solve_impacts,
 )
 from tailslap.case.case import WHOLE_IMPACT, Case
-from tailslap.case.impact.answers import ImpactAnswer, rigid_answer
+from tailslap.case.impact.answers import COLUMNS, ImpactAnswer, filtered, peaks_within, rigid_answer
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.progress import compiling
 from tailslap.scene.schema import Contact, Scene
@@ -53,6 +54,22 @@ SAMPLE = 2e-4
 
 ROWS_A_STRIKE, MOST_ROWS = 200, 200_000
 """Rows in the shorter of the rigid vehicle's first two strikes, and of a history, at most."""
+
+ARGUMENTS = (
+    *(
+        "vehicle.length",
+        "vehicle.width",
+        "vehicle.mass",
+        "vehicle.centre_of_mass",
+        "impact.speed",
+        "impact.angle",
+    ),
+    *("contact.stiffness", "contact.initial_force", "contact.restitution", "contact.friction"),
+)
+"""Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
+
+INTERVAL = 5e-4
+"""Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
 
 CURVES = {
     "raw": "raw",
@@ -140,6 +157,53 @@ class RigidImpact(Case):
         """The rigid vehicle's impact, sampled."""
         rows = max(2, int(np.ceil(self.duration / self.sample)))
         return rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
+
+    @property
+    def inputs(self) -> dict[str, float]:
+        """The scene's own number of each key of `ARGUMENTS`."""
+        tables = (key.split(".") for key in ARGUMENTS)
+        own = {f"{table}.{name}": getattr(getattr(self.scene, table), name) or 0.0 for table, name in tables}
+        return own | {"vehicle.centre_of_mass": self.vehicle.front_distance}
+
+    def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Both strikes of each of n impacts, by the corners alone.
+
+        Parameters
+        ----------
+        inputs : dict of ndarray, shape (n,)
+            By key of `ARGUMENTS` [SI]; the others are the scene's. Its yaw inertia goes with the mass.
+
+        Returns
+        -------
+        dict of ndarray, shape (n,)
+            `COLUMNS` [SI]; NaN where there is no such strike.
+
+        Raises
+        ------
+        InputError
+            Where the theory refuses one of them.
+        """
+        middle = {
+            "vehicle.centre_of_mass": self.scene.vehicle.centre_of_mass
+        }  # None: of each one's own length
+        values: dict[str, Any] = {**self.inputs, **middle, **inputs}
+        given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
+        if (inertia := self.scene.vehicle.yaw_inertia) is not None:
+            given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
+        with refusals(self.scene):
+            found = solve_impacts(**given, after_second=AFTER_SECOND, longest=LONGEST, interval=INTERVAL)
+        starts, ends = found.start, found.start + found.duration
+        columns = {name: np.full(starts.shape[1:], np.nan) for name in COLUMNS}
+        for k, known in enumerate(np.isfinite(starts[:2]), 1):
+            for name, taken in (("raw", "peak_force"), ("impulse", "impulse"), ("duration", "duration")):
+                columns[f"strike_{k}.{name}"][known] = getattr(found, taken)[k - 1][known]
+        for number, force in enumerate(found.mean_force.T):
+            last = int(np.ceil((np.nanmax(ends[:, number]) + AFTER_SECOND) / INTERVAL))
+            curves = filtered(force[:last], INTERVAL)
+            for k, (start, end) in enumerate(zip(starts[:2, number], ends[:2, number], strict=True), 1):
+                for name, value in peaks_within(curves, INTERVAL, float(start), float(end)).items():
+                    columns[f"strike_{k}.{name}"][number] = value
+        return columns
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Columns of the rigid vehicle's impact by name, SI."""

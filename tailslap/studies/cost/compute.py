@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,7 +39,6 @@ from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, shown, vary
 from tailslap.studies import with_elements
 from tailslap.studies.flexibility.compute import NAMES, patch_length
-from tailslap.studies.study import Call
 
 # Kinds of method: the exact rigid solution, integrators of the rigid equations, the plate by a few modes,
 # finite elements.
@@ -140,17 +140,17 @@ class Found(NamedTuple):
         return [row for row in self.rows if row["soft"] == soft]
 
 
-def compute(call: Call) -> Found:
+def compute(case: Any, place: Path) -> Found:
     """Measure every setting; an interrupted study of the same scene goes on from its journal."""
-    began, impact = time.perf_counter(), call.plan.scene.contact is not None
-    case, patch = call.plan if impact else with_elements(call.plan), math.nan
+    began, impact, patch = time.perf_counter(), case.scene.contact is not None, math.nan
+    case = case if impact else with_elements(case)
     if impact:
         todo, changes, patch = impact_settings(case)
     else:
         todo, changes = [*settings(case.scene), *soft_settings(case.scene)], soft_changes(case)
     varied = case.varied(changes)
     definition = {"study": "cost", "scene": case.scene.model_dump(), "settings": [s.key for s in todo]}
-    with records.Journal(call.place, definition) as journal:
+    with records.Journal(place, definition) as journal:
         parts = {s.key: ((varied if impact or s.soft else case).source, s) for s in todo}
         # One after the other: they are timed.
         engine.run_parts(measure, parts, journal, f"{case.scene.name}: {len(todo)} settings", workers=1)

@@ -23,8 +23,8 @@ HIGHEST = click.Option(
 STUDY = Study(
     name="flexibility",
     summary="Rigid to soft plates: how far the five quantities, reaction and stored energy are from the rigid values.",
-    compute=later("tailslap.studies.flexibility.compute:study_flexibility"),
-    report=later("tailslap.studies.flexibility.report:flexibility_report"),
+    compute=later("tailslap.studies.flexibility.compute:compute"),
+    report=later("tailslap.studies.flexibility.report:report"),
     analyses=(CORNER, WHOLE_IMPACT),
     options=(POINTS, LOWEST, HIGHEST, WORKERS),
 )

@@ -37,7 +37,6 @@ from tailslap.errors import InputError
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import Changes, Source, vary
-from tailslap.studies.study import Call
 
 if TYPE_CHECKING:
     from tailslap.case.corner.plan import CornerPlan
@@ -135,14 +134,14 @@ class Flexibility:
         return tuple(jointly(each) for each in zip(*self.levels.values(), strict=True))
 
 
-def study_flexibility(
-    call: Call, points: int, lowest: str | None, highest: str, workers: int | None
+def compute(
+    case: Any, place: Path, points: int, lowest: str | None, highest: str, workers: int | None
 ) -> Flexibility:
     """The study as the command line asks for it."""
-    if call.plan.scene.contact is not None:
+    if case.scene.contact is not None:
         given = frequencies(lowest or IMPACT_LOWEST, highest, points)
-        return impact_flexibility(call.plan, given, call.place, workers)
-    return corner_flexibility(call.plan, frequencies(lowest or LOWEST, highest, points), call.place, workers)
+        return impact_flexibility(case, given, place, workers)
+    return corner_flexibility(case, frequencies(lowest or LOWEST, highest, points), place, workers)
 
 
 def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:

@@ -103,7 +103,7 @@ PLATES = (
 PLATE_PANELS = {"impulse": "impulse", "raw": "peak", "mean_50ms": "50 ms mean", "duration": "duration"}
 
 
-def flexibility_report(found: Flexibility) -> Report:
+def report(found: Flexibility) -> Report:
     """Page, summary, points, and what the terminal says."""
     return impact_report(found) if found.case.scene.contact else corner_report(found)
 

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import combinations, product
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +34,6 @@ from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
-from tailslap.studies.study import Call
 
 Row = dict[str, Any]
 
@@ -133,10 +133,16 @@ class Found(NamedTuple):
 
 
 def compute(
-    call: Call, points: int | None, tolerance: float | None, count: int | None, seed: int, workers: int | None
+    case: Any,
+    place: Path,
+    points: int | None,
+    tolerance: float | None,
+    count: int | None,
+    seed: int,
+    workers: int | None,
 ) -> Found:
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
-    began, scene = time.perf_counter(), call.plan.scene
+    began, scene = time.perf_counter(), case.scene
     base, usual = base_source(scene), (6, 1e-2) if scene.contact else (10, 1e-3)
     if scene.contact and count:
         raise InputError("--random", count, "a whole impact has the map alone; leave it out")
@@ -151,11 +157,11 @@ def compute(
         kinds, verify = MAP_KINDS, partial(against_rigid, tolerance=settings["tolerance"])
         axes = axes_of(scene, settings["points"])
         cells, places = map_cells(scene, axes)
-    with records.Journal(call.place, {"study": "stability", "scene": base.given, **settings}) as journal:
+    with records.Journal(place, {"study": "stability", "scene": base.given, **settings}) as journal:
         parts = {key: (base, changes, verify) for key, changes in cells.items()}
         engine.run_parts(judge, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
         rows = {key: places[key] | journal.records[key] for key in cells}
-    return Found(call.plan, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
+    return Found(case, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
 
 
 def base_source(scene: Scene) -> Source:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures import rows as figures
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, pairs
+from postprocess.report.table import Column, Table, columns, pairs
 from postprocess.units import grouped, known, measure
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
 from tailslap.case.impact.answers import COLUMNS, QUANTITIES
@@ -31,15 +31,13 @@ INPUTS = (
 )
 
 
-def _interval(ends: Any) -> str:
-    return " to ".join(f"{end:.3f}" for end in ends)
+def _index(key: str, label: str) -> Column:
+    """A Sobol index, its confidence interval below it."""
+    interval = Column(f"{key}_interval", "", form=lambda ends: " to ".join(f"{end:.3f}" for end in ends))
+    return Column(key, label, form=".3f", below=interval)
 
 
-INDICES = (
-    Column("first_order", "Alone", form=".3f", below=Column("first_order_interval", "", form=_interval)),
-    Column("total", "With interactions", form=".3f", below=Column("total_interval", "", form=_interval)),
-)
-
+INDICES = (_index("first_order", "Alone"), _index("total", "With interactions"))
 MAIN = "strike_2.mean_50ms"
 # The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that.
 CURVES = {
@@ -70,12 +68,9 @@ BANDS = (
 SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
 
 ROWS = (
-    Column("label", "Row"),
-    Column("kind", "By"),
-    Column("measured", "D", "N", form=".0f", style="strong"),
-    Column("simulated", "S", "N", form=".0f", style="strong"),
-    Column("band.0", "5 %", "N", form=".0f", group="Band of S"),
-    Column("band.2", "95 %", "N", form=".0f", group="Band of S"),
+    *columns({"label": "Row", "kind": "By"}),
+    *columns({"measured": "D", "simulated": "S"}, unit="N", form=".0f", style="strong"),
+    *columns({"band.0": "5 %", "band.2": "95 %"}, unit="N", form=".0f", group="Band of S"),
     Column("error", "E", "N", form="+.0f"),
 )
 UNCERTAINTY = (
@@ -100,9 +95,31 @@ INDEX_NOTE = (
 )
 
 
-def spread_report(found: Spread) -> Report:
+def report(found: Spread) -> Report:
     """Page, summary, combinations, and what the terminal says."""
     return impact_report(found) if found.case.scene.contact else corner_report(found)
+
+
+def _report(
+    found: Spread,
+    kicker: str,
+    said: str,
+    sections: Any,
+    numbers: Mapping[str, Any],
+    terminal: Any,
+    **curves: Table,
+) -> Report:
+    files = ["summary.json, these numbers in SI", "samples.csv, the combinations of the distribution"]
+    if curves:
+        files[1:] = ["samples.csv, the impacts of the bands", "curves.csv, those of the curves"]
+    head, cost = study_summary("uncertainty", found.case), {"seconds": found.seconds}
+    return Report(
+        study_page(found.case, kicker, said, sections, "; ".join(files)),
+        {**head, "seed": SEED, **numbers, "cost": cost},
+        terminal,
+        {f"{name}.csv": table for name, table in curves.items()},
+        {"samples.csv": found.samples},
+    )
 
 
 def _input_rows(found: Spread) -> list[dict[str, Any]]:
@@ -115,18 +132,13 @@ def corner_report(found: Spread) -> Report:
     """The peak force of a tail-slap."""
     words = {row["key"]: row for row in _input_rows(found)}
     inputs = [words[row["key"]] | row for row in found.sources_of("peak_force")]
-    table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
-    band, own = found.band("peak_force"), found.own["peak_force"]
+    band, own, nan = found.band("peak_force"), found.own["peak_force"], np.isnan(found.tables["peak_force"])
     counts, edges = np.histogram(band.values, BINS)
     percentiles = list(zip(PERCENTILES, band.percentiles, strict=True))
-    forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
-    forces |= {f"{p} % lie below": force for p, force in percentiles} | {"of the scene's own values": own}
-    nan = np.isnan(found.tables["peak_force"])
     refused, left_out = (int(np.count_nonzero(each)) for each in (nan, nan.any(axis=0)))
-    varied, used = {item.key for item in found.ranges}, used_keys(found.case.scene)
+    used = used_keys(found.case.scene)
     keys = [row.key for row in scene_inputs(found.case.scene, found.case.source)]
-    held = tuple(key for key in keys if key in used and key not in varied)
-    refusals = "The theory refuses none of the combinations."
+    held = tuple(key for key in keys if key in used and key not in words)
     low, _, high = (force / 1e3 for force in band.percentiles)
     said = (
         f"Mean {measure(band.mean, 'N', '.0f')}, standard deviation {measure(band.standard_deviation, 'N', '.0f')}; "
@@ -135,30 +147,33 @@ def corner_report(found: Spread) -> Report:
         f"{100.0 * band.fraction_below(own):.0f} % of them. The largest part of the "
         f"variance comes from {inputs[0]['key']}, with an index of {inputs[0]['first_order']:.2f}."
     )
+    refusals = "The theory refuses none of the combinations."
     if refused:
         part = f"{100.0 * refused / found.computed:.2g} %"
         said += f" The theory refuses {part} of the combinations, which are not in these numbers."
         refusals = (
             f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations ({part}): they have no "
-            "force, and the distribution is that of the others. "
-            f"{grouped(left_out)} of {grouped(found.rows)} rows have one and are left out of the indices, which are "
-            "then approximate, for the inputs of the rest are no longer "
-            f"independent. The first: {found.refusal}."
+            f"force, and the distribution is that of the others. {grouped(left_out)} of {grouped(found.rows)} rows "
+            "have one and are left out of the indices, which are then approximate, for the inputs of the rest are no "
+            f"longer independent. The first: {found.refusal}."
         )
     sentences = [
-        f"Each input varies evenly over its range, independently of the others. {grouped(found.rows)} rows "
-        f"of Sobol points, scrambled with the seed {SEED}, give {grouped(found.computed)} combinations; each is "
-        "solved exactly by Stages 1 to 3. The same call gives the same numbers.",
+        f"Each input varies evenly over its range, independently of the others. {grouped(found.rows)} rows of Sobol "
+        f"points, scrambled with the seed {SEED}, give {grouped(found.computed)} combinations; each is solved exactly "
+        "by Stages 1 to 3. The same call gives the same numbers.",
         refusals,
         *([f"Fixed at the scene's value: {', '.join(held)}; --range varies these too."] if held else []),
         "An index is the share of the variance that comes from an input: alone (first order), and with its "
         f"interactions (total). The 95 % intervals are a bootstrap's, of {RESAMPLES} resamples, and err on the wide "
         "side.",
-        "The duration of the strike is an input of the method, which does not predict it: the peak force is that "
-        "of a triangular pulse of this duration.",
+        "The duration of the strike is an input of the method, which does not predict it: the peak force is that of a "
+        "triangular pulse of this duration.",
     ]
-    histogram = figures.draw_histogram(edges, counts, percentiles, own)
+    forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
+    forces |= {f"{p} % lie below": force for p, force in percentiles} | {"of the scene's own values": own}
     numbers = pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
+    histogram = figures.draw_histogram(edges, counts, percentiles, own)
+    table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
     sections = (
         Section("Distribution", figures=(histogram,), layout="half"),
         Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
@@ -166,17 +181,11 @@ def corner_report(found: Spread) -> Report:
         Section("Peak force", tables=(numbers,), layout="half"),
         Section("What was computed, and what it means", sentences=sentences, layout="half"),
     )
+    histogram_numbers = {"of_the_scene": own, "histogram": {"edges": edges, "counts": counts}}
     summary = {
-        "rows": found.rows,
-        "combinations": found.computed,
-        "refused": refused,
-        "rows_left_out": left_out,
+        **{"rows": found.rows, "combinations": found.computed, "refused": refused, "rows_left_out": left_out},
         "first_refusal": found.refusal or None,
-        "peak_force": {
-            **band.numbers(),
-            "of_the_scene": own,
-            "histogram": {"edges": edges, "counts": counts},
-        },
+        "peak_force": {**band.numbers(), **histogram_numbers},
         "inputs": found.sources["peak_force"],
         "held": held,
     }
@@ -184,45 +193,30 @@ def corner_report(found: Spread) -> Report:
     cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
     terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refusals, cost)
     kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
-    files = "summary.json, these numbers in SI; samples.csv, the combinations of the distribution"
-    return _report(found, study_page(found.case, kicker, said, sections, files), summary, terminal)
-
-
-def _report(found: Spread, page: Page, numbers: Mapping[str, Any], terminal: Any, **tables: Table) -> Report:
-    """Page, summary, combinations and other tables as files, and what the terminal says."""
-    head, cost = study_summary("uncertainty", found.case), {"seconds": found.seconds}
-    files = {f"{name}.csv": table for name, table in tables.items()}
-    summary = {**head, "seed": SEED, **numbers, "cost": cost}
-    return Report(page, summary, terminal, files, {"samples.csv": found.samples})
+    return _report(found, kicker, said, sections, summary, terminal)
 
 
 def impact_report(found: Spread) -> Report:
     """Both strikes of a whole impact."""
     inputs, said = found.sources_of(MAIN), _impact_headline(found)
     sensitivity = [figures.draw_sensitivity(inputs, "the second strike's 50 ms mean")] if inputs else []
-    bands = _bands_table(found)
     beside = [row | {"label": row["row"] + "*" * row["projected"]} for row in found.beside]
     rows = Table((*ROWS, *UNCERTAINTY, VERDICT), beside, "", ROW_NOTES)
     single = int(np.count_nonzero(np.isnan(found.samples["strike_2.impulse"])))
-    sentences = _impact_sentences(found, single)
     sections = (
-        Section("Bands", figures=[_band_figure(found)], tables=[bands]),
+        Section("Bands", figures=[_band_figure(found)], tables=[_bands_table(found)]),
         Section("Inputs, and their shares of the variance", tables=[_inputs_table(found)]),
         Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
-        Section("What was computed, and what it means", sentences=sentences, layout="half"),
+        Section("What was computed, and what it means", "", (), (), _impact_sentences(found, single), "half"),
         Section("Beside Tables 4 and 5 of the paper", "" if beside else NOT_TL_4, tables=[rows]),
         Section("Each input alone", figures=_curve_figures(found)),
     )
-    numbers = {}
+    kinds, numbers = ("first_order", "total"), {}
     for name in COLUMNS:
-        sources = found.sources.get(name, ())
-        indices = {row["key"]: {kind: row[kind] for kind in ("first_order", "total")} for row in sources}
+        indices = {row["key"]: {kind: row[kind] for kind in kinds} for row in found.sources.get(name, ())}
         numbers[name] = {**found.band(name).numbers(), "indices": indices}
     summary = {
-        "impacts": found.computed,
-        "without_second_strike": single,
-        "own": found.own,
-        "bands": numbers,
+        **{"impacts": found.computed, "without_second_strike": single, "own": found.own, "bands": numbers},
         "inputs": [asdict(item) for item in found.ranges],
         "rows": found.beside,
     }
@@ -234,9 +228,7 @@ def impact_report(found: Spread) -> Report:
         f"Cost:   {found.computed} impacts, with curves {found.seconds:.1f} s",
     )
     kicker = "Both strikes of the whole impact: against each input, and as bands"
-    files = "summary.json, these numbers in SI; samples.csv, the impacts of the bands; curves.csv, those of the curves"
-    page = study_page(found.case, kicker, said, sections, files)
-    return _report(found, page, summary, terminal, curves=_curves_table(found))
+    return _report(found, kicker, said, sections, summary, terminal, curves=_curves_table(found))
 
 
 def _impact_headline(found: Spread) -> str:
@@ -260,7 +252,7 @@ def _impact_headline(found: Spread) -> str:
 
 
 def _impact_sentences(found: Spread, single: int) -> list[str]:
-    """What a reader must know beside the numbers."""
+    """Sentences that a reader needs beside the numbers."""
     sentences = [
         f"{grouped(found.computed)} impacts of the rigid vehicle: {grouped(2 * found.rows)} for the bands, Sobol "
         f"points scrambled with the seed {SEED}, the rest for the indices. Inputs vary evenly, independently of each "
@@ -287,38 +279,31 @@ def _bands_table(found: Spread, title: str = "") -> Table:
         label, unit, scale = QUANTITIES[quantity]
         ends = zip(PERCENTILES, found.band(name).percentiles, strict=True)
         first = next(iter(found.sources_of(name)), {"key": "–", "total": math.nan})
-        rows.append(
-            {"strike": int(strike), "quantity": label, "own": found.own[name] / scale, "unit": unit}
-            | {f"{p} %": value / scale for p, value in ends}
-            | {"source": first["key"], "index": first["total"]}
-        )
+        row = {"strike": int(strike), "quantity": label, "own": found.own[name] / scale, "unit": unit}
+        row |= {f"{p} %": value / scale for p, value in ends}
+        rows.append(row | {"source": first["key"], "index": first["total"]})
     return Table(BANDS, rows, title)
 
 
 def _inputs_table(found: Spread, short: bool = False) -> Table:
     """Ranges of the bands, and the total indices of the main quantities; short: for a terminal, the second strike's."""
-    shown = {
-        f"strike_{strike}.{name}": (f"Strike {strike}", label)
-        for strike in ((2,) if short else (1, 2))
-        for name, label in SHOWN.items()
-        if f"strike_{strike}.{name}" in found.sources
-    }
+    strikes, inputs = (2,) if short else (1, 2), _input_rows(found)
     heads = [
-        Column(name, label, form=FRACTION, group="" if short else group)
-        for name, (group, label) in shown.items()
+        Column(f"strike_{k}.{name}", label, form=FRACTION, group="" if short else f"Strike {k}")
+        for k in strikes
+        for name, label in SHOWN.items()
+        if f"strike_{k}.{name}" in found.sources
     ]
-    rows = [
-        row | {name: found.sources[name][number]["total"] for name in shown}
-        for number, row in enumerate(_input_rows(found))
-    ]
+    for number, row in enumerate(inputs):
+        row |= {head.key: found.sources[head.key][number]["total"] for head in heads}
     if short:
-        return Table((*INPUTS[:2], *heads), rows, "Inputs, and their shares of strike 2")
-    return Table((*INPUTS, *heads), rows, notes=(INDEX_NOTE,))
+        return Table((*INPUTS[:2], *heads), inputs, "Inputs, and their shares of strike 2")
+    return Table((*INPUTS, *heads), inputs, notes=(INDEX_NOTE,))
 
 
 def _curves_table(found: Spread) -> Table:
     """A row an impact of the curves, SI, for a file."""
-    heads = (Column("input", "Input"), Column("value", "Value"), *(Column(name, name) for name in COLUMNS))
+    heads = columns({"input": "Input", "value": "Value"} | {name: name for name in COLUMNS})
     rows = [
         {"input": curve["key"], "value": value, **{n: float(curve["columns"][n][i]) for n in COLUMNS}}
         for curve in found.curves
@@ -331,37 +316,34 @@ def _curve_figures(found: Spread) -> list[Any]:
     """Peaks, impulses and durations against each input alone."""
     panels = []
     for curve in found.curves:
-        label, unit, scale = CURVES[curve["key"]]
-        lines: dict[str, Any] = {
-            axis: {
-                strike: {
-                    QUANTITIES[n][0]: curve["columns"][f"strike_{strike}.{n}"] / QUANTITIES[n][2]
-                    for n in names
-                }
-                for strike in (1, 2)
-            }
+        key, (label, unit, scale) = curve["key"], CURVES[curve["key"]]
+        lines = {
+            axis: {k: dict(_curve(curve, f"strike_{k}.{name}") for name in names) for k in (1, 2)}
             for axis, names in CURVE_AXES.items()
         }
-        name = "against-" + curve["key"].replace(".", "-").replace("_", "-")
-        heading, logarithmic = f"{label} [{unit}]" if unit else label, curve["key"] == "contact.stiffness"
-        values, own = curve["values"] / scale, curve["own"] / scale
+        name = "against-" + key.replace(".", "-").replace("_", "-")
+        heading = f"{label} [{unit}]" if unit else label
+        values, own, logarithmic = curve["values"] / scale, curve["own"] / scale, key == "contact.stiffness"
         panels.append(figures.InputPanel(name, heading, values, own, logarithmic, lines))
     return figures.draw_inputs("Both strikes against", panels)
+
+
+def _curve(curve: Mapping[str, Any], column: str) -> tuple[str, Any]:
+    """Label and values of a quantity, as shown."""
+    label, _, scale = QUANTITIES[column.split(".")[1]]
+    return label, curve["columns"][column] / scale
 
 
 def _band_figure(found: Spread) -> Any:
     """Bands of the peaks, with the paper's rows beside those of the second strike."""
     bars = []
     for name in ("raw", "mean_50ms", "cfc60"):
-        kind = TAKEN[name][0] if name in TAKEN else ""
-        dots = [
-            (row["row"], row["measured"] / 1e3, row["projected"])
-            for row in found.beside
-            if row["kind"] == kind
-        ]
+        kind = TAKEN.get(name, ("",))[0]
+        rows = [row for row in found.beside if row["kind"] == kind]
+        dots = [(row["row"], row["measured"] / 1e3, row["projected"]) for row in rows]
         for strike in (1, 2):
-            column = f"strike_{strike}.{name}"
+            column, label = f"strike_{strike}.{name}", f"{QUANTITIES[name][0]}, strike {strike}"
             low, middle, high = (force / 1e3 for force in found.band(column).percentiles)
-            label, own = f"{QUANTITIES[name][0]}, strike {strike}", found.own[column] / 1e3
-            bars.append(figures.BandBar(label, strike, (low, middle, high), own, dots if strike == 2 else ()))
+            ends, own = (low, middle, high), found.own[column] / 1e3
+            bars.append(figures.BandBar(label, strike, ends, own, dots if strike == 2 else ()))
     return figures.draw_bands(bars)
