@@ -6,10 +6,11 @@ import functools
 import os
 import re
 import signal
-from collections.abc import Callable
 from typing import Any
 
 import pytest
+
+from tailslap.case.corner import case, run
 
 # As the command line does, before NumPy is loaded: the tests' processes have the cores for themselves.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -18,8 +19,6 @@ from fem.laws.friction import Drag, Signed
 from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS, CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.run import CornerOutcome
 from tailslap.scene.read import read_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
@@ -40,24 +39,24 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @functools.cache
-def _outcome(name: str, changes: tuple[str, ...]) -> CornerOutcome:
-    return CornerCase(*read_scene(name, changes)).run()
+def _outcome(name: str, changes: tuple[str, ...]) -> run.CornerOutcome:
+    return case.CornerCase(*read_scene(name, changes)).run()
 
 
 @pytest.fixture(scope="session")
-def outcome() -> Callable[..., CornerOutcome]:
+def outcome():
     """Run a scene with changes; each combination runs once a session."""
     return lambda name, *changes: _outcome(name, changes)
 
 
 @pytest.fixture(scope="session")
-def besides_compiling() -> Callable[[str], str]:
+def besides_compiling():
     """Standard error without what is said where a loop is compiled first: that depends on what has run before."""
     return lambda said: re.sub(r"tailslap: compil.* s\n", "", said)
 
 
 @pytest.fixture(scope="session")
-def plate_model() -> Callable[..., PlateModel]:
+def plate_model():
     """Model of the paper's steel plate, or of one that differs in what is given."""
 
     def build(
@@ -78,6 +77,6 @@ def plate_model() -> Callable[..., PlateModel]:
 
 
 @pytest.fixture
-def distorted_mesh() -> Any:
+def distorted_mesh():
     """The plate with its inner nodes moved by up to a fifth of an element."""
     return distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4))

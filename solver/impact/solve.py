@@ -90,7 +90,7 @@ def solve_trains(
     train : Train
         n samples.
     state : ndarray, shape (n, units, 6)
-        At the start, in the order of `step.UNIT`; hinges closed.
+        At the start, in the order of `step.UNIT` [m, rad, m/s, rad/s]; hinges closed.
     step : float or None
         [s]; None: chosen by the tolerance.
     end : float or None
@@ -130,7 +130,7 @@ def solve_trains(
     h = whole / np.ceil(whole / h)
 
     def run(chosen: NDArray[np.int64], h: Array, interval: float | None) -> Trajectories:
-        few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[:, chosen]) for v in train))
+        few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
         return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes, told)
 
     chosen = np.arange(len(state))
@@ -544,7 +544,7 @@ def solve_impacts(
         v["mass"][None], v["inertia"][None], zero[:0, None] + zero, zero[:0, None] + zero,
         np.zeros(4, dtype=np.int64), np.arange(4), np.stack([v["centre"], rear, v["centre"], rear]),
         np.stack([-b, -b, b, b]), four(v["stiffness"]), four(v["initial_force"]), four(v["restitution"]),
-        four(v["friction"]),
+        four(v["friction"]), np.zeros((1, 3, v["mass"].size)),
     )  # fmt: skip
     s, c = np.sin(v["angle"]), np.cos(v["angle"])
     start = [

@@ -51,6 +51,8 @@ class Train(NamedTuple):
         From the unit's centre of mass, along its heading and to the left [m].
     stiffness, initial_force, restitution, friction : ndarray, shape (points, n)
         k [N/m], F0 [N], e and mu [-] of each point.
+    load : ndarray, shape (units, 3, n)
+        Constant outside force along X and Y [N], and moment that closes the angle [N m].
     """
 
     mass: np.ndarray
@@ -65,6 +67,7 @@ class Train(NamedTuple):
     initial_force: np.ndarray
     restitution: np.ndarray
     friction: np.ndarray
+    load: np.ndarray
 
 
 class Clock(NamedTuple):
@@ -89,16 +92,18 @@ class Work(NamedTuple):
     """Workspace of one sample; columns of its tables are named below.
 
     points: a row a point, and `whose`, its unit and its corner; motion, shape (3, 3 units): places and angles,
-    velocities half a step ago and half a step ahead; masses: inverse, of each velocity, and `lightness`, the inverse of
-    the mass matrix of the hinged train; joints: hitch and kingpin of each hinge; ties: its two rows of the hinges'
-    system; reach: from each centre of mass to the farthest point; effect: velocities by a unit impulse along and across
-    on each point; groups: a row a corner; active: points that may touch in this step; sums: impulses and works so far.
+    velocities half a step ago and half a step ahead; masses: inverse, of each velocity, load: accelerations by the
+    outside load, and `lightness`, the inverse of the mass matrix of the hinged train; joints: hitch and kingpin of each
+    hinge; ties: its two rows of the hinges' system; reach: from each centre of mass to the farthest point; effect:
+    velocities by a unit impulse along and across on each point; groups: a row a corner; active: points that may touch
+    in this step; sums: impulses and works so far.
     """
 
     points: np.ndarray
     whose: np.ndarray
     motion: np.ndarray
     masses: np.ndarray
+    load: np.ndarray
     lightness: np.ndarray
     joints: np.ndarray
     ties: np.ndarray
@@ -124,9 +129,9 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     size = 3 * units
     return Work(
         np.zeros((points, 15)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
-        np.zeros((size, size)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 2 * hinges + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64),
-        np.zeros(5),
+        np.zeros(size), np.zeros((size, size)), np.zeros((hinges, 2)),
+        np.zeros((2 * hinges, 2 * size + 2 * hinges + 1)), np.zeros(units), np.zeros((points, 2, size)),
+        np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64), np.zeros(5),
     )  # fmt: skip
 
 
@@ -153,6 +158,7 @@ def _begin(train, i, state, work):
             m = 3 * u + j
             work.motion[0, m], work.motion[2, m] = state[u, j], state[u, 3 + j]
             work.masses[m] = 1.0 / (train.inertia[u, i] if j == 2 else train.mass[u, i])
+            work.load[m] = work.masses[m] * train.load[u, j, i]
             work.lightness[m, m] = work.masses[m]
     for hinge in range(work.joints.shape[0]):
         work.joints[hinge, 0], work.joints[hinge, 1] = train.hitch[hinge, i], train.kingpin[hinge, i]
@@ -170,9 +176,11 @@ def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
     """One sample: when it ended [s], NaN if the steps did not do, and how many strikes there were."""
     points, motion, active, sums = work.points, work.motion, work.active, work.sums
     finish, reached, number, row = min(end, longest), np.nan, 0, 0
+    motion[2] -= 0.5 * h * work.load
     for k in range(most):
         t = k * h
         _place(points, work.whose, motion, h, k == 0)
+        motion[2] += h * work.load
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.lightness, work.ties, h)
         touching = _press(points, work.whose, motion, work.lightness, work.effect, active, h)

@@ -301,4 +301,5 @@ def train_of(
         own("initial_force", length),
         own("restitution", np.ones_like(length)),
         np.full((unit.size, 1), contact.friction),
+        np.zeros((len(vehicles), 3, 1)),
     )

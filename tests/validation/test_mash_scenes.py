@@ -7,8 +7,6 @@ MASH 2016 names a vehicle by its mass in kg, and gives speeds as 31, 44, 62, 56 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -32,12 +30,12 @@ TESTS = {  # pounds, the kilograms of the vehicle's name, mph, km/h, degrees
 NEW = sorted(set(TESTS) - {"mash-tl4-sut"})
 
 
-def test_every_mash_scene_is_one_of_these() -> None:
+def test_every_mash_scene_is_one_of_these():
     assert {name for name in shipped_scenes() if name.startswith("mash-")} == set(TESTS)
 
 
 @pytest.mark.parametrize("name", TESTS)
-def test_conditions(name: str) -> None:
+def test_conditions(name):
     pounds, kilograms, mph, kmh, degrees = TESTS[name]
     scene = read_scene(name)[0]
     assert scene.impact is not None
@@ -50,7 +48,7 @@ def test_conditions(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "least"), [("mash-tl3-car", 51.0), ("mash-tl3-pickup", 106.0)])
-def test_impact_severity(name: str, least: float) -> None:
+def test_impact_severity(name, least):
     """m (v sin(theta))^2 / 2 is above the least that a test must have [kip ft], by less than a tenth."""
     scene = read_scene(name)[0]
     assert scene.impact is not None
@@ -67,13 +65,13 @@ def test_impact_severity(name: str, least: float) -> None:
         ("mash-tl6-tractor-tank", 60.0, 8.5),
     ],
 )
-def test_dimensions_in_feet(name: str, length: float, width: float) -> None:
+def test_dimensions_in_feet(name, length, width):
     vehicle = read_scene(name)[0].vehicle
     assert (vehicle.length / FOOT, vehicle.width / FOOT) == pytest.approx((length, width), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", NEW)
-def test_scenes_say_what_is_assumed(name: str) -> None:
+def test_scenes_say_what_is_assumed(name):
     text = shipped_scenes()[name]
     assert title(text).startswith(f"MASH TL-{name[7]}, test {name[7]}-1")
     assert text.count("# Assumed: ") == 2
@@ -82,7 +80,7 @@ def test_scenes_say_what_is_assumed(name: str) -> None:
 
 @pytest.mark.parametrize("level", ["tl1", "tl2", "tl3"])
 @pytest.mark.parametrize("vehicle", ["car", "pickup"])
-def test_a_level_changes_the_speed_alone(level: str, vehicle: str) -> None:
+def test_a_level_changes_the_speed_alone(level, vehicle):
     """The same vehicle at every level; velocities after the impact go with the speed before it."""
     plan, fastest = (CornerCase(*read_scene(f"mash-{tl}-{vehicle}")) for tl in (level, "tl3"))
     assert plan.scene.vehicle == fastest.scene.vehicle
@@ -91,7 +89,7 @@ def test_a_level_changes_the_speed_alone(level: str, vehicle: str) -> None:
 
 
 @pytest.mark.parametrize("name", NEW)
-def test_the_plate_runs_and_passes_its_checks(outcome: Callable[..., Any], name: str) -> None:
+def test_the_plate_runs_and_passes_its_checks(outcome, name):
     result = outcome(name)
     assert [check.name for check in result.checks if not check.passed] == []
     assert max(map(abs, result.difference.values())) < 5e-5

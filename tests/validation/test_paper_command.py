@@ -37,7 +37,7 @@ FACTORS = {  # phi_a for e = 0.22 and e = 0, Table 4, then Table 5
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def said(tmp_path_factory):
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         assert _status(["paper", "--json", "--out", str(tmp_path_factory.mktemp("paper") / "out")]) == 0
@@ -49,14 +49,14 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("name", "share"), [("v_gy", 1e-3), ("v_gx", 1e-3), ("slide", 1e-3), ("t", 3e-3), ("omega", 8e-3)]
 )
-def test_the_analytical_column(said: dict[str, Any], column: str, name: str, share: float) -> None:
+def test_the_analytical_column(said, column, name, share):
     """From the printed start, and from 56 mph with theta_0 = 0.26: within what rounding and charts leave."""
     cell = said["table_3"][column][name]
     assert cell["printed"] == ANALYTICAL[name]
     assert cell["computed"] == pytest.approx(ANALYTICAL[name], rel=share)
 
 
-def test_the_start_is_that_of_56_mph(said: dict[str, Any]) -> None:
+def test_the_start_is_that_of_56_mph(said):
     mph, metric = (said["table_1"]["starts"][words] for words in ("56 mph", "90 km/h"))
     assert mph["omega"]["computed"] == pytest.approx(0.707, abs=5e-4)
     assert mph["corner_speed"]["computed"] == pytest.approx(25.053, abs=1e-3)
@@ -65,7 +65,7 @@ def test_the_start_is_that_of_56_mph(said: dict[str, Any]) -> None:
     assert said["table_1"]["implied_speed"] / 0.44704 == pytest.approx(56.0, abs=2e-3)
 
 
-def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(said: dict[str, Any]) -> None:
+def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(said):
     """s to all printed digits, omega to its two, v_GX closer than with friction by a factor of four."""
     table = said["table_3"]
     read, drag = table["abaqus_read"], table["abaqus_drag"]
@@ -78,14 +78,14 @@ def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(said: dict[str
     assert table["crossing"][1] < 0.2 * 8.915
 
 
-def test_the_peak_force(said: dict[str, Any]) -> None:
+def test_the_peak_force(said):
     """654 kN for 0.1 s: 2 x 9979 kg x 3.2755 m/s / 0.1 s."""
     force = said["table_3"]["peak_force"]
     assert force["computed"] == pytest.approx(654e3, abs=0.5e3)
     assert force["printed"] == pytest.approx(2.0 * 9979.0 * 3.274 / 0.1, rel=1e-12)
 
 
-def test_the_reaction_pulls(said: dict[str, Any]) -> None:
+def test_the_reaction_pulls(said):
     """N = -m r omega^2 S/D, D = 1 + 3 C^2 + 3 mu S C, at the start and with omega = 0.6551 rad/s at the end."""
     gamma, r = math.atan(0.2438), math.hypot(10.0, 2.438) / 2.0
     for name, phi, omega in (("first", gamma + 0.26, 0.707), ("last", gamma, 0.6551053441)):
@@ -95,7 +95,7 @@ def test_the_reaction_pulls(said: dict[str, Any]) -> None:
     assert said["reaction"]["largest"] == pytest.approx(said["reaction"]["last"], rel=1e-12)
 
 
-def test_what_restitution_changes(said: dict[str, Any]) -> None:
+def test_what_restitution_changes(said):
     """The peak force is proportional to 1 - e or 1 + e; the corner's velocity is e v_0 sin(theta) either way."""
     cases = said["restitution"]
     recoil = 0.22 * 56.0 * 0.44704 * math.sin(math.radians(15.0))
@@ -106,7 +106,7 @@ def test_what_restitution_changes(said: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("table", [0, 1])
-def test_tables_4_and_5_are_printed_as_in_the_paper(said: dict[str, Any], table: int) -> None:
+def test_tables_4_and_5_are_printed_as_in_the_paper(said, table):
     for result in said[f"table_{4 + table}"]:
         row = result["printed"]
         measured, *peak = (1e3 * force for force in FORCES[row["row"]][table])
@@ -115,7 +115,7 @@ def test_tables_4_and_5_are_printed_as_in_the_paper(said: dict[str, Any], table:
         assert row["projected"] == (table == 1 and row["row"] != "f")
 
 
-def test_the_printed_tables_agree_with_themselves(said: dict[str, Any]) -> None:
+def test_the_printed_tables_agree_with_themselves(said):
     """phi_a is force over measured force to a unit of its last digit; projected forces are 1.33 times 50 ms."""
     for result in (*said["table_4"], *said["table_5"]):
         assert result["factor_of_print"] == pytest.approx(result["printed"]["factor"], abs=0.01)
@@ -123,14 +123,14 @@ def test_the_printed_tables_agree_with_themselves(said: dict[str, Any]) -> None:
         assert sae["printed"]["measured"] == pytest.approx(1.33 * fifty["printed"]["measured"], abs=1.3e3)
 
 
-def test_rows_off_the_exact_ratio(said: dict[str, Any]) -> None:
+def test_rows_off_the_exact_ratio(said):
     """Of the printed ratios b is 1/(1 - 0.22) to rounding, c and d nearly, a, e and f are not."""
     off = {result["printed"]["row"]: abs(result["ratio"]["difference"]) for result in said["table_4"]}
     assert [result["printed"]["row"] for result in said["table_4"] if result["rounds"]] == ["b"]
     assert {row for row, difference in off.items() if difference > 5e-3} == {"a", "e", "f"}
 
 
-def test_row_b_with_the_speed_and_angle_of_its_test(said: dict[str, Any]) -> None:
+def test_row_b_with_the_speed_and_angle_of_its_test(said):
     """With 57.4 mph and 15.4 deg both printed forces, 680 and 872 kN, are met to 1 %."""
     for cell, printed in zip(said["row_b"][0]["peak"], (680e3, 872e3), strict=True):
         assert cell["computed"] == pytest.approx(printed, rel=1e-2)

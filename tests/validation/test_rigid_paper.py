@@ -21,7 +21,7 @@ MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6
 START = (0.26, 0.707, 25.053)  # section 3.1.1: theta_0, omega_0, v_P0
 
 
-def test_stage_1_from_56_miles_per_hour() -> None:
+def test_stage_1_from_56_miles_per_hour():
     """omega_0 = 0.707 rad/s and v_P0 = 25,053 mm/s are those of 56 mph, not of the 90 km/h of Table 1."""
     result = corner_impulse(TRUCK, 56.0 * MPH, ANGLE, FRICTION, RESTITUTION)
     assert result.omega == pytest.approx(0.707, abs=0.0005)
@@ -41,12 +41,12 @@ def test_stage_1_from_56_miles_per_hour() -> None:
         ("slide", 9.420, 0.01),
     ],
 )
-def test_the_analytical_column_of_table_3(name: str, printed: float, unit: float) -> None:
+def test_the_analytical_column_of_table_3(name, printed, unit):
     strike = plane_motion(TRUCK, *START, FRICTION).strike
     assert getattr(strike, name) == pytest.approx(printed, abs=unit)
 
 
-def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike() -> None:
+def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike():
     """Where the corner has slid the printed 8.915 m, the frictionless motion has the printed speeds."""
     free, drag = (plane_motion(TRUCK, *START, FRICTION, reaction) for reaction in ("none", "drag"))
     t = float(np.interp(8.915, *(getattr(free.at(np.linspace(0.0, 0.38, 2001)), x) for x in ("slide", "t"))))
@@ -58,13 +58,13 @@ def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike()
     assert abs(drag.at(t).v_gx - 23.305) > 3.0 * abs(state.v_gx - 23.305)
 
 
-def test_the_peak_force_from_the_analytical_column() -> None:
+def test_the_peak_force_from_the_analytical_column():
     """654 kN for a pulse of 0.1 s, Eqs 72-73: 2 x 9979 kg x 3.2755 m/s / 0.1 s."""
     force = strike_force(9979.0, plane_motion(TRUCK, *START, FRICTION).strike.v_gy, 0.1)
     assert force.peak_force == pytest.approx(654e3, abs=0.5e3)
 
 
-def test_the_factor_between_restitutions_is_that_of_row_b() -> None:
+def test_the_factor_between_restitutions_is_that_of_row_b():
     """Row b of Table 4 prints 680 kN for e = 0.22 and 872 kN for e = 0, to the kilonewton."""
     peaks = []
     for restitution in (0.22, 0.0):

@@ -26,7 +26,7 @@ class Terminal(io.StringIO):
 
 
 @pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+def terminal(monkeypatch):
     made = Terminal()
     monkeypatch.setattr(progress, "sys", SimpleNamespace(stderr=made))  # pytest sets its own in sys
     monkeypatch.setattr(progress, "DELAY", 0.05)
@@ -49,14 +49,14 @@ def text(terminal: Terminal) -> str:
     return re.sub(r"\x1b\[[\d;]*m", "", terminal.getvalue())
 
 
-def test_what_is_over_at_once_is_not_mentioned(terminal: Terminal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_over_at_once_is_not_mentioned(terminal, monkeypatch):
     monkeypatch.setattr(progress, "DELAY", 60.0)
     with announced("Building ..."):
         pass
     assert terminal.getvalue() == ""
 
 
-def test_long_work_counts_its_seconds_on_one_line_that_vanishes(terminal: Terminal) -> None:
+def test_long_work_counts_its_seconds_on_one_line_that_vanishes(terminal):
     with announced("Building ..."):
         seen(terminal, "Building ... 0 s", times=3)
         seen(terminal, "Building ... 1 s")
@@ -64,7 +64,7 @@ def test_long_work_counts_its_seconds_on_one_line_that_vanishes(terminal: Termin
     assert terminal.getvalue().endswith(f"\x1b[1A{ERASED}")
 
 
-def test_what_is_said_meanwhile_has_a_line_of_its_own(terminal: Terminal) -> None:
+def test_what_is_said_meanwhile_has_a_line_of_its_own(terminal):
     with announced("Building ..."):
         seen(terminal, "Building")
         compiling(10.0, False)
@@ -73,7 +73,7 @@ def test_what_is_said_meanwhile_has_a_line_of_its_own(terminal: Terminal) -> Non
     assert f"{ERASED}tailslap: compiling the time loop" in text(terminal)
 
 
-def test_an_error_ends_the_line(terminal: Terminal) -> None:
+def test_an_error_ends_the_line(terminal):
     def fail() -> None:
         with announced("Building ..."):
             seen(terminal, "Building")
@@ -85,9 +85,7 @@ def test_an_error_ends_the_line(terminal: Terminal) -> None:
     assert progress._live is None
 
 
-def test_a_bar_that_does_not_move_counts_its_seconds(
-    terminal: Terminal, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bar_that_does_not_move_counts_its_seconds(terminal, monkeypatch):
     monkeypatch.setattr(progress, "clock", lambda seconds: f"{1000.0 * seconds:.0f} ms")
     with progress_bar("Impacts"):
         seen(terminal, "Impacts: 0 %, ", times=3)
@@ -95,13 +93,13 @@ def test_a_bar_that_does_not_move_counts_its_seconds(
     assert len(set(shown)) > 1
 
 
-def test_a_count_begins_with_what_was_done_before(terminal: Terminal) -> None:
+def test_a_count_begins_with_what_was_done_before(terminal):
     with counted("Cells", 200, 50):
         seen(terminal, " 25 % ")
         seen(terminal, "Cells: 50 of 200, 0:00 so far")
 
 
-def test_within_a_bar_only_the_bar_is_seen(terminal: Terminal) -> None:
+def test_within_a_bar_only_the_bar_is_seen(terminal):
     with progress_bar("Impacts") as show, announced("Building ..."), progress_bar("Steps"):
         show(0.5)
         seen(terminal, "Impacts: 50 %, 0:00 left", times=3)

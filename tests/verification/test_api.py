@@ -18,9 +18,7 @@ import pytest
 import tailslap
 from fem import FRICTION_LAWS, MATERIALS
 from postprocess.units import number
-from tailslap import Columns, InputError, Result
-from tailslap.api import named
-from tailslap.cli import main
+from tailslap import Columns, InputError, api, cli
 
 pytestmark = pytest.mark.verification
 
@@ -32,7 +30,7 @@ SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
 
 def command(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     with pytest.raises(SystemExit) as left:
-        main(list(arguments))
+        cli.main(list(arguments))
     assert left.value.code == 0
     return capsys.readouterr().out
 
@@ -44,19 +42,17 @@ def without_times(value: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result():
     return tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa"})
 
 
-def test_import_loads_nothing() -> None:
+def test_import_loads_nothing():
     code = "import sys, tailslap; dir(tailslap); print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numpy", "pydantic", "click", "tailslap.errors"} & set(run.stdout.split())
 
 
-def test_a_run_has_the_bits_of_the_command(
-    result: Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_has_the_bits_of_the_command(result, tmp_path, capsys):
     command(
         capsys, "run", "mash-tl4-sut", "--set", "plate.youngs_modulus=2 TPa", "--out", str(tmp_path / "a")
     )
@@ -68,9 +64,7 @@ def test_a_run_has_the_bits_of_the_command(
         assert (saved / name).read_bytes() == (tmp_path / "a" / name).read_bytes()
 
 
-def test_a_whole_impact_has_the_bits_of_the_command(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_whole_impact_has_the_bits_of_the_command(tmp_path, capsys):
     found = tailslap.run("impact-mash-tl4-sut", {"plate.elements": (10, 3), "time.end": "0.4 s"})
     words = ("--set", "plate.elements=[10,3]", "--set", "time.end=0.4 s", "--no-pictures")
     command(capsys, "run", "impact-mash-tl4-sut", *words, "--out", str(tmp_path / "a"))
@@ -82,7 +76,7 @@ def test_a_whole_impact_has_the_bits_of_the_command(
     assert (saved / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
 
 
-def test_what_is_loaded_is_what_was_saved(result: Result, tmp_path: Path) -> None:
+def test_what_is_loaded_is_what_was_saved(result, tmp_path):
     again = tailslap.load(result.save(tmp_path / "a", pictures=False))
     assert without_times(again.summary) | {"left_out": 0} == without_times(result.summary) | {"left_out": 0}
     for name in result.history:
@@ -94,7 +88,7 @@ def test_what_is_loaded_is_what_was_saved(result: Result, tmp_path: Path) -> Non
     assert (copied / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
 
 
-def test_another_scenes_result_is_replaced_by_force_alone(tmp_path: Path) -> None:
+def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
     one, other = tailslap.rigid("mash-tl4-sut"), tailslap.rigid("paper-table-3")
     one.save(tmp_path / "a")
     again = tailslap.load(one.save(tmp_path / "a"))
@@ -106,7 +100,7 @@ def test_another_scenes_result_is_replaced_by_force_alone(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "impact-mash-tl4-sut"])
-def test_rigid_has_the_bits_of_the_command(scene: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rigid_has_the_bits_of_the_command(scene, capsys):
     found = tailslap.rigid(scene)
     assert found.summary == json.loads(command(capsys, "rigid", scene, "--json"))
     assert f"{found}\n" == command(capsys, "rigid", scene)
@@ -114,9 +108,7 @@ def test_rigid_has_the_bits_of_the_command(scene: str, capsys: pytest.CaptureFix
     assert found.history["t"][0] == 0.0
 
 
-def test_check_modal_and_modes_have_the_bits_of_the_commands(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_modal_and_modes_have_the_bits_of_the_commands(tmp_path, capsys):
     scene = "paper-table-3"
     checked = tailslap.check(scene)
     assert f"{checked}\n" == command(capsys, "check", scene)
@@ -129,7 +121,7 @@ def test_check_modal_and_modes_have_the_bits_of_the_commands(
     assert tailslap.modes(scene, count=3).summary == its
 
 
-def test_a_study_has_the_bits_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_study_has_the_bits_of_the_command(tmp_path, capsys):
     words = ("--samples", "1000", "--range", "impact.friction=0.2:0.5", "--fix", "impact.speed")
     command(capsys, "study", "uncertainty", "mash-tl4-sut", *words, "--out", str(tmp_path / "a"))
     found = tailslap.study(
@@ -154,12 +146,12 @@ def test_a_study_has_the_bits_of_the_command(tmp_path: Path, capsys: pytest.Capt
         ({"colour": "red"}, "allowed are samples, range, fix"),
     ],
 )
-def test_options_of_a_study_have_the_bounds_of_the_command(options: dict[str, Any], why: str) -> None:
+def test_options_of_a_study_have_the_bounds_of_the_command(options, why):
     with pytest.raises(InputError, match=why):
         tailslap.study("uncertainty", "mash-tl4-sut", **options)
 
 
-def test_changes_may_be_texts_as_a_command_takes_them() -> None:
+def test_changes_may_be_texts_as_a_command_takes_them():
     texts = ["impact.speed=50 mph", "impact.friction="]
     with pytest.raises(InputError, match=r"^impact.friction: "):
         tailslap.rigid("mash-tl4-sut", texts)
@@ -168,7 +160,7 @@ def test_changes_may_be_texts_as_a_command_takes_them() -> None:
     assert "mph" in found.text
 
 
-def test_a_sweep_has_a_row_a_run(tmp_path: Path) -> None:
+def test_a_sweep_has_a_row_a_run(tmp_path):
     values = {"corner.friction": [0.2, 0.47]}
     found = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
     assert list(found.history["corner.friction"]) == [0.2, 0.47]
@@ -176,7 +168,7 @@ def test_a_sweep_has_a_row_a_run(tmp_path: Path) -> None:
     assert tailslap.load(tmp_path / "s").history.rows == 2
 
 
-def test_a_scene_may_be_tables_or_a_path(tmp_path: Path) -> None:
+def test_a_scene_may_be_tables_or_a_path(tmp_path):
     from tailslap.scene.read import read_source, scene_text
 
     tables = read_source("paper-table-3").given
@@ -196,7 +188,7 @@ def law(rounding: float, name: str = "own") -> Any:
     return module["LAW"]
 
 
-def test_a_law_of_ones_own_is_an_object() -> None:
+def test_a_law_of_ones_own_is_an_object():
     first, second = law(1.0), law(2000.0)
     try:
         near = tailslap.run("paper-table-3", {"corner.reaction": first})
@@ -204,13 +196,13 @@ def test_a_law_of_ones_own_is_an_object() -> None:
         assert FRICTION_LAWS["own"] is first
         limit = 0.47 * np.sqrt(near.history["reaction_normal"] ** 2 + 1.0)
         np.testing.assert_allclose(np.abs(near.history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
-        assert named({"corner.reaction": second}) == {"corner.reaction": "own"}
+        assert api.named({"corner.reaction": second}) == {"corner.reaction": "own"}
         assert FRICTION_LAWS["own"] is second
     finally:
         FRICTION_LAWS.remove("own")
 
 
-def test_objects_that_are_none_are_refused() -> None:
+def test_objects_that_are_none_are_refused():
     with pytest.raises(InputError, match=r"^corner.reaction: given .*; allowed is a name or a FrictionLaw$"):
         tailslap.run("paper-table-3", {"corner.reaction": MATERIALS["neo-hookean"]})
     with pytest.raises(InputError, match="the program has one of this name; give yours another"):
@@ -221,18 +213,18 @@ def test_objects_that_are_none_are_refused() -> None:
 @pytest.mark.parametrize(
     ("changes", "key"), [({"plate.colour": 1}, "plate.colour"), ({"vehicle.mass": "9 m"}, "vehicle.mass")]
 )
-def test_wrong_input_names_its_key(changes: dict[str, Any], key: str) -> None:
+def test_wrong_input_names_its_key(changes, key):
     with pytest.raises(InputError) as caught:
         tailslap.run("paper-table-3", changes)
     assert caught.value.key == key
 
 
-def test_unusual_numbers_are_remarked_upon() -> None:
+def test_unusual_numbers_are_remarked_upon():
     with pytest.warns(UserWarning, match=r"impact.speed = 56 without a unit is 56 m/s"):
         tailslap.rigid("mash-tl4-sut", {"impact.speed": 56})
 
 
-def test_a_result_is_a_line_a_page_and_a_plot(result: Result, tmp_path: Path) -> None:
+def test_a_result_is_a_line_a_page_and_a_plot(result, tmp_path):
     assert repr(result).startswith("<run mash-tl4-sut passed: ")
     assert "\n" not in repr(result)
     html = result._repr_html_()
@@ -250,21 +242,21 @@ def test_a_result_is_a_line_a_page_and_a_plot(result: Result, tmp_path: Path) ->
         result.plot("colour")
 
 
-def test_what_failed_is_told() -> None:
+def test_what_failed_is_told():
     found = tailslap.run("paper-table-3", {"verify.tolerance": 1e-9})
     assert not found.passed
     assert repr(found).startswith("<run paper-table-3 FAILED: ")
     assert "agreement with rigid motion" in found._repr_html_() or "Failed check" in found._repr_html_()
 
 
-def test_columns_say_what_is_missing(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_columns_say_what_is_missing(result, monkeypatch):
     for library in ("pandas", "polars"):
         monkeypatch.setitem(sys.modules, library, None)
         with pytest.raises(ImportError, match=f"{library} is not installed: `pip install {library}`"):
             getattr(result.history, f"to_{library}")()
 
 
-def test_columns_go_to_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_columns_go_to_a_data_frame(monkeypatch):
     class Frame(dict[str, Any]):
         def __init__(self, columns: dict[str, Any]) -> None:
             super().__init__(columns)
@@ -279,7 +271,7 @@ def test_columns_go_to_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])
-def test_columns_are_those_of_a_real_data_frame(result: Result, library: str) -> None:
+def test_columns_are_those_of_a_real_data_frame(result, library):
     """Of a history, and of columns of words and whole numbers as sweeps have them."""
     pytest.importorskip(library)
     mixed = Columns({"run": np.arange(2), "status": np.array(["passed", ""], dtype=object)}, {})
@@ -290,18 +282,18 @@ def test_columns_are_those_of_a_real_data_frame(result: Result, library: str) ->
             assert frame[name].to_list() == columns[name].tolist()
 
 
-def test_every_column_has_its_unit(result: Result) -> None:
+def test_every_column_has_its_unit(result):
     impact = tailslap.rigid("impact-mash-tl4-sut")
     for columns in (result.history, result.rigid, impact.history):
         assert [name for name in columns if name not in columns.units] == []
 
 
-def test_records_are_frozen(result: Result) -> None:
+def test_records_are_frozen(result):
     with pytest.raises(AttributeError):
         result.scene = "another"  # type: ignore[misc]
 
 
-def test_the_interface_is_complete_and_its_types_are_known() -> None:
+def test_the_interface_is_complete_and_its_types_are_known():
     assert {*FUNCTIONS, "Columns", "InputError", "Result"} == set(tailslap.__all__)
     stub = (Path(tailslap.__file__).parent / "__init__.pyi").read_text()
     assert [name for name in tailslap.__all__ if f" as {name}\n" not in stub] == []
@@ -312,14 +304,14 @@ def test_the_interface_is_complete_and_its_types_are_known() -> None:
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_every_function_is_described_with_an_example(name: str) -> None:
+def test_every_function_is_described_with_an_example(name):
     text = inspect.getdoc(getattr(tailslap, name)) or ""
     assert [title for title in SECTIONS if f"\n{title}\n{'-' * len(title)}\n" not in text] == []
     assert ">>> " in text
 
 
 @pytest.mark.parametrize("name", [*FUNCTIONS, "Columns"])
-def test_examples_are_right(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_examples_are_right(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     value = getattr(tailslap, name)
     module = importlib.import_module(value.__module__)
@@ -329,7 +321,7 @@ def test_examples_are_right(name: str, tmp_path: Path, monkeypatch: pytest.Monke
     assert sum(len(test.examples) for test in tests) > 0
 
 
-def test_modules_do_not_hide_the_functions() -> None:
+def test_modules_do_not_hide_the_functions():
     """An import of a module of the same name would put it in the function's place."""
     code = "import tailslap.cli as c, tailslap; c.commands.get_command; print(*map(callable, ({})))"
     names = ", ".join(f"tailslap.{name}" for name in FUNCTIONS)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -30,7 +28,7 @@ def changes(size: tuple[float, float], modulus: str, friction: float, reaction: 
     "size", [SIZES[0], *(pytest.param(size, marks=pytest.mark.long) for size in SIZES[1:])]
 )
 @pytest.mark.parametrize("reaction", ["drag", "none", pytest.param("signed", marks=pytest.mark.long)])
-def test_right_or_caught(outcome: Callable[..., Any], size: tuple[float, float], reaction: str) -> None:
+def test_right_or_caught(outcome, size, reaction):
     right = 0
     for modulus, friction in itertools.product(MODULI, FRICTIONS):
         result = outcome("paper-table-3", *changes(size, modulus, friction, reaction))
@@ -41,7 +39,7 @@ def test_right_or_caught(outcome: Callable[..., Any], size: tuple[float, float],
 
 
 @pytest.mark.long
-def test_each_check_can_fail(outcome: Callable[..., Any]) -> None:
+def test_each_check_can_fail(outcome):
     """A scene for every check of the run that a wrong model can trip; the balances are tripped in test_checks."""
     tripped: set[str] = set()
     for change in (

@@ -15,13 +15,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.run.corner import simulate
-from fem.run.impact import simulate_impact
-from fem.run.observers import Arrays
+from fem.run import corner, impact, observers
+from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.cli import _status
-from tailslap.errors import Interrupted
 from tailslap.files import checkpoints
 from tailslap.files.checkpoints import checkpointed, next_checkpoint
 from tailslap.scene.read import read_scene
@@ -32,13 +29,13 @@ pytestmark = pytest.mark.verification
 class Stopping:
     """Keeps a copy each time, and interrupts the run at one of them."""
 
-    def __init__(self, at: int, kept: Arrays | None = None) -> None:
+    def __init__(self, at: int, kept: observers.Arrays | None = None) -> None:
         self.left, self.kept = at, kept
 
-    def load(self) -> Arrays | None:
+    def load(self) -> observers.Arrays | None:
         return self.kept
 
-    def save(self, arrays: Callable[[], Arrays]) -> None:
+    def save(self, arrays: Callable[[], observers.Arrays]) -> None:
         self.left -= 1
         if self.left == 0:
             self.kept = {name: np.array(array) for name, array in arrays().items()}
@@ -56,12 +53,12 @@ def same(a: Any, b: Any) -> None:
 
 
 @pytest.mark.parametrize("at", [1, 20, 45])
-def test_the_loop_goes_on_with_the_same_bits(at: int) -> None:
+def test_the_loop_goes_on_with_the_same_bits(at):
     fe_plan = CornerCase(*read_scene("paper-table-3")).plan()
 
     def run(keeper: Any) -> Any:
         duration = fe_plan.case.motion.strike.t
-        return simulate(fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper)
+        return corner.simulate(fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper)
 
     stopping = Stopping(at)
     with pytest.raises(KeyboardInterrupt):
@@ -82,12 +79,12 @@ WALL_THAT_GIVES = (
 
 
 @pytest.mark.parametrize("wall", [(), WALL_THAT_GIVES], ids=["rigid wall", "wall that gives"])
-def test_a_whole_impact_goes_on_with_the_same_bits(wall: tuple[str, ...]) -> None:
+def test_a_whole_impact_goes_on_with_the_same_bits(wall):
     scene = ("time.end=0.4", "plate.elements=[8,3]", *wall)
     fe_plan = ImpactCase(*read_scene("impact-mash-tl4-sut", scene)).plan()
 
     def run(keeper: Any) -> Any:
-        return simulate_impact(fe_plan.model, fe_plan.touch, fe_plan.sample, 0.4, checkpoint=keeper)
+        return impact.simulate_impact(fe_plan.model, fe_plan.touch, fe_plan.sample, 0.4, checkpoint=keeper)
 
     stopping = Stopping(2)
     with pytest.raises(KeyboardInterrupt):
@@ -97,27 +94,27 @@ def test_a_whole_impact_goes_on_with_the_same_bits(wall: tuple[str, ...]) -> Non
 
 def loaded(place: Path, definition: dict[str, Any], resume: bool, count: int = 1) -> list[int | None]:
     """Sizes of what the first runs of a command find, which is then interrupted."""
-    found: list[Arrays | None] = []
+    found: list[observers.Arrays | None] = []
 
     def interrupted_command() -> None:
         with checkpointed(place, definition, resume):
             found.extend(next_checkpoint().load() for _ in range(count))
             raise KeyboardInterrupt
 
-    with pytest.raises(Interrupted, match="--resume"):
+    with pytest.raises(errors.Interrupted, match="--resume"):
         interrupted_command()
     return [None if each is None else each["x"].size for each in found]
 
 
-def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path, monkeypatch):
     """As the first run of a user is, where it takes long enough for a checkpoint."""
     monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
     monkeypatch.chdir(tmp_path)
-    assert _status(["run", "paper-abaqus", "--no-pictures", "--quiet"]) == 0
+    assert cli._status(["run", "paper-abaqus", "--no-pictures", "--quiet"]) == 0
     assert [path.name for path in tmp_path.joinpath("results").iterdir()] == ["paper-abaqus"]
 
 
-def test_files_belong_to_one_definition(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_belong_to_one_definition(tmp_path, monkeypatch):
     monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
     place = tmp_path / "out"
     keepers = checkpoints.Checkpoints(place, {"scene": 1}, False)
@@ -158,7 +155,7 @@ def files(folder: Path) -> dict[str, Any]:
 
 @pytest.mark.long
 @pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGTERM])
-def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path: Path, sent: signal.Signals) -> None:
+def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path, sent):
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     whole.mkdir()
     broken.mkdir()

@@ -45,11 +45,11 @@ def at(index: int, value: float) -> Callable[[np.ndarray], np.ndarray]:
     return change
 
 
-def test_a_right_run_fails_nothing(outcome: Callable[..., Any]) -> None:
+def test_a_right_run_fails_nothing(outcome):
     assert failed(outcome("paper-table-3")) == set()
 
 
-def test_energy_that_is_lost_or_gained(outcome: Callable[..., Any]) -> None:
+def test_energy_that_is_lost_or_gained(outcome):
     result = outcome("paper-table-3")
     energy = result.run.history["kinetic_energy"]
     for share in (-3e-6, 3e-6):
@@ -57,30 +57,30 @@ def test_energy_that_is_lost_or_gained(outcome: Callable[..., Any]) -> None:
         assert failed(result, kinetic_energy=change) == {"energy balance"}
 
 
-def test_momentum_that_no_reaction_gave(outcome: Callable[..., Any]) -> None:
+def test_momentum_that_no_reaction_gave(outcome):
     result = outcome("paper-table-3")
     assert failed(result, v_gy=lambda v: v * (1.0 + 1e-8 * np.arange(v.size))) == {"momentum balance"}
 
 
-def test_a_reaction_that_rings(outcome: Callable[..., Any]) -> None:
+def test_a_reaction_that_rings(outcome):
     result = outcome("paper-table-3")
     ring = failed(result, reaction_normal=lambda n: n * (1.0 + 0.2 * (-1.0) ** np.arange(n.size)))
     assert ring == {"reaction against rigid"}
     assert failed(result, normal_impulse_magnitude=lambda j: 3.0 * j) >= {"friction by ringing"}
 
 
-def test_a_corner_that_leaves_the_wall(outcome: Callable[..., Any]) -> None:
+def test_a_corner_that_leaves_the_wall(outcome):
     assert failed(outcome("paper-table-3"), gap=at(5, -0.03)) == {"penetration", "contact work"}
 
 
-def test_numbers_that_are_not_finite(outcome: Callable[..., Any]) -> None:
+def test_numbers_that_are_not_finite(outcome):
     result = outcome("paper-table-3")
     assert failed(result, theta=at(7, np.nan)) == {"finite numbers", *METRICS}
     broken = {"finite numbers", "energy balance", "energy ratio"}
     assert failed(result, kinetic_energy=at(7, np.inf)) == broken
 
 
-def test_a_difference_that_the_scene_does_not_allow(outcome: Callable[..., Any]) -> None:
+def test_a_difference_that_the_scene_does_not_allow(outcome):
     result = outcome("paper-table-3", "verify.tolerance=5e-4")
     assert failed(result) == set()
     for value, more in (
@@ -93,21 +93,21 @@ def test_a_difference_that_the_scene_does_not_allow(outcome: Callable[..., Any])
         assert found == {"agreement with rigid", *more}
 
 
-def test_a_result_of_the_theory_that_is_not_finite(outcome: Callable[..., Any]) -> None:
+def test_a_result_of_the_theory_that_is_not_finite(outcome):
     result = outcome("paper-table-3")
     endless = replace(result.fe_plan.case)
     vars(endless)["force"] = replace(endless.force, peak_force=math.inf)
     assert failed(replace(result, fe_plan=replace(result.fe_plan, case=endless))) == {"finite numbers"}
 
 
-def test_a_run_that_never_strikes(outcome: Callable[..., Any]) -> None:
+def test_a_run_that_never_strikes(outcome):
     result = outcome("paper-table-3")
     run = replace(result.run, strike=None)
     checks = run_checks(result.fe_plan, run, result.rigid_history, {})
     assert {check.name for check in checks if not check.passed} == {"tail-slap reached"}
 
 
-def test_every_report_has_the_checks_of_customary_practice(outcome: Callable[..., Any]) -> None:
+def test_every_report_has_the_checks_of_customary_practice(outcome):
     names = [check.name for check in outcome("paper-table-3").checks]
     assert len(names) == len(set(names))
     wanted = {
@@ -123,7 +123,7 @@ def test_every_report_has_the_checks_of_customary_practice(outcome: Callable[...
     }
 
 
-def test_energy_ratio_as_ls_dyna_has_it(outcome: Callable[..., Any]) -> None:
+def test_energy_ratio_as_ls_dyna_has_it(outcome):
     """2 % more energy than came in; half of that only fails this program's own, tighter, ledger."""
     result = outcome("paper-table-3")
     energy = result.run.history["kinetic_energy"]
@@ -134,16 +134,14 @@ def test_energy_ratio_as_ls_dyna_has_it(outcome: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("change", [("reaction_normal", 1.01), ("contact_energy", 1.01), ("gap", 0.99)])
-def test_a_spring_that_does_not_give_back_what_it_took(
-    outcome: Callable[..., Any], change: tuple[str, float]
-) -> None:
+def test_a_spring_that_does_not_give_back_what_it_took(outcome, change):
     name, factor = change
     columns = {name: lambda column: factor * column}
     assert failed(outcome("paper-table-3"), **columns) == {"contact work"}
 
 
 @pytest.mark.long
-def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome: Callable[..., Any]) -> None:
+def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome):
     """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere."""
     for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
         result = outcome("paper-table-3", change, "plate.start=unstressed", "damping.ratio=0.1")
@@ -151,7 +149,7 @@ def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome: Callab
         assert failed(result, contact_energy=lambda e: e + 1e-4 * np.arange(e.size)) == {"contact work"}
 
 
-def test_contact_that_holds_too_much_energy(outcome: Callable[..., Any]) -> None:
+def test_contact_that_holds_too_much_energy(outcome):
     result = outcome("paper-table-3")
     energy = result.run.history["kinetic_energy"]
     found = failed(
@@ -163,7 +161,7 @@ def test_contact_that_holds_too_much_energy(outcome: Callable[..., Any]) -> None
 
 
 @pytest.mark.parametrize("reaction", ["drag", "signed"])
-def test_work_that_friction_did_not_do(outcome: Callable[..., Any], reaction: str) -> None:
+def test_work_that_friction_did_not_do(outcome, reaction):
     """The ledger's work, and the kinetic energy that would have paid for it."""
     result = outcome("paper-table-3", f"corner.reaction={reaction}")
     work = result.run.history["friction_work"]
@@ -179,7 +177,7 @@ def test_work_that_friction_did_not_do(outcome: Callable[..., Any], reaction: st
         assert failed(result, **columns) == failing
 
 
-def test_friction_work_that_is_another_body_s(outcome: Callable[..., Any]) -> None:
+def test_friction_work_that_is_another_body_s(outcome):
     """Work, impulse and energy agree with each other, and with a friction 10 % higher than the scene's."""
     result = outcome("paper-table-3")
     work, law = result.run.history["friction_work"], result.fe_plan.case.scene.corner
@@ -190,7 +188,7 @@ def test_friction_work_that_is_another_body_s(outcome: Callable[..., Any]) -> No
     assert failed(replace(result, fe_plan=fe_plan), **columns) == {"friction work against rigid"}
 
 
-def test_friction_that_gives_energy_back(outcome: Callable[..., Any]) -> None:
+def test_friction_that_gives_energy_back(outcome):
     result = outcome("paper-table-3")
     work, energy = result.run.history["friction_work"], result.run.history["kinetic_energy"]
     gained = 0.001 * abs(work[-1])
@@ -202,7 +200,7 @@ def test_friction_that_gives_energy_back(outcome: Callable[..., Any]) -> None:
     assert found == {"friction takes energy"}
 
 
-def test_friction_where_there_is_none(outcome: Callable[..., Any]) -> None:
+def test_friction_where_there_is_none(outcome):
     result = outcome("paper-table-3", "corner.reaction=none")
     found = failed(result, friction_work=lambda w: w - 1e-4, kinetic_energy=lambda e: e - 1e-4)
     assert found == {"friction work against rigid"}
@@ -213,7 +211,7 @@ def test_friction_where_there_is_none(outcome: Callable[..., Any]) -> None:
 
 
 @pytest.mark.long
-def test_hourglass_energy_above_the_customary_limit(outcome: Callable[..., Any]) -> None:
+def test_hourglass_energy_above_the_customary_limit(outcome):
     """Of all energy; of the strain energy it is shown, for an assumed strain may have all the bending."""
     result = outcome("paper-table-3", "plate.element=quad4-reduced", "damping.ratio=0.01")
     strain, energy = result.run.history["strain_energy"], result.run.history["kinetic_energy"]
@@ -225,14 +223,12 @@ def test_hourglass_energy_above_the_customary_limit(outcome: Callable[..., Any])
     bending = {"hourglass_energy": lambda h: h + 0.2 * strain.max()}
     assert failed(coarse, **bending) == {"mesh", "numerical error", "hourglass share"}
     found = failed(
-        result,
-        hourglass_energy=lambda h: h + 0.06 * energy[0],
-        kinetic_energy=lambda e: e - 0.06 * energy[0],
+        result, hourglass_energy=lambda h: h + 0.06 * energy[0], kinetic_energy=lambda e: e - 0.06 * energy[0]
     )
     assert found == {"hourglass over total energy"}
 
 
-def test_mesh_and_spring_that_statics_does_not_allow(outcome: Callable[..., Any]) -> None:
+def test_mesh_and_spring_that_statics_does_not_allow(outcome):
     result = outcome("paper-table-3")
     coarse = replace(result, fe_plan=replace(result.fe_plan, other_deflection_ratio=2e-3))
     assert failed(coarse) == {"mesh", "numerical error"}
@@ -243,7 +239,7 @@ def test_mesh_and_spring_that_statics_does_not_allow(outcome: Callable[..., Any]
     assert failed(softened) >= {"contact spring", "numerical error"}
 
 
-def test_second_run_that_says_otherwise(outcome: Callable[..., Any]) -> None:
+def test_second_run_that_says_otherwise(outcome):
     """It takes the place of what statics says of mesh and spring; without an answer it confirms nothing."""
     result = outcome("paper-table-3")
     for difference, failing in (
@@ -256,7 +252,7 @@ def test_second_run_that_says_otherwise(outcome: Callable[..., Any]) -> None:
         assert {check.name for check in checks if not check.passed} == failing
 
 
-def test_oscillations_that_agree_by_chance_at_the_strike(outcome: Callable[..., Any]) -> None:
+def test_oscillations_that_agree_by_chance_at_the_strike(outcome):
     """The second run swings as far and faster, in phase at the strike: their root mean square distance is the
     amplitude."""
     result = outcome("paper-table-3")
@@ -277,7 +273,7 @@ def test_oscillations_that_agree_by_chance_at_the_strike(outcome: Callable[..., 
     assert distance_in_motion(ours, broken, result.rigid, True) == math.inf
 
 
-def test_oscillations_that_drift_apart_and_meet_again(outcome: Callable[..., Any]) -> None:
+def test_oscillations_that_drift_apart_and_meet_again(outcome):
     """Twenty swings and twenty-one: in opposite phase half-way, where their root mean square distance is sqrt(2) of the
     amplitude; what dies away until the end counts as little as is left of it."""
     result = outcome("paper-table-3")
@@ -297,9 +293,7 @@ def test_oscillations_that_drift_apart_and_meet_again(outcome: Callable[..., Any
     assert [check.name for check in checks if not check.passed] == ["numerical error"]
 
 
-def test_an_unstressed_plate_is_compared_with_its_second_run_over_the_whole_motion(
-    outcome: Callable[..., Any],
-) -> None:
+def test_an_unstressed_plate_is_compared_with_its_second_run_over_the_whole_motion(outcome):
     """Of this modulus the two oscillations have drifted apart by about a whole swing at the tail-slap."""
     made = outcome(
         "paper-table-3", "plate.start=unstressed", "corner.friction=0", "plate.youngs_modulus=153 GPa"
@@ -308,7 +302,7 @@ def test_an_unstressed_plate_is_compared_with_its_second_run_over_the_whole_moti
     assert made.error.second_run == made.second.apart
 
 
-def test_runs_that_strike_late_are_compared_while_the_rigid_motion_lasts(outcome: Callable[..., Any]) -> None:
+def test_runs_that_strike_late_are_compared_while_the_rigid_motion_lasts(outcome):
     result = outcome("paper-table-3")
     rigid, t = result.rigid_history, result.fe_history["t"]
     ended = {name: np.where(t <= 0.97 * t[-1], column, np.nan) for name, column in rigid.items()} | {"t": t}
@@ -318,7 +312,7 @@ def test_runs_that_strike_late_are_compared_while_the_rigid_motion_lasts(outcome
     assert distance_in_motion(ours, its, result.rigid, False) == pytest.approx(expected, rel=1e-3)
 
 
-def test_mass_that_the_geometry_has_not(outcome: Callable[..., Any]) -> None:
+def test_mass_that_the_geometry_has_not(outcome):
     result = outcome("paper-table-3")
     model = result.fe_plan.model
     heavier = replace(model, loop=model.loop._replace(mass=model.loop.mass * (1.0 + 2e-9)))
@@ -326,7 +320,7 @@ def test_mass_that_the_geometry_has_not(outcome: Callable[..., Any]) -> None:
     assert failed(changed) == {"added mass"}
 
 
-def test_histories_that_are_not_the_rigid_ones(outcome: Callable[..., Any]) -> None:
+def test_histories_that_are_not_the_rigid_ones(outcome):
     """Each metric beyond its limit in one history, and the check's words name it."""
     result = outcome("paper-table-3")
     wave = np.cos(np.linspace(0.0, 40.0 * np.pi, result.run.history["t"].size))
@@ -351,7 +345,7 @@ def test_histories_that_are_not_the_rigid_ones(outcome: Callable[..., Any]) -> N
     assert all("largest for omega" in meaning for meaning in meanings)
 
 
-def test_a_soft_plate_may_differ_by_its_give(outcome: Callable[..., Any]) -> None:
+def test_a_soft_plate_may_differ_by_its_give(outcome):
     """8 % of mean residual on a plate that gives by 4 %; an unstressed start's reaction is shown, not judged."""
     result = outcome("paper-table-3", "plate.youngs_modulus=20 MPa", "start.corner_speed=3")
     (residual,) = [check for check in result.checks if check.name == "mean residual"]
@@ -364,7 +358,7 @@ def test_a_soft_plate_may_differ_by_its_give(outcome: Callable[..., Any]) -> Non
     assert unstressed.metrics["reaction_normal"].deviation > 0.35
 
 
-def test_a_run_that_diverges_at_once(outcome: Callable[..., Any]) -> None:
+def test_a_run_that_diverges_at_once(outcome):
     """A single row, or no number throughout: everything is judged, nothing raises or warns."""
     result = outcome("paper-table-3")
     for rows, value in ((1, None), (2, np.inf), (3, np.nan), (401, -np.inf)):

@@ -12,7 +12,7 @@ from tailslap.campaign import pools
 pytestmark = pytest.mark.verification
 
 
-def test_processes_of_this_machine_open_no_port() -> None:
+def test_processes_of_this_machine_open_no_port():
     """Neither they nor this process listen to the network; what they say goes through pipes and own sockets."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
     with pools.local(2) as pool:

@@ -14,7 +14,6 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -56,18 +55,18 @@ def imported(*arguments: str, cwd: Path) -> set[str]:
     return set(modules)
 
 
-def test_rigid_and_scenes_import_nothing_heavy(tmp_path: Path) -> None:
+def test_rigid_and_scenes_import_nothing_heavy(tmp_path):
     assert imported("rigid", "mash-tl4-sut", cwd=tmp_path) == set()
     assert imported("scenes", cwd=tmp_path) == set()
 
 
-def test_a_run_without_pictures_does_not_import_vtk(tmp_path: Path) -> None:
+def test_a_run_without_pictures_does_not_import_vtk(tmp_path):
     modules = imported("run", "paper-abaqus", "--no-pictures", cwd=tmp_path)
     assert not modules & {"vtk", "vtkmodules", "pyvista", "matplotlib"}
     assert {"gmsh", "skfem"} <= modules
 
 
-def test_rigid_json_has_the_contract_s_names(capsys: pytest.CaptureFixture[str]) -> None:
+def test_rigid_json_has_the_contract_s_names(capsys):
     assert _status(["rigid", "paper-table-3", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert set(answer["stage1"]) == {"omega", "corner_speed", "impulse"}
@@ -77,16 +76,14 @@ def test_rigid_json_has_the_contract_s_names(capsys: pytest.CaptureFixture[str])
     assert answer["stage3"]["peak_force"] == pytest.approx(2 * 9979 * 3.2755267205 / 0.1, rel=1e-10)
 
 
-def test_scenes_lists_each_with_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_scenes_lists_each_with_a_line(capsys):
     assert _status(["scenes"]) == 0
     lines = [line for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")]
     assert {line.split()[0] for line in lines} >= {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
     assert all(len(line.split()) > 3 for line in lines)
 
 
-def test_check_says_what_a_run_would_use_and_writes_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_says_what_a_run_would_use_and_writes_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert _status(["check", "paper-abaqus"]) == 0
     said = capsys.readouterr().out
@@ -95,7 +92,7 @@ def test_check_says_what_a_run_would_use_and_writes_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_run_leaves_a_complete_folder(tmp_path: Path, besides_compiling: Callable[[str], str]) -> None:
+def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
     done = run("run", "paper-table-3", cwd=tmp_path)
     assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
     assert "FE/rigid" in done.stdout
@@ -115,9 +112,7 @@ def test_a_run_leaves_a_complete_folder(tmp_path: Path, besides_compiling: Calla
     assert report.count("<svg") >= 5
 
 
-def test_results_are_there_before_the_pictures_start(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_are_there_before_the_pictures_start(tmp_path, monkeypatch, capsys):
     """No window can be opened here: the numbers stay, whole, and the command says what is missing."""
     from postprocess.fields import contours
 
@@ -151,7 +146,7 @@ def _has_the_contract_s_numbers(summary: dict[str, Any]) -> None:
     assert {entry["part"] for entry in summary["left_out"]} == {"damping"}
 
 
-def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+def test_what_is_left_out_is_said(tmp_path):
     out = tmp_path / "out"
     scene = tmp_path / "scene.toml"
     scene.write_text(
@@ -168,7 +163,7 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     assert {path.name for path in out.iterdir()} == FILES
 
 
-def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path: Path) -> None:
+def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path):
     done = run("run", "paper-table-3", *FLUTTER, "--no-pictures", "--out", "bad", cwd=tmp_path)
     assert done.returncode == 1
     assert "FAILED" in done.stdout
@@ -178,7 +173,7 @@ def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path: Path) -> Non
     assert "Failed" in (tmp_path / "bad" / "report.html").read_text()
 
 
-def test_a_run_that_diverges_is_reported_too(tmp_path: Path, besides_compiling: Callable[[str], str]) -> None:
+def test_a_run_that_diverges_is_reported_too(tmp_path, besides_compiling):
     changes = (
         "impact.friction=0.8",
         "plate.youngs_modulus=20 TPa",
@@ -218,12 +213,8 @@ def test_a_run_that_diverges_is_reported_too(tmp_path: Path, besides_compiling: 
     ],
 )
 def test_wrong_input_ends_with_two_one_message_and_nothing_written(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    arguments: tuple[str, ...],
-    key: str,
-) -> None:
+    tmp_path, monkeypatch, capsys, arguments, key
+):
     (tmp_path / "file").write_text("mine")
     (tmp_path / "foreign").mkdir()
     (tmp_path / "foreign" / "thesis.tex").write_text("mine")
@@ -237,9 +228,7 @@ def test_wrong_input_ends_with_two_one_message_and_nothing_written(
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_a_run_without_a_plate_is_refused_and_rigid_does_without(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_without_a_plate_is_refused_and_rigid_does_without(tmp_path, capsys):
     scene = tmp_path / "scene.toml"
     scene.write_text(
         'name = "bare"\n[vehicle]\nlength = 10\nwidth = 2.438\nmass = 9979\n'
@@ -251,9 +240,7 @@ def test_a_run_without_a_plate_is_refused_and_rigid_does_without(
     assert _status(["check", str(scene)]) == 0
 
 
-def test_an_earlier_result_is_replaced_and_what_was_added_or_changed_is_not(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_earlier_result_is_replaced_and_what_was_added_or_changed_is_not(tmp_path, capsys):
     out, arguments = (
         tmp_path / "out",
         ["run", "paper-abaqus", "--no-pictures", "--out", str(tmp_path / "out")],
@@ -273,19 +260,11 @@ def test_an_earlier_result_is_replaced_and_what_was_added_or_changed_is_not(
 
 def long_run(tmp_path: Path, stderr: Any) -> subprocess.Popen[bytes]:
     changes = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none")
-    command = [
-        sys.executable,
-        "-m",
-        "tailslap.cli",
-        "run",
-        "paper-table-3",
-        *changes,
-        "--no-pictures",
-    ]
+    command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", *changes, "--no-pictures"]
     return subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=stderr)
 
 
-def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path: Path) -> None:
+def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path):
     """On a terminal a bar appears after a second; Ctrl-C ends with 130, and no half-written folder stays."""
     leader, follower = pty.openpty()
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
@@ -309,7 +288,7 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path: Path) ->
 @pytest.mark.parametrize(
     "command", [*sorted(commands.commands), *(f"study {name}" for name in study_names())]
 )
-def test_every_command_has_help(command: str) -> None:
+def test_every_command_has_help(command):
     shown = CliRunner().invoke(commands, [*command.split(), "--help"])
     assert shown.exit_code == 0, shown.output
     assert "Usage:" in shown.output

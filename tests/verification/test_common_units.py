@@ -41,12 +41,12 @@ DIMENSIONS = {
 }
 
 
-def test_every_unit_has_its_defined_factor() -> None:
+def test_every_unit_has_its_defined_factor():
     assert {name: factor for name, (factor, _) in UNITS.items()} == pytest.approx(DEFINED, rel=1e-15)
 
 
 @pytest.mark.parametrize(("name", "base"), DIMENSIONS.items())
-def test_dimensions_are_those_of_base_units(name: str, base: str) -> None:
+def test_dimensions_are_those_of_base_units(name, base):
     assert to_si(name)[1] == to_si(base)[1]
 
 
@@ -58,22 +58,22 @@ def test_dimensions_are_those_of_base_units(name: str, base: str) -> None:
         *(("t m^2", "kg m^2", 1e3), ("kHz", "1/s", 1e3), ("kip/ft", "N/m", 4448.2216152605 / 0.3048)),
     ],
 )
-def test_products_convert_by_their_factors(given: str, unit: str, factor: float) -> None:
+def test_products_convert_by_their_factors(given, unit, factor):
     assert converted(12.34, given, unit) == pytest.approx(12.34 * factor, rel=2e-15)
 
 
 @pytest.mark.parametrize(
     ("given", "unit"), [("kg", "m"), ("Hz", "rad/s"), ("1/s", "rad/s"), ("deg", "m/m"), ("s", "1/s")]
 )
-def test_another_dimension_is_refused(given: str, unit: str) -> None:
+def test_another_dimension_is_refused(given, unit):
     with pytest.raises(ValueError, match="another dimension"):
         converted(1.0, given, unit)
 
 
-def test_an_unknown_name_is_refused_with_those_that_are_known() -> None:
+def test_an_unknown_name_is_refused_with_those_that_are_known():
     with pytest.raises(ValueError, match=r'"furlong" is not known; known are m, mm, .*ksi, J, kJ, Hz, kHz'):
         converted(1.0, "furlong/h", "m/s")
 
 
-def test_a_radian_is_a_dimension_of_its_own() -> None:
+def test_a_radian_is_a_dimension_of_its_own():
     assert to_si("rad/s")[1] == Dimension(0, 0, -1, 1)

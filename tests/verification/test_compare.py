@@ -10,8 +10,7 @@ import pytest
 
 import tailslap
 from postprocess.comparison.metrics import beside
-from tailslap import InputError, Result
-from tailslap.cli import main
+from tailslap import InputError, Result, cli
 from tailslap.comparing.source import parse_mapping, read_table
 
 pytestmark = pytest.mark.verification
@@ -20,18 +19,18 @@ T = np.linspace(0.0, 1.0, 1001)
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result():
     return tailslap.run("paper-table-3")
 
 
 @pytest.fixture(scope="module")
-def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(result, tmp_path_factory):
     return result.save(tmp_path_factory.mktemp("compare") / "reference", pictures=False)
 
 
 def command(*arguments: str) -> int:
     with pytest.raises(SystemExit) as left:
-        main(["compare", *arguments])
+        cli.main(["compare", *arguments])
     return int(str(left.value.code))
 
 
@@ -45,7 +44,7 @@ def their_file(path: Path, result: Result, head: str, factor: float = 1.0) -> Pa
     return path
 
 
-def test_metrics_of_a_scaled_and_of_a_late_history() -> None:
+def test_metrics_of_a_scaled_and_of_a_late_history():
     """Twice as large: M = 1, P = 0, C = 1. Late by a hundredth of a turn: M = 0, P = 0.02."""
     reference = {"t": T, "v": np.sin(2.0 * np.pi * T)}
     twice = beside("v", {"t": T, "v": 2.0 * reference["v"]}, reference)
@@ -61,7 +60,7 @@ def test_metrics_of_a_scaled_and_of_a_late_history() -> None:
     assert late.within
 
 
-def test_residuals_of_a_shifted_history() -> None:
+def test_residuals_of_a_shifted_history():
     reference = {"t": T, "v": 4.0 - T}
     found = beside("v", {"t": T, "v": reference["v"] + 0.4}, reference)
     assert found is not None
@@ -71,7 +70,7 @@ def test_residuals_of_a_shifted_history() -> None:
     assert not found.within  # the mean residual is beyond 5 %
 
 
-def test_only_the_common_time_counts() -> None:
+def test_only_the_common_time_counts():
     reference = {"t": T, "v": T}
     found = beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
     assert found is not None
@@ -80,14 +79,14 @@ def test_only_the_common_time_counts() -> None:
     assert beside("v", {"t": T + 2.0, "v": T}, reference) is None
 
 
-def test_rows_that_are_not_finite_are_left_out() -> None:
+def test_rows_that_are_not_finite_are_left_out():
     values = np.where(T > 0.5, np.nan, T)
     found = beside("v", {"t": T, "v": values}, {"t": T, "v": T})
     assert found is not None
     assert found.t[-1] == 0.5
 
 
-def test_another_programs_file_is_compared_in_si(result: Result, folder: Path, tmp_path: Path) -> None:
+def test_another_programs_file_is_compared_in_si(result, folder, tmp_path):
     path = their_file(tmp_path / "abaqus.csv", result, "# made by hand\nTIME;VY;VX\n[ms];[m/s];[mph]\n", 1.02)
     found = tailslap.compare(folder, path, columns={"v_gy": "-VY", "v_gx": "VX"})
     columns = found.summary["compared"]["abaqus"]
@@ -98,7 +97,7 @@ def test_another_programs_file_is_compared_in_si(result: Result, folder: Path, t
     assert found.summary["notes"] == []
 
 
-def test_units_may_be_in_the_names_or_in_the_mapping(result: Result, folder: Path, tmp_path: Path) -> None:
+def test_units_may_be_in_the_names_or_in_the_mapping(result, folder, tmp_path):
     in_names = their_file(tmp_path / "a.csv", result, "Time (ms);VY;VX [mph]\n")
     mapped = their_file(tmp_path / "b.csv", result, "a;VY;VX\n")
     one = tailslap.compare(folder, in_names, columns="v_gy=-VY,v_gx=VX")
@@ -107,16 +106,14 @@ def test_units_may_be_in_the_names_or_in_the_mapping(result: Result, folder: Pat
     assert one.summary["notes"] == ["a.csv: no unit given for v_gy; SI is assumed."]
 
 
-def test_a_mapping_is_of_the_files_that_need_it(result: Result, folder: Path, tmp_path: Path) -> None:
+def test_a_mapping_is_of_the_files_that_need_it(result, folder, tmp_path):
     path = their_file(tmp_path / "their.csv", result, "time [ms];VY;VX [mph]\n")
     found = tailslap.compare(folder / "rigid.csv", path, columns="time=time,v_gy=-VY,v_gx=VX")
     assert found.passed
     assert {*found.summary["compared"]["their"]} == {"v_gx", "v_gy"}
 
 
-def test_results_are_compared_by_command_and_function(
-    result: Result, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_are_compared_by_command_and_function(result, folder, tmp_path, capsys):
     soft = tailslap.run("paper-table-3", {"plate.youngs_modulus": "20 GPa"})
     other = soft.save(tmp_path / "soft", pictures=False)
     assert command(str(folder), str(other), "--json", "--out", str(tmp_path / "page")) == 0
@@ -131,7 +128,7 @@ def test_results_are_compared_by_command_and_function(
     assert {each["combined"] for each in same.values()} == {0.0}
 
 
-def test_beyond_the_limits_the_exit_status_is_one(result: Result, folder: Path, tmp_path: Path) -> None:
+def test_beyond_the_limits_the_exit_status_is_one(result, folder, tmp_path):
     path = their_file(tmp_path / "far.csv", result, "time [ms];VY [m/s];VX [mph]\n", 2.0)
     mapping = ("--columns", "v_gy=-VY,v_gx=VX")
     assert command(str(folder), str(path), *mapping, "--out", str(tmp_path / "a")) == 1
@@ -139,9 +136,7 @@ def test_beyond_the_limits_the_exit_status_is_one(result: Result, folder: Path, 
     assert command(str(folder), str(path), *mapping, *only, "--out", str(tmp_path / "b")) == 0
 
 
-def test_the_table_fits_eighty_columns(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_table_fits_eighty_columns(folder, tmp_path, capsys):
     command(str(folder), str(folder / "rigid.csv"), "--out", str(tmp_path / "a"))
     table = capsys.readouterr().out
     assert "reaction_tangential" in table
@@ -159,14 +154,14 @@ def test_the_table_fits_eighty_columns(
         ("t,v_gy [kg]\n0,1\n1,2\n", "allowed is a unit that fits m/s"),
     ],
 )
-def test_files_that_are_no_histories_are_refused(text: str, why: str, folder: Path, tmp_path: Path) -> None:
+def test_files_that_are_no_histories_are_refused(text, why, folder, tmp_path):
     path = tmp_path / "wrong.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=why):
         tailslap.compare(folder, path)
 
 
-def test_what_is_not_there_is_refused(folder: Path, tmp_path: Path) -> None:
+def test_what_is_not_there_is_refused(folder, tmp_path):
     with pytest.raises(InputError, match="there is no such file or folder"):
         tailslap.compare(folder, tmp_path / "none.csv")
     with pytest.raises(InputError, match="allowed are two or more"):
@@ -179,12 +174,12 @@ def test_what_is_not_there_is_refused(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "v_gy", "=VY", "v_gy="])
-def test_a_mapping_names_both(text: str) -> None:
+def test_a_mapping_names_both(text):
     with pytest.raises(InputError, match="allowed is NAME=THEIRS"):
         parse_mapping(text)
 
 
-def test_columns_apart_by_blanks_and_gaps(tmp_path: Path) -> None:
+def test_columns_apart_by_blanks_and_gaps(tmp_path):
     path = tmp_path / "blank.txt"
     path.write_text("$ LS-DYNA\ntime  vy\n0.0  1.0\n0.1\n0.2  nonsense\n")
     columns, _ = read_table(path)

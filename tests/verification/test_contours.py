@@ -3,7 +3,6 @@
 import ctypes
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -68,7 +67,7 @@ def fields() -> list[ContourField]:
 
 
 @pytest.fixture(scope="module")
-def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, NDArray[np.uint8]]:
+def pictures(tmp_path_factory):
     out = tmp_path_factory.mktemp("pictures")
     paths = draw_contours(WITH_WALL, fields(), out)
     assert [path.name for path in paths] == ["contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"]
@@ -87,9 +86,7 @@ def element_points(quads: list[int]) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize(("name", "component"), [("contour_v_gx", 0), ("contour_v_gy", 1)])
-def test_colours_are_those_of_the_exact_velocities(
-    pictures: dict[str, NDArray[np.uint8]], name: str, component: int
-) -> None:
+def test_colours_are_those_of_the_exact_velocities(pictures, name, component):
     at = element_points(list(range(0, len(QUADS), 3)))
     at = at[np.linalg.norm(at - CENTROID, axis=1) > 0.8]
     values, nodal = velocities(at)[:, component], velocities(POINTS)[:, component]
@@ -101,7 +98,7 @@ def test_colours_are_those_of_the_exact_velocities(
     np.testing.assert_allclose(pixels(pictures[name], at[inside]), expected, atol=2)
 
 
-def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures: dict[str, NDArray[np.uint8]]) -> None:
+def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures):
     ends = element_points([3 * COLUMNS, 4 * COLUMNS - 1])
     left, right = pixels(pictures["contour_v_gy"], ends)
     assert left[:2].max() < 80, "the rear end moves fastest towards the wall: dark end of the map"
@@ -110,14 +107,14 @@ def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures: dict[str, NDA
     np.testing.assert_array_equal(along[0], along[1])
 
 
-def test_a_uniform_field_has_one_colour(pictures: dict[str, NDArray[np.uint8]]) -> None:
+def test_a_uniform_field_has_one_colour(pictures):
     at = element_points(
         [q for q in range(len(QUADS)) if abs(POINTS[QUADS[q]].mean(axis=0)[0] - CENTROID[0]) > 1.0]
     )
     assert len(np.unique(pixels(pictures["contour_omega"], at), axis=0)) == 1
 
 
-def test_size_wall_and_background(pictures: dict[str, NDArray[np.uint8]]) -> None:
+def test_size_wall_and_background(pictures):
     grey, edge = (np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (WALL, WALL_EDGE))
     for picture in pictures.values():
         assert picture.shape == (700, 1600, 3)
@@ -128,13 +125,13 @@ def test_size_wall_and_background(pictures: dict[str, NDArray[np.uint8]]) -> Non
         np.testing.assert_array_equal(beside, np.full((3, 3), 255))
 
 
-def test_corner_and_centroid_are_marked(pictures: dict[str, NDArray[np.uint8]]) -> None:
+def test_corner_and_centroid_are_marked(pictures):
     for picture in pictures.values():
         marks = pixels(picture, np.array([(SLIDE, 0.0), CENTROID]))
         np.testing.assert_array_equal(marks, np.full((2, 3), 255))
 
 
-def test_without_a_wall_mesh_there_is_a_line(tmp_path: Path) -> None:
+def test_without_a_wall_mesh_there_is_a_line(tmp_path):
     (path,) = draw_contours(Situation((POINTS, QUADS)), fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
     below = pixels(picture, np.array([[2.3, -0.3], [9.8, -0.13]]))
@@ -142,14 +139,14 @@ def test_without_a_wall_mesh_there_is_a_line(tmp_path: Path) -> None:
     assert pixels(picture, np.array([[9.8, 0.0]])).max() < 100
 
 
-def test_a_wall_out_of_sight_is_not_drawn(tmp_path: Path) -> None:
+def test_a_wall_out_of_sight_is_not_drawn(tmp_path):
     beyond = replace(WITH_WALL, wall=(WALL_POINTS + np.array([500.0, 0.0]), WALL_QUADS))
     (path,) = draw_contours(beyond, fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(int)
     np.testing.assert_array_equal(pixels(picture, np.array([[2.3, -0.3]])), np.full((1, 3), 255))
 
 
-def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_words_in_the_picture(tmp_path, monkeypatch):
     words: list[str] = []
     write = Sheet.write
 
@@ -177,9 +174,7 @@ def test_words_in_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     )
 
 
-def test_every_plotter_is_closed_even_when_drawing_fails(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_plotter_is_closed_even_when_drawing_fails(tmp_path, monkeypatch):
     opened: list[Any] = []
     make = pyvista.Plotter.__init__
 
@@ -197,9 +192,7 @@ def test_every_plotter_is_closed_even_when_drawing_fails(
     assert not (tmp_path / "contour_bad.png").exists()
 
 
-def test_pictures_of_one_plotter_are_those_of_plotters_of_their_own(
-    tmp_path: Path, pictures: dict[str, NDArray[np.uint8]]
-) -> None:
+def test_pictures_of_one_plotter_are_those_of_plotters_of_their_own(tmp_path, pictures):
     """Nothing of an earlier field is left in the next picture."""
     for field in fields():
         (path,) = draw_contours(WITH_WALL, [field], tmp_path)
@@ -208,12 +201,12 @@ def test_pictures_of_one_plotter_are_those_of_plotters_of_their_own(
 
 
 @pytest.mark.parametrize("count", [2, 12, 13, 64])
-def test_own_colour_map_is_viridis(count: int) -> None:
+def test_own_colour_map_is_viridis(count):
     expected = mpl.colormaps["viridis"].resampled(count)(np.linspace(0.0, 1.0, count))[:, :3]
     np.testing.assert_allclose(viridis(count), expected, atol=1.0 / 255.0)
 
 
-def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch):
     def missing(name: str) -> None:
         raise OSError(name)
 
@@ -237,7 +230,7 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch: pytest.Mon
         (0.0, 7.0),
     ],
 )
-def test_labels_differ_and_are_round(low: float, high: float) -> None:
+def test_labels_differ_and_are_round(low, high):
     """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
     scale = colour_scale(np.array([low, high]))
     assert not scale.uniform
@@ -254,7 +247,7 @@ def test_labels_differ_and_are_round(low: float, high: float) -> None:
     assert scale.bands == 2 * (len(scale.labels) - 1)
 
 
-def test_next_to_nothing_is_uniform_not_a_drama() -> None:
+def test_next_to_nothing_is_uniform_not_a_drama():
     """Rounding, and eight parts in a million: one colour in a range of a hundredth."""
     for spread in (1e-13, 4e-6):
         scale = colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
@@ -265,28 +258,28 @@ def test_next_to_nothing_is_uniform_not_a_drama() -> None:
         assert scale.labels == ["0.652", "0.655", "0.658"]
 
 
-def test_uniform_threshold_is_1e_4() -> None:
+def test_uniform_threshold_is_1e_4():
     assert colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
     assert not colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
 
 
-def test_zero_everywhere() -> None:
+def test_zero_everywhere():
     scale = colour_scale(np.zeros(4))
     assert (scale.low, scale.high, scale.uniform) == (-5e-3, 5e-3, True)
 
 
-def test_a_zero_has_no_sign_and_others_a_true_minus() -> None:
+def test_a_zero_has_no_sign_and_others_a_true_minus():
     scale = colour_scale(np.array([-6.5, -1e-12]))
     assert (scale.high, scale.labels[-1]) == (0.0, "0.0")
     assert scale.labels[0] == "−7.0"
 
 
-def test_values_that_are_not_finite_are_refused() -> None:
+def test_values_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="not finite"):
         colour_scale(np.array([1.0, np.nan]))
 
 
-def test_the_view_holds_plate_and_wall_line() -> None:
+def test_the_view_holds_plate_and_wall_line():
     points = np.array([[-1.0, 0.0], [9.0, 0.0], [9.0, 2.4], [-1.0, 2.4]])
     view = view_of_plate(points)
     (left, bottom), (right, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
@@ -297,13 +290,13 @@ def test_the_view_holds_plate_and_wall_line() -> None:
     assert view.length == pytest.approx(10.0 / 1460.0)
 
 
-def test_the_view_reaches_down_to_the_wall_from_a_plate_above_it() -> None:
+def test_the_view_reaches_down_to_the_wall_from_a_plate_above_it():
     view = view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
     assert view.pixel([0.0, 0.0])[1] >= 120.0 - 1e-9
     assert view.pixel([0.0, 5.0])[1] <= 510.0 + 1e-9
 
 
-def test_round_positions() -> None:
+def test_round_positions():
     assert round_between(-0.9, 3.2, 12) == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
     assert round_between(0.0, 100.0, 12) == pytest.approx(np.arange(0.0, 101.0, 10.0))
     assert round_between(3.0, 3.0, 12) == round_between(3.0, 2.0, 12) == []

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -58,24 +57,24 @@ ROWS = (
 )
 
 
-def test_front_holds_what_nothing_beats_neither_the_truth_itself_nor_choices_on_one_mesh() -> None:
+def test_front_holds_what_nothing_beats_neither_the_truth_itself_nor_choices_on_one_mesh():
     assert [found["label"] for found in study.front(ROWS)] == ["quick", "middle", "slow and exact"]
     more = row("closed form", 1e-12, 1e-5, EXACT), row("ratio 0.1", 1e-11, 1e-4, choice=True)
     assert study.front((*more, *ROWS)) == study.front(ROWS)
 
 
-def test_cheapest_for_each_level() -> None:
+def test_cheapest_for_each_level():
     best = [study.cheapest(ROWS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)]
     assert [found and found["label"] for found in best] == ["quick", "middle", "slow and exact", None]
 
 
-def test_error_is_the_largest_of_five() -> None:
+def test_error_is_the_largest_of_five():
     assert largest_relative(TRUTH, TRUTH) == 0.0
     assert largest_relative(TRUTH | {"v_gy": -4.4, "t": 1.01}, TRUTH) == pytest.approx(0.1)
     assert math.isnan(largest_relative(TRUTH | {"t": math.nan}, TRUTH))
 
 
-def test_errors_are_from_the_limit_of_the_quadratic_elements() -> None:
+def test_errors_are_from_the_limit_of_the_quadratic_elements():
     """Changes of 4 and 1 per thousand: order 2, limit 1 - 1/3000, known to 1.25/3000."""
     limit = limit_of([record(dict.fromkeys(study.NAMES, x)) for x in (1.005, 1.001, 1.0)], study.NAMES)
     assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in study.NAMES}
@@ -85,7 +84,7 @@ def test_errors_are_from_the_limit_of_the_quadratic_elements() -> None:
     assert [found[name] for name in ("setup_s", "loop_s", "median_s", "steps")] == [0.1, 0.3, 0.4, 9]
 
 
-def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_strikes() -> None:
+def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_strikes():
     limit, setting = Limit(dict.fromkeys(study.NAMES, 1.0), 1e-3), Setting(FE, "quad4", "mesh")
     assert row_of(setting, record(dict.fromkeys(study.NAMES, 1.0 + 1e-5)), limit)["error"] == 1e-3
     nothing = row_of(setting, record(study.strike_values([])), limit)
@@ -95,13 +94,13 @@ def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_s
     assert not study.is_valid(row_of(setting, {"refused": "no"}, limit))
 
 
-def test_limit_without_convergence_is_the_finest_and_little_known() -> None:
+def test_limit_without_convergence_is_the_finest_and_little_known():
     values = [{"values": {k: v * factor for k, v in TRUTH.items()}} for factor in (1.0, 1.1, 1.0)]
     assert limit_of(values) == Limit(TRUTH, pytest.approx(0.3))  # type: ignore[arg-type]
     assert math.isnan(limit_of(values[:2]).known)
 
 
-def test_settings_have_names_of_their_own() -> None:
+def test_settings_have_names_of_their_own():
     assert len({setting.key for setting in TODO}) == len(TODO)
     both = {"modal model", "time step", "penalty", "damping"}
     wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "unstressed start"}
@@ -111,14 +110,14 @@ def test_settings_have_names_of_their_own() -> None:
     assert elements | both <= {setting.group for setting in TODO if setting.soft}
 
 
-def test_the_limit_s_meshes_are_halves_of_each_other() -> None:
+def test_the_limit_s_meshes_are_halves_of_each_other():
     case = case_of(*read_scene("impact-mash-tl4-sut"))
     todo, *_ = study.impact_settings(case)
     meshes = [s.changes["plate.elements"] for s in todo if s.group == "quad9"]
     assert meshes == [(10, 3), (20, 6), (40, 12)]
 
 
-def test_rigid_methods_are_as_good_as_they_say() -> None:
+def test_rigid_methods_are_as_good_as_they_say():
     exact = measure(STUDIED.source, Setting(EXACT, "exact", "closed form"))
     assert largest_relative(exact["values"], STUDIED.tail_slap) == 0.0
     tight = measure(STUDIED.source, Setting(ODE, "DOP853", "tight", number=1e-11))
@@ -126,7 +125,7 @@ def test_rigid_methods_are_as_good_as_they_say() -> None:
     assert len(tight["loop"]) > 3
 
 
-def test_finite_elements_are_measured_and_refusals_noted() -> None:
+def test_finite_elements_are_measured_and_refusals_noted():
     base = read_source("paper-abaqus")
     found = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
     assert len(found["loop"]) == len(found["setup"]) >= 2
@@ -138,7 +137,7 @@ def test_finite_elements_are_measured_and_refusals_noted() -> None:
     assert "constraint" in refused["refused"]
 
 
-def test_time_step_converges_with_order_two() -> None:
+def test_time_step_converges_with_order_two():
     """Central differences, on a mesh where the step is long enough to be seen above the rounding."""
     values = []
     for factor in (0.225, 0.45, 0.9):
@@ -151,7 +150,7 @@ def test_time_step_converges_with_order_two() -> None:
 
 
 @pytest.mark.parametrize(("patch", "converges"), [(("corner.patch_length=1",), True), ((), False)])
-def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ...], converges: bool) -> None:
+def test_patch_converges_with_the_mesh_and_a_point_does_not(patch, converges):
     soft = ("plate.youngs_modulus=1 GPa", "plate.element=quad4", "corner.constraint=exact", *patch)
     values = []
     for n in (80, 40, 20):
@@ -166,9 +165,7 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch: tuple[str, ..
         assert found.order < 0.3
 
 
-def test_interrupted_study_measures_only_what_is_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_interrupted_study_measures_only_what_is_missing(tmp_path, monkeypatch):
     done: list[str] = []
 
     def noted(source: Source, setting: Setting) -> dict[str, Any]:
@@ -203,7 +200,7 @@ def summed_up(truth: dict[str, float], steps: dict[str, int] | None = None) -> s
     return study.summed_up(STUDIED, TODO, made_records(steps=steps), ("plate.start=inertia-relief",), truth)
 
 
-def test_time_steps_that_are_no_halves_have_no_convergence() -> None:
+def test_time_steps_that_are_no_halves_have_no_convergence():
     """On a soft plate the least number of steps stands against the safety factor: that is not a settled value."""
     halves = {"safety factor 0.45": 2000, "safety factor 0.225": 4000}
     assert "time step" in summed_up(TRUTH, halves).convergence
@@ -213,7 +210,7 @@ def test_time_steps_that_are_no_halves_have_no_convergence() -> None:
 
 
 @pytest.mark.long
-def test_page_and_summary(tmp_path: Path) -> None:
+def test_page_and_summary(tmp_path):
     made = report(summed_up(TRUTH))
     write_report(made, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
@@ -226,7 +223,7 @@ def test_page_and_summary(tmp_path: Path) -> None:
     assert len((tmp_path / "points.csv").read_text().splitlines()) == len(TODO) + 1
 
 
-def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known() -> None:
+def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known():
     found = summed_up({k: 1.01 * v for k, v in TRUTH.items()})
     soft = found.of(soft=True)
     assert found.limit.values == pytest.approx(TRUTH, rel=1e-9)
@@ -248,7 +245,7 @@ def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known
         ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=unstressed"),
     ],
 )
-def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None:
+def test_soft_plate_keeps_what_the_scene_gives(changes):
     """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
     plan = case_of(*read_scene("paper-table-3", changes))
     soft, source = vary(plan.source, {**study.soft_changes(plan), "plate.element": "quad9"})
@@ -262,7 +259,7 @@ def test_soft_plate_keeps_what_the_scene_gives(changes: tuple[str, ...]) -> None
 
 
 @pytest.mark.long
-def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> None:
+def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion():
     """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
     soft = vary(STUDIED.source, study.soft_changes(STUDIED))[1]
     by_key = {setting.key.removeprefix("soft plate, "): setting for setting in TODO if setting.soft}
@@ -273,9 +270,7 @@ def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion() -> 
 
 
 @pytest.mark.long
-def test_a_study_of_a_whole_impact_on_a_coarse_plate(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_study_of_a_whole_impact_on_a_coarse_plate(tmp_path, capsys):
     """Every setting comes nearer to the plate's limit than the rigid vehicle, and finer meshes nearer still."""
     out = tmp_path / "cost"
     arguments = ["study", "cost", "impact-mash-tl4-sut", "--set", "plate.elements=[8, 4]", "--out", str(out)]

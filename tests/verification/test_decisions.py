@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.decisions import harms, open_damping, suppressing_rate
-from tailslap.case.corner.error import numerical_error
-from tailslap.case.corner.model import RECTIFIED, friction_lost
+from tailslap.case.corner import case, decisions, error, model
 from tailslap.case.corner.plan import CornerPlan, make_corner_plan
 from tailslap.case.corner.text import flutter_sentence, verdict_sentence
 from tailslap.case.cost import loop_seconds
@@ -28,14 +24,14 @@ FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")
 
 
 def fe_plan(*changes: str) -> CornerPlan:
-    return CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))).plan()
+    return case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))).plan()
 
 
 def decided(*changes: str) -> dict[str, Any]:
     return {decision.key: decision.value for decision in fe_plan(*changes).decisions}
 
 
-def test_shipped_scene_leaves_nothing_to_decide() -> None:
+def test_shipped_scene_leaves_nothing_to_decide():
     """Linear elements and the penalty spring are good enough for steel, and nothing grows."""
     assert decided() == {}
     assert fe_plan().model.loop.elastic_damping is None
@@ -44,7 +40,7 @@ def test_shipped_scene_leaves_nothing_to_decide() -> None:
 @pytest.mark.parametrize(
     ("length", "width"), [("4 m", "1.5 m"), ("10 m", "2438 mm"), ("19 m", "2.7 m"), ("6 m", "6 m")]
 )
-def test_elements_left_out_are_of_one_proportion(length: str, width: str) -> None:
+def test_elements_left_out_are_of_one_proportion(length, width):
     plan = fe_plan("plate.elements=", f"vehicle.length={length}", f"vehicle.width={width}")
     along, across = plan.plate.counts
     body = plan.case.body
@@ -52,11 +48,11 @@ def test_elements_left_out_are_of_one_proportion(length: str, width: str) -> Non
     assert 90 <= along * across <= 150
 
 
-def test_paper_plate_gets_the_paper_mesh() -> None:
+def test_paper_plate_gets_the_paper_mesh():
     assert decided("plate.elements=") == {"plate.elements": (20, 6)}
 
 
-def test_mesh_that_locks_gets_quadratic_elements() -> None:
+def test_mesh_that_locks_gets_quadratic_elements():
     """A strip of 10 x 0.1 m: linear elements of its 20 x 6 mesh are many times too stiff in bending."""
     strip = ("vehicle.width=0.1", "plate.elements=[20, 6]")
     assert decided(*strip)["plate.element"] == "quad9"
@@ -67,7 +63,7 @@ def test_mesh_that_locks_gets_quadratic_elements() -> None:
 
 
 @pytest.mark.long
-def test_constraint_left_open_is_exact_where_the_spring_would_be_seen() -> None:
+def test_constraint_left_open_is_exact_where_the_spring_would_be_seen():
     assert decided(*SOFT)["corner.constraint"] == "exact"
     assert decided("plate.start=unstressed")["corner.constraint"] == "exact"
     for given in ("corner.penalty_scale=2", "corner.constraint=penalty", "corner.damping_ratio=0.1"):
@@ -75,7 +71,7 @@ def test_constraint_left_open_is_exact_where_the_spring_would_be_seen() -> None:
         assert fe_plan(*SOFT, given).model.loop.corner.stiffness > 0.0
 
 
-def test_damping_is_decided_unless_the_scene_says_what_it_wants() -> None:
+def test_damping_is_decided_unless_the_scene_says_what_it_wants():
     rate = decided(*FLUTTERS)["damping.rate"]
     assert rate > 0.0
     assert "damping.rate" not in decided(*FLUTTERS, "damping.kind=none")
@@ -91,21 +87,21 @@ SLENDER = ("vehicle.width=0.6", "plate.youngs_modulus=1e10", "plate.elements=[20
 """A strip whose first mode, of 3.4 Hz, would not follow its loads with the damping that its flutter would take."""
 
 
-def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without() -> None:
-    plan = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
+def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without():
+    plan = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
     first, again = plan.plan(), make_corner_plan(plan, more_damping=4.0)
     assert first.growth.overdamps
     assert first.model.loop.elastic_damping is None
     assert "seen in the result" in first.decisions[-1].shown
     assert flutter_sentence(first).startswith("possible")
-    assert again.model.loop.elastic_damping.rate == 4.0 * suppressing_rate(again.growth)
+    assert again.model.loop.elastic_damping.rate == 4.0 * decisions.suppressing_rate(again.growth)
     assert "the first run rang" in again.decisions[-2].shown
-    assert not harms(plan, first.plate, first.model, first.growth, deflection_ratio=1e-4)
-    unseen = open_damping(first.asked, first.growth)
+    assert not decisions.harms(plan, first.plate, first.model, first.growth, deflection_ratio=1e-4)
+    unseen = decisions.open_damping(first.asked, first.growth)
     assert [decision.key for decision in unseen] == ["damping.kind", "damping.rate"]
 
 
-def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without() -> None:
+def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without():
     """An unstressed plate of 25 Hz swings by 8e-4 of v_GY; damped against its flutter it lost almost half of that."""
     swings = ("plate.first_frequency=25 Hz", "plate.elements=[40, 12]", "plate.start=unstressed")
     soft = fe_plan("plate.youngs_modulus=", *swings, "corner.patch_length=1", "corner.constraint=exact")
@@ -121,46 +117,44 @@ def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without() 
 
 
 @pytest.mark.parametrize("modulus", ["20 GPa", "200 GPa", "2 TPa"])
-def test_an_oscillation_adds_friction_however_stiff_the_plate(
-    modulus: str, outcome: Callable[..., Any]
-) -> None:
+def test_an_oscillation_adds_friction_however_stiff_the_plate(modulus, outcome):
     """The reaction swings through zero, and friction goes with its magnitude: what damping takes off is told."""
     swinging = (f"plate.youngs_modulus={modulus}", "plate.start=unstressed", "impact.friction=0.3")
     free, still = (outcome("mash-tl4-sut", *swinging, *how) for how in (("damping.kind=none",), DAMPED))
     added = free.fe_history["normal_impulse_magnitude"][-1] / abs(free.fe_history["normal_impulse"][-1]) - 1.0
-    assert 0.06 < added < RECTIFIED + 0.01
+    assert 0.06 < added < model.RECTIFIED + 0.01
     moved = max(abs(free.difference[name] - still.difference[name]) for name in free.difference)
     assert 0.2 < moved / still.error.damping < 1.5
 
 
-def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome: Callable[..., Any]) -> None:
+def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome):
     """Friction of 0.8 makes the unstressed plate flutter: without damping there is nothing to compare with."""
     damped = outcome("paper-table-3", "plate.start=unstressed", "corner.friction=0.8")
     assert damped.attempts == 2
     assert damped.passed
     fe_plan = damped.fe_plan
     assert fe_plan.rang
-    told = numerical_error(replace(fe_plan, rang=False), damped.difference, 0.0, damped.second).damping
-    added = friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
+    told = error.numerical_error(replace(fe_plan, rang=False), damped.difference, 0.0, damped.second).damping
+    added = model.friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
     assert told == pytest.approx(damped.error.damping + added)
     assert added > 3e-4
 
 
 @pytest.mark.parametrize(("law", "adds"), [("drag", True), ("signed", False), ("none", False)])
-def test_only_friction_on_the_magnitude_is_added_to(law: str, adds: bool) -> None:
+def test_only_friction_on_the_magnitude_is_added_to(law, adds):
     """Halved as the friction is, as long as that is little."""
     friction = () if law == "none" else ("corner.friction=0.02",)
     plan, less = (
-        CornerCase(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
+        case.CornerCase(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
         for given in (friction, ("corner.friction=0.01",) if friction else ())
     )
-    assert (friction_lost(plan, 1e9) > 0.0) is adds
-    assert friction_lost(plan, 1e9) == pytest.approx(2.0 * friction_lost(less, 1e9), rel=0.05)
+    assert (model.friction_lost(plan, 1e9) > 0.0) is adds
+    assert model.friction_lost(plan, 1e9) == pytest.approx(2.0 * model.friction_lost(less, 1e9), rel=0.05)
     half = 2.0 * math.log(2.0) / plan.motion.strike.t
-    assert friction_lost(plan, half) == pytest.approx(0.5 * friction_lost(plan, 1e9))
+    assert model.friction_lost(plan, half) == pytest.approx(0.5 * model.friction_lost(plan, 1e9))
 
 
-def test_check_says_what_will_come() -> None:
+def test_check_says_what_will_come():
     for changes, words in (
         (("corner.reaction=none",), "none"),
         ((), "harmless"),
@@ -172,13 +166,13 @@ def test_check_says_what_will_come() -> None:
         assert flutter_sentence(fe_plan(*changes)).startswith(words), changes
 
 
-def test_what_could_not_be_analysed_is_not_called_harmless() -> None:
+def test_what_could_not_be_analysed_is_not_called_harmless():
     known = fe_plan()
     unknown = replace(known, growth=replace(known.growth, rate=math.nan, exponent=math.nan, stand_in=True))
     assert flutter_sentence(unknown).startswith("not analysed")
-    assert open_damping(unknown.case, unknown.growth) == ()
+    assert decisions.open_damping(unknown.case, unknown.growth) == ()
     rings = replace(unknown.growth, ripple_rate=3.0)
-    assert suppressing_rate(rings) == 3.0
+    assert decisions.suppressing_rate(rings) == 3.0
 
 
 @pytest.mark.parametrize(
@@ -193,19 +187,19 @@ def test_what_could_not_be_analysed_is_not_called_harmless() -> None:
         (("plate.start=loud",), "plate.start"),
     ],
 )
-def test_keys_that_exclude_each_other(changes: tuple[str, ...], key: str) -> None:
+def test_keys_that_exclude_each_other(changes, key):
     with pytest.raises(InputError) as found:
         read_scene("mash-tl4-sut", changes)
     assert found.value.key == key
 
 
-def test_former_names_of_starts_are_refused_with_the_new_one() -> None:
+def test_former_names_of_starts_are_refused_with_the_new_one():
     for former, now in (("quiet", "inertia-relief"), ("sudden", "unstressed")):
         with pytest.raises(InputError, match=f'given "{former}"; this start is called "{now}"'):
             read_scene("mash-tl4-sut", (f"plate.start={former}",))
 
 
-def test_verdict_tells_flexibility_from_numerical_error(outcome: Callable[..., Any]) -> None:
+def test_verdict_tells_flexibility_from_numerical_error(outcome):
     stiff, soft = outcome("mash-tl4-sut"), outcome("mash-tl4-sut", "wall=", *SOFT, "corner.patch_length=1")
     assert verdict_sentence(stiff).startswith(
         "The rigid motion is confirmed to 2.2e-06; numerical error at most"
@@ -249,10 +243,10 @@ H66 = (
 @pytest.mark.parametrize(
     ("scene", "spring"), [(K102, "3.078623534623418"), (H66, "5.9036618384829245")], ids=["k102", "h66"]
 )
-def test_spring_that_rings_with_the_plate_does_not_pass(scene: tuple[str, ...], spring: str) -> None:
+def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
     """Unstressed plates whose penalty spring moved omega by 1e-2, and which once passed every check."""
-    plan = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
-    exact = CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
+    plan = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
+    exact = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
     ringing, right = plan.run(), exact.run()
     off = max(abs(value / right.fe[name] - 1.0) for name, value in ringing.fe.items())
     stated = ringing.error.total
@@ -261,7 +255,7 @@ def test_spring_that_rings_with_the_plate_does_not_pass(scene: tuple[str, ...], 
     assert math.isfinite(stated)
 
 
-def test_a_costly_material_is_reckoned_with() -> None:
+def test_a_costly_material_is_reckoned_with():
     """95 ns a point, nine points of quad9, beside 75 ns an element."""
     linear, other = (
         read_scene("paper-table-3", changes)[0] for changes in ((), ("material.law=neo-hookean",))

@@ -11,8 +11,7 @@ import click
 import pytest
 
 import tailslap
-from tailslap.cli import commands
-from tailslap.errors import InputError
+from tailslap import cli, errors
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -78,7 +77,7 @@ def accept(line: str) -> None:
     words = [
         STAND_INS.get(f"{a} {b}", STAND_INS.get(b, b)) for a, b in zip(["", *words], words, strict=False)
     ]
-    command: click.Command = commands
+    command: click.Command = cli.commands
     while words and isinstance(command, click.Group) and not words[0].startswith("-"):
         found = command.get_command(click.Context(command), words[0])
         assert found is not None, f"{line}: there is no command {words[0]}"
@@ -98,42 +97,42 @@ def missing_files(text: str) -> list[str]:
     return [name for name in named if not any(path.endswith("/" + name) for path in known)]
 
 
-def test_readme_is_short() -> None:
+def test_readme_is_short():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 120
 
 
 @pytest.mark.parametrize("name", below(DOCUMENTS))
-def test_links_lead_somewhere(name: str) -> None:
+def test_links_lead_somewhere(name):
     assert broken_links(ROOT / name) == []
 
 
 @pytest.mark.parametrize("name", [name for name in below(SHOWN) if "reference/" not in name])
-def test_commands_are_accepted(name: str) -> None:
+def test_commands_are_accepted(name):
     for line in command_lines(ROOT / name):
         try:
             accept(line)
-        except (click.ClickException, InputError) as error:
+        except (click.ClickException, errors.InputError) as error:
             pytest.fail(f"{line}: {error}")
 
 
-def test_every_command_is_in_the_readme() -> None:
+def test_every_command_is_in_the_readme():
     shown = {word for line in command_lines(ROOT / "README.md") for word in line.split()[1:2]}
-    assert {*commands.commands} <= shown
+    assert {*cli.commands.commands} <= shown
 
 
 @pytest.mark.parametrize("name", below(DOCUMENTS[:-1]))
-def test_files_named_exist(name: str) -> None:
+def test_files_named_exist(name):
     assert missing_files((ROOT / name).read_text(encoding="utf-8")) == []
 
 
-def test_every_page_is_linked_from_the_readme() -> None:
+def test_every_page_is_linked_from_the_readme():
     links = {
         link.partition("#")[0] for link in LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
     }
     assert {str(page.relative_to(ROOT)) for page in (ROOT / "docs").glob("*.md")} <= links
 
 
-def test_every_promise_has_its_test() -> None:
+def test_every_promise_has_its_test():
     lines = (ROOT / "docs" / "promises.md").read_text(encoding="utf-8").splitlines()
     rows = [line for line in lines if line.startswith("| ")][1:]  # without the heading
     assert len(rows) > 15
@@ -150,7 +149,7 @@ def is_long(text: str, name: str) -> bool:
     return "@pytest.mark.long\n" in above
 
 
-def test_the_citation_is_of_this_version() -> None:
+def test_the_citation_is_of_this_version():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert f"\nversion: {tailslap.__version__}\n" in citation
@@ -158,7 +157,7 @@ def test_the_citation_is_of_this_version() -> None:
     assert "doi: 10.3390/infrastructures10110307" in citation
 
 
-def test_every_package_is_typed() -> None:
+def test_every_package_is_typed():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     packages = project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
     assert all((ROOT / package / "py.typed").is_file() for package in packages)
@@ -175,12 +174,12 @@ def test_every_package_is_typed() -> None:
         "tailslap study colour SCENE",
     ],
 )
-def test_wrong_commands_are_noticed(line: str) -> None:
-    with pytest.raises((AssertionError, click.ClickException, InputError)):
+def test_wrong_commands_are_noticed(line):
+    with pytest.raises((AssertionError, click.ClickException, errors.InputError)):
         accept(line)
 
 
-def test_wrong_links_and_files_are_noticed(tmp_path: Path) -> None:
+def test_wrong_links_and_files_are_noticed(tmp_path):
     page = tmp_path / "page.md"
     page.write_text(
         "# One thing\n[a](page.md#one-thing) [b](page.md#two) [c](none.md) [d](https://example.org)"

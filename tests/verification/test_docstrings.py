@@ -161,7 +161,7 @@ def class_faults(kind: type) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("name", sorted(PUBLIC))
-def test_public_docstring_is_complete(name: str) -> None:
+def test_public_docstring_is_complete(name):
     """Every parameter with type, unit and shape; Returns, Yields and Raises where the code does."""
     value = PUBLIC[name]
     text = inspect.getdoc(value) or ""
@@ -172,7 +172,7 @@ def test_public_docstring_is_complete(name: str) -> None:
     assert not faults, f"{name}: {'; '.join(faults)}"
 
 
-def test_rigid_theory_and_meshes_are_public() -> None:
+def test_rigid_theory_and_meshes_are_public():
     assert {
         "solver.motion.tail_slap",
         "solver.body.RectangularBody",
@@ -197,7 +197,7 @@ def undescribed(mass: float, times: np.ndarray, count: int) -> float:  # noqa: D
     return mass
 
 
-def test_faults_are_found() -> None:
+def test_faults_are_found():
     assert set(function_faults(undescribed)) == {
         "count is not described",
         "other is described, but not there",

@@ -15,14 +15,11 @@ import pytest
 
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import labelled, printed, table_lines
-from tailslap.cli import _status, commands
-from tailslap.errors import InputError
-from tailslap.scene.meanings import MEANINGS
-from tailslap.scene.read import read_scene
+from tailslap import cli, errors
+from tailslap.scene import meanings, read, write
 from tailslap.scene.schema import Scene
 from tailslap.scene.schema import Table as SceneTable
 from tailslap.scene.validate import validate
-from tailslap.scene.write import new_scene
 
 pytestmark = pytest.mark.verification
 
@@ -53,13 +50,13 @@ def said(*arguments: str, cwd: Path) -> str:
 
 
 @pytest.mark.parametrize("arguments", QUICK, ids=" ".join)
-def test_no_line_is_longer_than_80_columns(arguments: tuple[str, ...], tmp_path: Path) -> None:
+def test_no_line_is_longer_than_80_columns(arguments, tmp_path):
     out = said(*arguments, cwd=tmp_path)
     assert out.strip()
     assert [line for line in out.splitlines() if len(line) > 80] == []
 
 
-def test_a_failed_run_fits_too(tmp_path: Path) -> None:
+def test_a_failed_run_fits_too(tmp_path):
     out = said("run", "mash-tl4-sut", "--no-pictures", "--out", "bad", *FLUTTER, cwd=tmp_path)
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert "What to do: leave damping.kind out" in out
@@ -75,7 +72,7 @@ WORDS = Table(
 
 
 @pytest.mark.parametrize("width", [50, 64, 80, 100])
-def test_words_of_a_table_wrap_between_them(width: int) -> None:
+def test_words_of_a_table_wrap_between_them(width):
     lines = table_lines(WORDS, width)
     assert max(map(len, lines)) <= width
     shown = " ".join(lines).split()
@@ -83,7 +80,7 @@ def test_words_of_a_table_wrap_between_them(width: int) -> None:
     assert {"1.000", "1000.000", "[kN]"} <= set(shown)
 
 
-def test_a_table_too_wide_goes_on_below_with_its_first_column() -> None:
+def test_a_table_too_wide_goes_on_below_with_its_first_column():
     columns = (Column("name", "Name"), *(Column(f"n{i}", f"Column{i}", form=".6f") for i in range(12)))
     wide = Table(columns, [{"name": "row one"} | {f"n{i}": float(i) for i in range(12)}])
     lines = table_lines(wide, 80)
@@ -92,7 +89,7 @@ def test_a_table_too_wide_goes_on_below_with_its_first_column() -> None:
     assert all(f"{i}.000000" in " ".join(lines) for i in range(12))
 
 
-def test_labels_hang(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_labels_hang(monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     lines = labelled("steps        " + "many words " * 8, 13)
     assert all(line.startswith((" " * 13, "steps")) for line in lines)
@@ -101,7 +98,7 @@ def test_labels_hang(monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(map(len, lines)) <= 40
 
 
-def test_paths_are_not_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_paths_are_not_broken(monkeypatch):
     from postprocess.report.terminal import place_line
 
     monkeypatch.setenv("COLUMNS", "40")
@@ -124,25 +121,20 @@ def test_paths_are_not_broken(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
     ids=" ".join,
 )
-def test_every_command_speaks_json_or_not_at_all(
-    arguments: tuple[str, ...],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_every_command_speaks_json_or_not_at_all(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert _status([*arguments, "--json"]) == 0
+    assert cli._status([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)
     for path in tmp_path.iterdir():
         path.unlink() if path.is_file() else shutil.rmtree(path)
-    assert _status([*arguments, "--quiet"]) == 0
+    assert cli._status([*arguments, "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
 
 
-def test_no_command_lacks_them() -> None:
-    study = commands.commands["study"]
+def test_no_command_lacks_them():
+    study = cli.commands.commands["study"]
     assert isinstance(study, click.Group)
-    each = {name: command for name, command in commands.commands.items() if name != "study"}
+    each = {name: command for name, command in cli.commands.commands.items() if name != "study"}
     each |= {
         name: study.get_command(click.Context(study), name)
         for name in study.list_commands(click.Context(study))
@@ -156,15 +148,15 @@ def test_no_command_lacks_them() -> None:
     assert lacking == []
 
 
-def test_json_of_a_run_is_its_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert _status(["run", "paper-table-3", "--no-pictures", "--out", str(tmp_path / "a"), "--json"]) == 0
+def test_json_of_a_run_is_its_summary(tmp_path, capsys):
+    assert cli._status(["run", "paper-table-3", "--no-pictures", "--out", str(tmp_path / "a"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == json.loads((tmp_path / "a" / "summary.json").read_text())
 
 
-def test_us_units_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_us_units_of_a_run(tmp_path, capsys):
     """Terminal, page and curves in ft, kip and so on; the files stay in SI."""
     place = tmp_path / "us"
-    assert _status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us"]) == 0
+    assert cli._status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us"]) == 0
     out = capsys.readouterr().out
     force = json.loads((place / "summary.json").read_text())["stage3"]["peak_force"]
     assert 600e3 < force < 700e3, "SI"
@@ -177,17 +169,15 @@ def test_us_units_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert "54.0" in out, "AASHTO's force for TL-4, as printed there"
 
 
-def test_another_scene_s_result_is_replaced_by_force_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_another_scene_s_result_is_replaced_by_force_alone(tmp_path, capsys):
     place = ["--no-pictures", "--quiet", "--out", str(tmp_path / "a")]
-    assert _status(["run", "paper-table-3", *place]) == 0
+    assert cli._status(["run", "paper-table-3", *place]) == 0
     before = (tmp_path / "a" / "summary.json").read_bytes()
-    assert _status(["run", "paper-abaqus", *place]) == 2
+    assert cli._status(["run", "paper-abaqus", *place]) == 2
     assert "--force" in capsys.readouterr().err
     assert (tmp_path / "a" / "summary.json").read_bytes() == before
-    assert _status(["run", "paper-table-3", *place]) == 0
-    assert _status(["run", "paper-abaqus", *place, "--force"]) == 0
+    assert cli._status(["run", "paper-table-3", *place]) == 0
+    assert cli._status(["run", "paper-abaqus", *place, "--force"]) == 0
     assert json.loads((tmp_path / "a" / "summary.json").read_text())["scene"] == "paper-abaqus"
 
 
@@ -200,36 +190,36 @@ def scene_keys() -> set[str]:
     return found
 
 
-def test_every_key_has_a_meaning_and_stands_in_a_new_scene() -> None:
-    assert set(MEANINGS) == scene_keys()
-    text = new_scene("my-truck")
+def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
+    assert set(meanings.MEANINGS) == scene_keys()
+    text = write.new_scene("my-truck")
     assert validate(tomllib.loads(text)).name == "my-truck"
     bare = [line.lstrip("# ") for line in text.splitlines()]
-    for key in MEANINGS:
+    for key in meanings.MEANINGS:
         assert any(line.startswith(f"{key.rpartition('.')[2]} = ") for line in bare), key
     everything = "\n".join([line for line in bare if "=" in line or line.startswith("[")])
     tables = tomllib.loads(everything)
     assert {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys} | {
         "name"
-    } == set(MEANINGS)
+    } == set(meanings.MEANINGS)
 
 
-def test_examples_in_a_new_scene_are_allowed() -> None:
+def test_examples_in_a_new_scene_are_allowed():
     """Each example by itself, in the table that it stands in."""
     from tailslap.scene.validate import key_by_key
 
-    text = "\n".join(line.lstrip("# ") for line in new_scene("x").splitlines()[1:])
+    text = "\n".join(line.lstrip("# ") for line in write.new_scene("x").splitlines()[1:])
     key_by_key(tomllib.loads(text))
 
 
-def test_a_new_scene_is_not_written_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_new_scene_is_not_written_over(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert _status(["new", "my-truck", "-q"]) == 0
-    assert _status(["check", "my-truck.toml", "-q"]) == 0
+    assert cli._status(["new", "my-truck", "-q"]) == 0
+    assert cli._status(["check", "my-truck.toml", "-q"]) == 0
     written = (tmp_path / "my-truck.toml").read_text()
-    assert _status(["new", "my-truck", "-q"]) == 2
+    assert cli._status(["new", "my-truck", "-q"]) == 2
     assert (tmp_path / "my-truck.toml").read_text() == written
-    assert _status(["new", "../x", "-q"]) == 2
+    assert cli._status(["new", "../x", "-q"]) == 2
     assert [path.name for path in tmp_path.iterdir()] == ["my-truck.toml"]
 
 
@@ -242,13 +232,13 @@ def test_a_new_scene_is_not_written_over(tmp_path: Path, monkeypatch: pytest.Mon
         ("pltae.thickness=1 mm", "did you mean plate?"),
     ],
 )
-def test_did_you_mean(change: str, hint: str) -> None:
-    with pytest.raises(InputError, match="there is no such key") as caught:
-        read_scene("mash-tl4-sut", (change,))
+def test_did_you_mean(change, hint):
+    with pytest.raises(errors.InputError, match="there is no such key") as caught:
+        read.read_scene("mash-tl4-sut", (change,))
     assert hint in str(caught.value)
 
 
-def test_a_shell_completes_scenes_and_keys(tmp_path: Path) -> None:
+def test_a_shell_completes_scenes_and_keys(tmp_path):
     def completed(*words: str) -> list[str]:
         line = " ".join(("tailslap", *words))
         asked = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
@@ -264,7 +254,7 @@ def test_a_shell_completes_scenes_and_keys(tmp_path: Path) -> None:
     assert "--tolerance" in completed("run", "paper-table-3", "--to")
 
 
-def test_progress_off_a_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_progress_off_a_terminal(capsys, monkeypatch):
     """Nothing by itself; lines with n of N, rate and time left where asked for; one thing at a time; never if quiet."""
     from tailslap import progress
 

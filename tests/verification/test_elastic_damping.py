@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ def forces(positions: np.ndarray, velocities: np.ndarray, masses: np.ndarray, st
     return force, damp(law, positions, velocities, masses, step, np.zeros(SUMS), force)
 
 
-def test_forces_have_no_resultant_and_no_moment() -> None:
+def test_forces_have_no_resultant_and_no_moment():
     positions, velocities, masses = cloud()
     for step in (0.0, 1e-2):
         force, _ = forces(positions, velocities + np.array([[25.0], [-3.0]]), masses, step)
@@ -42,7 +41,7 @@ def test_forces_have_no_resultant_and_no_moment() -> None:
         assert abs(moment) < 1e-12 * scale
 
 
-def test_rigid_motion_is_not_damped() -> None:
+def test_rigid_motion_is_not_damped():
     """At the instant; and half a step back, where the field belongs to a body that has not turned so far."""
     positions, _, masses = cloud()
     spin, step = 0.9, 1e-2
@@ -55,7 +54,7 @@ def test_rigid_motion_is_not_damped() -> None:
     assert with_lag < 1e-4 * without
 
 
-def test_what_is_elastic_is_damped_at_the_rate() -> None:
+def test_what_is_elastic_is_damped_at_the_rate():
     """Velocities without momentum and spin: f = -c m v, and the power is -c times twice their kinetic energy."""
     positions, velocities, masses = cloud()
     law = ElasticDamping(1.0, float(masses.sum()))
@@ -69,7 +68,7 @@ def test_what_is_elastic_is_damped_at_the_rate() -> None:
 
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("constraint", ["penalty", "exact"])
-def test_ledger_and_momentum_close(plate_model: Callable[..., Any], constraint: str, threads: int) -> None:
+def test_ledger_and_momentum_close(plate_model, constraint, threads):
     """An unstressed start that is damped strongly; what the damping takes is what the plate has less."""
     model = plate_model(reaction="drag", elastic_rate=800.0, corner={"constraint": constraint})
     history = simulate(model, START, 0.384, kind="unstressed", threads=threads).history
@@ -84,7 +83,7 @@ def test_ledger_and_momentum_close(plate_model: Callable[..., Any], constraint: 
     assert vibration[-1] < 1e-4 * vibration.max()
 
 
-def test_threads_compute_the_same(plate_model: Callable[..., Any]) -> None:
+def test_threads_compute_the_same(plate_model):
     model = plate_model(reaction="drag", elastic_rate=800.0)
     one, two = (Stepper(model, threads) for threads in (1, 2))
     start = one.start(START, "unstressed")
@@ -93,7 +92,7 @@ def test_threads_compute_the_same(plate_model: Callable[..., Any]) -> None:
     np.testing.assert_allclose(states[0].sums, states[1].sums, rtol=1e-9, atol=1e-9)
 
 
-def test_free_mode_decays_at_half_the_rate(plate_model: Callable[..., Any]) -> None:
+def test_free_mode_decays_at_half_the_rate(plate_model):
     """A free plate in its lowest mode: the energy falls by exp(-c t), the frequency being far above c."""
     from fem.plate.elastic import free_modes
 
@@ -112,7 +111,7 @@ def test_free_mode_decays_at_half_the_rate(plate_model: Callable[..., Any]) -> N
     assert slope == pytest.approx(-rate, rel=0.02)
 
 
-def test_stable_step_with_damping() -> None:
+def test_stable_step_with_damping():
     """One mode, its damping half a step late: bounded at the step, and not 1 % above it."""
     frequency, rate = 100.0, 60.0
     for factor, bounded in ((0.999, True), (1.01, False)):
@@ -124,6 +123,6 @@ def test_stable_step_with_damping() -> None:
     assert damped_time_step(frequency, 0.0) == 2.0 / frequency
 
 
-def test_without_it_there_is_no_code(plate_model: Callable[..., Any]) -> None:
+def test_without_it_there_is_no_code(plate_model):
     assert plate_model(reaction="drag").loop.elastic_damping is None
     assert plate_model(reaction="drag", elastic_rate=1.0).loop.elastic_damping.rate == 1.0

@@ -18,9 +18,7 @@ LONG = {"own_vehicle_and_law.py"}
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in EXAMPLES]
 )
-def test_it_runs(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_it_runs(name, tmp_path, monkeypatch, capsys):
     """What it claims, it asserts itself; it writes nothing."""
     monkeypatch.chdir(tmp_path)
     try:
@@ -34,7 +32,7 @@ def test_it_runs(
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_it_opens_as_a_notebook(name: str) -> None:
+def test_it_opens_as_a_notebook(name):
     """Cells of Jupytext's percent form: text in comments alone, code that compiles cell by cell."""
     head, *cells = (FOLDER / name).read_text(encoding="utf-8").split("\n# %%")
     assert "format_name: percent" in head
@@ -51,5 +49,5 @@ def test_it_opens_as_a_notebook(name: str) -> None:
     assert min(kinds.values()) >= 2
 
 
-def test_there_are_three() -> None:
+def test_there_are_three():
     assert EXAMPLES == ["flexible_plate.py", "own_vehicle_and_law.py", "table_3.py"]

@@ -7,7 +7,6 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ import pytest
 import tailslap
 from postprocess.fields import FORMATS
 from postprocess.fields.series import ELEMENTS, NODES, UNITS, FieldSeries
-from tailslap import Result
 from tailslap.cli import main
 from tailslap.errors import InputError
 
@@ -29,14 +27,14 @@ SINGLE = 2e-7
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result():
     return tailslap.run(
         "paper-table-3", {"output.fields": 4, "plate.element": "quad9", "plate.elements": [6, 2]}
     )
 
 
 @pytest.fixture(scope="module")
-def exported(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def exported(result, tmp_path_factory):
     made: dict[str, Path] = {}
 
     def write(to: str) -> Path:
@@ -64,9 +62,7 @@ def check_mesh(mesh: Any, series: FieldSeries, k: int, suffix: bool) -> None:
 
 
 @pytest.mark.parametrize(("to", "suffix"), [("vtkhdf", False), ("vtu", True), ("xdmf", True)])
-def test_vtk_reads_the_time_series(
-    to: str, suffix: bool, result: Result, exported: Callable[[str], Path]
-) -> None:
+def test_vtk_reads_the_time_series(to, suffix, result, exported):
     """By VTK's own readers, as ParaView has them."""
     import pyvista
 
@@ -93,7 +89,7 @@ def test_vtk_reads_the_time_series(
         check_mesh(mesh[0] if isinstance(mesh, pyvista.MultiBlock) else mesh, series, k, suffix)
 
 
-def test_h5py_finds_the_units(result: Result, exported: Callable[[str], Path]) -> None:
+def test_h5py_finds_the_units(result, exported):
     import h5py
 
     with h5py.File(exported("vtkhdf")) as file:
@@ -105,7 +101,7 @@ def test_h5py_finds_the_units(result: Result, exported: Callable[[str], Path]) -
         np.testing.assert_array_equal(stored[:, :, :2], result.fields.nodal["velocity"])
 
 
-def test_gmsh_reads_mesh_and_views(result: Result, exported: Callable[[str], Path]) -> None:
+def test_gmsh_reads_mesh_and_views(result, exported):
     import gmsh
 
     series = result.fields
@@ -127,7 +123,7 @@ def test_gmsh_reads_mesh_and_views(result: Result, exported: Callable[[str], Pat
         gmsh.finalize()
 
 
-def test_parquet_has_every_bit_and_the_units(result: Result, exported: Callable[[str], Path]) -> None:
+def test_parquet_has_every_bit_and_the_units(result, exported):
     import pyarrow.parquet as pq
 
     table = pq.read_table(exported("parquet") / "history.parquet")
@@ -141,7 +137,7 @@ def test_parquet_has_every_bit_and_the_units(result: Result, exported: Callable[
     assert nodes.num_rows == velocity.shape[0] * velocity.shape[1]
 
 
-def test_csv_has_every_bit_and_the_units(result: Result, exported: Callable[[str], Path]) -> None:
+def test_csv_has_every_bit_and_the_units(result, exported):
     with (exported("csv") / "history.csv").open(newline="") as file:
         names, *rows = csv.reader(file)
     assert names[:4] == ["t [s]", "theta [rad]", "omega [rad/s]", "v_gx [m/s]"]
@@ -154,9 +150,7 @@ def test_csv_has_every_bit_and_the_units(result: Result, exported: Callable[[str
     }
 
 
-def test_the_command_exports_a_result_folder(
-    result: Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_exports_a_result_folder(result, tmp_path, capsys):
     folder = result.save(tmp_path / "run", pictures=False)
     manifest = json.loads((folder / ".tailslap-result.json").read_text())
     assert "fields.npz" in {entry["path"] for entry in manifest["files"]}
@@ -168,7 +162,7 @@ def test_the_command_exports_a_result_folder(
 
 
 @pytest.mark.parametrize("to", FORMATS)
-def test_without_fields_there_are_histories_alone(to: str, tmp_path: Path) -> None:
+def test_without_fields_there_are_histories_alone(to, tmp_path):
     bare = tailslap.rigid("paper-table-3")
     if to in ("csv", "parquet"):
         folder = tailslap.export(bare, to, tmp_path / to)
@@ -179,7 +173,7 @@ def test_without_fields_there_are_histories_alone(to: str, tmp_path: Path) -> No
     assert not (tmp_path / to).exists()
 
 
-def test_pictures_of_all_instants_have_one_scale(result: Result, tmp_path: Path) -> None:
+def test_pictures_of_all_instants_have_one_scale(result, tmp_path):
     """The colours of an element are those of its value; a GIF has a frame an instant."""
     import matplotlib.image
     from PIL import Image
@@ -199,7 +193,7 @@ def test_pictures_of_all_instants_have_one_scale(result: Result, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ["stress_von_mises", "velocity_y"])
-def test_a_picture_shows_values_where_the_plate_is(name: str, result: Result, tmp_path: Path) -> None:
+def test_a_picture_shows_values_where_the_plate_is(name, result, tmp_path):
     """The middle of an element has the colour of its value, or of its nodes' mean, on the scale of all instants."""
     import matplotlib as mpl
     from matplotlib.image import imread
@@ -224,7 +218,7 @@ def test_a_picture_shows_values_where_the_plate_is(name: str, result: Result, tm
     np.testing.assert_allclose(imread(path)[SIZE[1] - 1 - row, column, :3], expected, atol=6 / 255)
 
 
-def test_scalars_are_components_sizes_and_fields_of_elements(result: Result) -> None:
+def test_scalars_are_components_sizes_and_fields_of_elements(result):
     series = result.fields
     velocity = series.nodal["velocity"]
     np.testing.assert_allclose(series.scalar("velocity"), np.hypot(velocity[..., 0], velocity[..., 1]))
@@ -235,7 +229,7 @@ def test_scalars_are_components_sizes_and_fields_of_elements(result: Result) -> 
             series.scalar(name)
 
 
-def test_mesh_is_a_grid_of_pyvista_with_the_fields(result: Result) -> None:
+def test_mesh_is_a_grid_of_pyvista_with_the_fields(result):
     series = result.fields
     for t, k in ((None, 3), (0.0, 0), (0.6 * series.t[1], 1), (99.0, 3)):
         mesh = result.mesh(t)
@@ -248,7 +242,7 @@ def test_mesh_is_a_grid_of_pyvista_with_the_fields(result: Result) -> None:
     assert mesh.compute_cell_sizes()["Area"].sum() == pytest.approx(10.0 * 2.438)
 
 
-def test_without_fields_there_is_the_mesh_at_the_tail_slap(tmp_path: Path) -> None:
+def test_without_fields_there_is_the_mesh_at_the_tail_slap(tmp_path):
     """The same fields as those of a run that keeps them."""
     changes = {"plate.elements": [6, 2]}
     bare = tailslap.run("paper-table-3", changes)
@@ -317,7 +311,7 @@ series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) f
         pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
     ],
 )
-def test_memory_of_many_pictures_is_flat(setup: str, count: int, tmp_path: Path) -> None:
+def test_memory_of_many_pictures_is_flat(setup, count, tmp_path):
     """A hundred in one process keep at most 20 MB beyond the third: the second brings 42 MB that VTK keeps."""
     (tmp_path / "tests_series.py").write_text(SERIES)
     code = MEMORY.format(setup=setup, count=count)
@@ -332,14 +326,12 @@ def test_memory_of_many_pictures_is_flat(setup: str, count: int, tmp_path: Path)
     assert float(run.stdout) < 20.0
 
 
-def test_another_format_is_refused(tmp_path: Path) -> None:
+def test_another_format_is_refused(tmp_path):
     with pytest.raises(InputError, match="allowed is one of vtkhdf, xdmf, vtu, msh, csv, parquet, png, gif"):
         tailslap.export(tailslap.rigid("paper-table-3"), "stl", tmp_path / "x")
 
 
-def test_without_h5py_the_library_is_named(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_h5py_the_library_is_named(result, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(ImportError, match="VTKHDF needs h5py: `pip install h5py`"):
         tailslap.export(result, "vtkhdf", tmp_path / "x")

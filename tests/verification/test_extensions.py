@@ -6,7 +6,6 @@ import csv
 import importlib.util
 import json
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -22,10 +21,8 @@ from fem.start.inertia_relief import statics
 from postprocess.report.report import write_report
 from solver import REACTIONS
 from tailslap.case.checks import advice
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner import case, report
 from tailslap.case.corner.checks import CHECKS
-from tailslap.case.corner.report import corner_report
-from tailslap.case.corner.run import CornerOutcome
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
@@ -59,7 +56,7 @@ def load(name: str) -> ModuleType:
 
 
 @pytest.fixture(scope="module")
-def registered() -> Iterator[None]:
+def registered():
     for name in ADDED:
         load(name)
     yield
@@ -68,30 +65,30 @@ def registered() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def result(registered: None) -> CornerOutcome:
-    return CornerCase(*read_scene("paper-table-3", SCENE)).run()
+def result(registered):
+    return case.CornerCase(*read_scene("paper-table-3", SCENE)).run()
 
 
 @pytest.fixture(scope="module")
-def plate_result(registered: None) -> CornerOutcome:
+def plate_result(registered):
     """Of what may be added to the plate alone."""
-    return CornerCase(*read_scene("paper-table-3", PLATE)).run()
+    return case.CornerCase(*read_scene("paper-table-3", PLATE)).run()
 
 
 @pytest.fixture(scope="module")
-def folder(result: CornerOutcome, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(result, tmp_path_factory):
     place = tmp_path_factory.mktemp("results")
-    write_report(corner_report(result, pictures=False), place)
+    write_report(report.corner_report(result, pictures=False), place)
     return place
 
 
-def test_a_run_with_all_of_them_is_right(result: CornerOutcome) -> None:
+def test_a_run_with_all_of_them_is_right(result):
     """Each is built to change next to nothing: the motion is the rigid one, and every check passes."""
     assert [check.name for check in result.checks if not check.passed] == []
     assert max(map(abs, result.difference.values())) < 1e-3
 
 
-def test_the_loop_is_made_of_them(result: CornerOutcome) -> None:
+def test_the_loop_is_made_of_them(result):
     loop = result.fe_plan.model.loop
     kinds = [type(part).__name__ for part in (loop.friction, loop.corner.constraint, loop.material)]
     assert kinds == ["Smoothed", "Cubic", "Hardening"]
@@ -100,14 +97,14 @@ def test_the_loop_is_made_of_them(result: CornerOutcome) -> None:
     np.testing.assert_allclose(np.abs(history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
 
 
-def test_its_energies_are_in_the_ledger(result: CornerOutcome) -> None:
+def test_its_energies_are_in_the_ledger(result):
     history, constraint = result.run.history, result.fe_plan.model.loop.corner.constraint
     gap = history["gap"][:-1]
     energy = 0.5 * constraint.stiffness * gap**2 * (1.0 + 0.5 * gap**2)
     np.testing.assert_allclose(history["contact_energy"][:-1], energy, rtol=1e-12)
 
 
-def test_the_files_and_the_page_show_them(result: CornerOutcome, folder: Path) -> None:
+def test_the_files_and_the_page_show_them(result, folder):
     with (folder / "history.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     recorded = [float(row["height"]) for row in rows]
@@ -128,14 +125,14 @@ def test_the_files_and_the_page_show_them(result: CornerOutcome, folder: Path) -
     assert [text for text in (*texts, "Mean height of the nodes above the wall") if text not in page] == []
 
 
-def test_an_element_a_lumping_and_a_start_make_a_run(plate_result: CornerOutcome, tmp_path: Path) -> None:
+def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
     """The plate's motion is nearly rigid, for the rotary inertia of this lumping is not quite that of the plate."""
     model, fe_plan = plate_result.fe_plan.model, plate_result.fe_plan
     assert len(model.loop.table.per_element) == 8
     assert model.mass == pytest.approx(53.0 * 7.8 * 24.38, rel=1e-12)
     assert max(map(abs, plate_result.difference.values())) < 0.02
     assert plate_result.run.history["gap"][0] == pytest.approx(statics(model, fe_plan.start).gap, rel=1e-6)
-    write_report(corner_report(plate_result, pictures=False), tmp_path)
+    write_report(report.corner_report(plate_result, pictures=False), tmp_path)
     page = (tmp_path / "report.html").read_text()
     texts = (
         "quad8",
@@ -145,7 +142,7 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result: CornerOutcome
     assert [text for text in texts if text not in page] == []
 
 
-def test_a_check_from_outside_can_fail(result: CornerOutcome) -> None:
+def test_a_check_from_outside_can_fail(result):
     from tailslap.case.checks import evaluated
     from tailslap.case.corner.checks import Evidence
 
@@ -158,7 +155,7 @@ def test_a_check_from_outside_can_fail(result: CornerOutcome) -> None:
     assert advice(CHECKS, ["rise"]) == "less of everything"
 
 
-def test_a_law_that_is_taken_out_is_unknown(registered: None) -> None:
+def test_a_law_that_is_taken_out_is_unknown(registered):
     """To scenes, and to the machine code, which lies in a folder of its own with laws from outside."""
     with_it, law = cache_folder(), FRICTION_LAWS.remove("smoothed")
     try:
@@ -171,13 +168,13 @@ def test_a_law_that_is_taken_out_is_unknown(registered: None) -> None:
 
 
 @pytest.mark.parametrize("name", ADDED)
-def test_a_name_is_registered_once(registered: None, name: str) -> None:
+def test_a_name_is_registered_once(registered, name):
     registry, key = ADDED[name]
     with pytest.raises(ValueError, match="is registered already"):
         registry.register(registry[key])
 
 
-def test_two_laws_may_not_share_their_constants(registered: None) -> None:
+def test_two_laws_may_not_share_their_constants(registered):
     with pytest.raises(ValueError, match="the friction law of Smoothed is registered already"):
         FRICTION_LAWS.register(replace(FRICTION_LAWS["smoothed"], name="another"))
     assert "another" not in FRICTION_LAWS
@@ -194,14 +191,12 @@ def test_two_laws_may_not_share_their_constants(registered: None) -> None:
         ("plate.start=sticky", "plate.start", START_KINDS),
     ],
 )
-def test_a_scene_names_what_is_registered_and_nothing_else(
-    registered: None, change: str, key: str, registry: Registry[Any]
-) -> None:
+def test_a_scene_names_what_is_registered_and_nothing_else(registered, change, key, registry):
     with pytest.raises(InputError) as caught:
         read_scene("paper-table-3", (change,))
     assert caught.value.key == key
     assert [name for name in registry if repr(name) not in str(caught.value)] == []
 
 
-def test_every_law_names_a_reaction_of_the_rigid_theory() -> None:
+def test_every_law_names_a_reaction_of_the_rigid_theory():
     assert {law.rigid for law in FRICTION_LAWS.values()} <= set(REACTIONS)

@@ -45,7 +45,7 @@ def fill(place: Path) -> None:
         (folder / "whole.csv").write_text("1,2")
 
 
-def test_what_a_dead_process_left_is_cleared_and_what_a_living_one_fills_is_not(tmp_path: Path) -> None:
+def test_what_a_dead_process_left_is_cleared_and_what_a_living_one_fills_is_not(tmp_path):
     place = tmp_path / "out"
     process = filling(place)
     fill(place)
@@ -75,7 +75,7 @@ def command(
 
 
 @pytest.mark.long
-def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path: Path) -> None:
+def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path):
     assert command(tmp_path, *RUN, "out").returncode == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))  # noqa: E731
@@ -89,9 +89,7 @@ def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path: Path) 
 
 
 @pytest.mark.long
-def test_without_home_and_with_a_cache_that_cannot_be_written(
-    tmp_path: Path, besides_compiling: Callable[[str], str]
-) -> None:
+def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path, besides_compiling):
     """The loop is then compiled, and kept nowhere."""
     (tmp_path / "file").write_text("")
     nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
@@ -103,7 +101,7 @@ def doubled(value: float) -> float:
     return 2.0 * value
 
 
-def test_a_full_cache_disk_ends_no_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_cache_disk_ends_no_run(tmp_path, monkeypatch):
     def full(*given: object, **options: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -115,9 +113,7 @@ def test_a_full_cache_disk_ends_no_run(tmp_path: Path, monkeypatch: pytest.Monke
     assert not list(tmp_path.iterdir())
 
 
-def test_a_folder_that_is_gone_and_names_that_cannot_be(
-    tmp_path: Path, besides_compiling: Callable[[str], str]
-) -> None:
+def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path, besides_compiling):
     gone = tmp_path / "gone"
     gone.mkdir()
     done = command(gone, "scenes", prepare=lambda: os.rmdir(gone))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import decimal
-from collections.abc import Callable
 from decimal import Decimal
 from typing import Any
 
@@ -46,7 +45,7 @@ def forces_of(d: Any, positions: np.ndarray, material: Any, hourglass: Any = Non
     ("kind", "law"),
     [*((kind, "st-venant-kirchhoff") for kind in KINDS), ("quad4", "neo-hookean"), ("tri3", "neo-hookean")],
 )
-def test_patch_of_constant_strain_on_distorted_elements(kind: str, law: str) -> None:
+def test_patch_of_constant_strain_on_distorted_elements(kind, law):
     """Every element and material: inner nodes in balance, the boundary's forces as F S N asks, energy V W."""
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4), ELEMENT_KINDS[kind].cells), 0.2, (8, 4))
     d, material = discretise(mesh, THICKNESS, kind), MATERIALS[law].make(200e9, 0.3)
@@ -83,7 +82,7 @@ def second_piola_kirchhoff(gradient: np.ndarray, law: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("law", sorted(MATERIALS))
-def test_stress_is_the_slope_of_the_energy(law: str) -> None:
+def test_stress_is_the_slope_of_the_energy(law):
     """At large strains, by differences of the energy along random directions."""
     d, material = discretise(plate_mesh(1.0, 1.0, (2, 2)), 1.0), MATERIALS[law].make(1e6, 0.3)
     random = np.random.default_rng(1)
@@ -94,14 +93,14 @@ def test_stress_is_the_slope_of_the_energy(law: str) -> None:
     assert np.sum(forces_of(d, positions, material) * direction) == pytest.approx(slope, rel=1e-8)
 
 
-def test_materials_agree_at_small_strain() -> None:
+def test_materials_agree_at_small_strain():
     d = discretise(plate_mesh(1.0, 1.0, (3, 3)), 1.0)
     positions = d.positions + 1e-7 * np.random.default_rng(2).normal(size=d.positions.shape)
     first, second = (forces_of(d, positions, law(1e9, 0.3)) for law in (st_venant_kirchhoff, neo_hookean))
     np.testing.assert_allclose(first, second, atol=1e-5 * np.abs(first).max(), rtol=0.0)
 
 
-def test_hourglass_control_sees_only_what_one_point_does_not() -> None:
+def test_hourglass_control_sees_only_what_one_point_does_not():
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4))
     d = discretise(mesh, THICKNESS, "quad4-reduced")
     control = hourglass_control(d, THICKNESS, st_venant_kirchhoff(2e11, 0.3))
@@ -133,11 +132,11 @@ def test_hourglass_control_sees_only_what_one_point_does_not() -> None:
         ),
     ],
 )
-def test_every_feature_gives_the_rigid_answer(outcome: Callable[..., Any], changes: tuple[str, ...]) -> None:
+def test_every_feature_gives_the_rigid_answer(outcome, changes):
     assert worst(outcome("paper-table-3", *changes)) < 5e-6
 
 
-def test_a_distorted_mesh_and_triangles_are_told_apart(outcome: Callable[..., Any]) -> None:
+def test_a_distorted_mesh_and_triangles_are_told_apart(outcome):
     """They are other meshes, not the same one by another name."""
     plain = outcome("paper-table-3").fe_plan.model
     moved = outcome("paper-table-3", "plate.distortion=0.2").fe_plan.model
@@ -146,14 +145,14 @@ def test_a_distorted_mesh_and_triangles_are_told_apart(outcome: Callable[..., An
     assert cut.loop.table.connectivity.shape == (3, 240)
 
 
-def test_the_exact_constraint_holds_the_corner_on_the_wall(outcome: Callable[..., Any]) -> None:
+def test_the_exact_constraint_holds_the_corner_on_the_wall(outcome):
     result = outcome("paper-table-3", "corner.constraint=exact")
     assert np.abs(result.fe_history["gap"]).max() < 1e-14
     assert (result.fe_history["contact_energy"] == 0.0).all()
     assert np.abs(outcome("paper-table-3").fe_history["gap"]).max() > 1e-8
 
 
-def test_the_penalty_tends_to_the_exact_constraint(outcome: Callable[..., Any]) -> None:
+def test_the_penalty_tends_to_the_exact_constraint(outcome):
     """The gap is N / k: its part of the difference falls with 1 / k."""
     exact = outcome("paper-table-3", "corner.reaction=none", "corner.constraint=exact").fe["t"]
     errors = [
@@ -164,7 +163,7 @@ def test_the_penalty_tends_to_the_exact_constraint(outcome: Callable[..., Any]) 
 
 
 @pytest.mark.long
-def test_a_dashpot_and_bulk_viscosity_take_energy_out(outcome: Callable[..., Any]) -> None:
+def test_a_dashpot_and_bulk_viscosity_take_energy_out(outcome):
     for change in ("corner.damping_ratio=0.2", "damping.bulk_viscosity=0.3"):
         result = outcome("paper-table-3", "corner.reaction=none", "plate.start=unstressed", change)
         assert result.fe_history["damping_work"][-1] < -1e-3
@@ -172,7 +171,7 @@ def test_a_dashpot_and_bulk_viscosity_take_energy_out(outcome: Callable[..., Any
 
 
 @pytest.mark.parametrize("length", [0.25, 0.8, 1.0, 9.999])
-def test_the_patch_s_weighted_mean_is_the_corner_itself(length: float) -> None:
+def test_the_patch_s_weighted_mean_is_the_corner_itself(length):
     """Resultant 1, no moment about P, for lengths that end on a node or within an element."""
     d = discretise(plate_mesh(10.0, 2.438, (40, 4)), THICKNESS)
     nodes, weights = corner_weights(d, length)
@@ -181,7 +180,7 @@ def test_the_patch_s_weighted_mean_is_the_corner_itself(length: float) -> None:
     assert d.positions[0, nodes].min() <= -length * (1.0 - 1e-9)
 
 
-def test_a_point_deflects_without_bound_and_a_patch_converges(outcome: Callable[..., Any]) -> None:
+def test_a_point_deflects_without_bound_and_a_patch_converges(outcome):
     """A point load's deflection grows by the same amount with each halving of the mesh, a patch's stops growing."""
     ratios: dict[str, list[float]] = {"point": [], "patch": []}
     for n in (10, 20, 40, 80):
@@ -204,9 +203,7 @@ def ratio_of(*changes: str) -> float:
 
 
 @pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.long)])
-def test_threads_give_the_same_answer_and_repeat_to_the_bit(
-    plate_model: Callable[..., Any], threads: int
-) -> None:
+def test_threads_give_the_same_answer_and_repeat_to_the_bit(plate_model, threads):
     model = plate_model(reaction="drag", elements=(40, 12))
     alone = simulate(model, START, 0.384)
     first, second = (simulate(model, START, 0.384, threads=threads) for _ in range(2))
@@ -218,7 +215,7 @@ def test_threads_give_the_same_answer_and_repeat_to_the_bit(
         assert first.strike.values[name] == pytest.approx(alone.strike.values[name], rel=1e-8)
 
 
-def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model: Callable[..., Any]) -> None:
+def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model):
     for plate in ({}, {"element": "tri6"}, {"element": "quad4-reduced"}):
         model = plate_model(elements=(6, 3), plate=plate)
         found = max(
@@ -228,7 +225,7 @@ def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model: Callab
         assert found == pytest.approx(model.highest_frequency, rel=1e-4)
 
 
-def test_a_stretched_plate_has_a_higher_frequency(plate_model: Callable[..., Any]) -> None:
+def test_a_stretched_plate_has_a_higher_frequency(plate_model):
     """St. Venant-Kirchhoff stiffens in tension: stretched by 10 % both ways, by (3 L^2 - 1) / 2, a third."""
     model = plate_model(elements=(6, 3), plate={"poissons_ratio": 0.0})
     positions = 1.1 * model.discretisation.positions
@@ -237,7 +234,7 @@ def test_a_stretched_plate_has_a_higher_frequency(plate_model: Callable[..., Any
 
 @pytest.mark.parametrize("poissons_ratio", [0.0, 0.1, 0.3, 0.499])
 @pytest.mark.parametrize("area", [-0.8, -0.3, -1e-2, -1e-5, -1e-12, 1e-9, 1e-4, 3e-2, 0.5, 19.0])
-def test_the_stretch_of_the_thickness_to_fifty_digits(poissons_ratio: float, area: float) -> None:
+def test_the_stretch_of_the_thickness_to_fifty_digits(poissons_ratio, area):
     """2 mu (C_33 - 1) + lambda ln(det C C_33) = 0, against Newton's method in decimals."""
     material = neo_hookean(1.0, poissons_ratio)
     with decimal.localcontext(prec=50):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -34,20 +33,20 @@ EXACT = MASS * np.array([1.0, -5.0, 2.438 / 2, 100.0 / 3, 2.438**2 / 3, -5.0 * 2
 
 
 @pytest.mark.parametrize("elements", [(20, 6), (3, 2), (2, 5)])
-def test_masses_have_the_plates_exact_inertia(elements: tuple[int, int]) -> None:
+def test_masses_have_the_plates_exact_inertia(elements):
     d = discretise(plate_mesh(10.0, 2.438, elements), THICKNESS)
     masses = exact_inertia_masses(d.scalar, DENSITY, THICKNESS)
     assert (masses > 0.0).all()
     np.testing.assert_allclose(moments(masses, d.positions), EXACT, rtol=1e-13)
 
 
-def test_masses_of_a_distorted_mesh_have_it_too(distorted_mesh: Any) -> None:
+def test_masses_of_a_distorted_mesh_have_it_too(distorted_mesh):
     d = discretise(distorted_mesh, THICKNESS)
     masses = exact_inertia_masses(d.scalar, DENSITY, THICKNESS)
     np.testing.assert_allclose(moments(masses, d.positions), EXACT, rtol=1e-13)
 
 
-def test_row_sums_overstate_the_rotary_inertia() -> None:
+def test_row_sums_overstate_the_rotary_inertia():
     """By (h_x^2 + h_y^2) / 6 of mass, here 0.78 % of the inertia about the centre: trapezoidal rule of x^2."""
     d = discretise(plate_mesh(10.0, 2.438, (20, 6)), THICKNESS)
     masses = row_sum_masses(d.scalar, DENSITY, THICKNESS)
@@ -57,7 +56,7 @@ def test_row_sums_overstate_the_rotary_inertia() -> None:
     assert excess / inertia == pytest.approx(0.0078, abs=5e-5)
 
 
-def test_masses_move_by_the_least_relative_change() -> None:
+def test_masses_move_by_the_least_relative_change():
     """Any other change that keeps the moments is larger: the relative change has no part in their null space."""
     d = discretise(plate_mesh(10.0, 2.438, (6, 3)), THICKNESS)
     plain, exact = (f(d.scalar, DENSITY, THICKNESS) for f in (row_sum_masses, exact_inertia_masses))
@@ -69,13 +68,13 @@ def test_masses_move_by_the_least_relative_change() -> None:
     assert np.abs(free.T @ change).max() < 1e-12 * np.linalg.norm(change)
 
 
-def test_a_mesh_too_coarse_for_the_inertia_is_refused() -> None:
+def test_a_mesh_too_coarse_for_the_inertia_is_refused():
     d = discretise(plate_mesh(10.0, 2.438, (1, 1)), THICKNESS)
     with pytest.raises(ValueError, match="mesh"):
         exact_inertia_masses(d.scalar, DENSITY, THICKNESS)
 
 
-def test_kinetic_energy_of_rigid_motion_is_exact(plate_model: Callable[..., Any]) -> None:
+def test_kinetic_energy_of_rigid_motion_is_exact(plate_model):
     model = plate_model()
     stepper = Stepper(model)
     state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
@@ -89,7 +88,7 @@ def test_kinetic_energy_of_rigid_motion_is_exact(plate_model: Callable[..., Any]
     assert (row["theta"], row["omega"]) == pytest.approx((0.26, 0.707), rel=1e-13)
 
 
-def test_highest_frequency_against_a_dense_solution(plate_model: Callable[..., Any]) -> None:
+def test_highest_frequency_against_a_dense_solution(plate_model):
     model = plate_model(elements=(6, 3), corner={"penalty_scale": 3.0})
     masses, corner = model.loop.mass, model.loop.corner
     stiffness = model.stiffness.toarray()
@@ -104,7 +103,7 @@ def test_highest_frequency_against_a_dense_solution(plate_model: Callable[..., A
     assert max(highest) > 1.0001 * min(highest)
 
 
-def test_stiffness_has_three_rigid_motions_and_a_bar_s_frequency(plate_model: Callable[..., Any]) -> None:
+def test_stiffness_has_three_rigid_motions_and_a_bar_s_frequency(plate_model):
     """The first stretching frequency of a slender free bar is pi sqrt(E / rho) / L."""
     model = plate_model(mesh=plate_mesh(10.0, 0.2, (60, 2)))
     squares, shapes = scipy.linalg.eigh(model.stiffness.toarray(), np.diag(np.tile(model.loop.mass, 2)))
@@ -117,9 +116,7 @@ def test_stiffness_has_three_rigid_motions_and_a_bar_s_frequency(plate_model: Ca
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1, 0.5])
-def test_the_stable_time_step_is_where_it_is_said_to_be(
-    plate_model: Callable[..., Any], damping_ratio: float
-) -> None:
+def test_the_stable_time_step_is_where_it_is_said_to_be(plate_model, damping_ratio):
     """At 0.98 of it a disturbed plate calms down or stays, at 1.02 it runs away until large strains stop it."""
     ends = []
     for safety_factor in (0.98, 1.02):
@@ -131,14 +128,14 @@ def test_the_stable_time_step_is_where_it_is_said_to_be(
     assert not ends[1] < 2.0
 
 
-def test_damped_step_of_a_plate_that_hardly_touches_its_spring(plate_model: Callable[..., Any]) -> None:
+def test_damped_step_of_a_plate_that_hardly_touches_its_spring(plate_model):
     """All of the stiffness damped alike: w dt = 2 (sqrt(1 + z^2) - z)."""
     model = plate_model(elements=(6, 3), corner={"penalty_scale": 1e-9}, damping_ratio=0.3)
     expected = 2.0 * (np.sqrt(1.09) - 0.3) / model.highest_frequency
     assert model.stable_time_step == pytest.approx(expected, rel=1e-5)
 
 
-def test_highest_frequency_counts_the_penalty_spring(plate_model: Callable[..., Any]) -> None:
+def test_highest_frequency_counts_the_penalty_spring(plate_model):
     """A very stiff spring on the corner's mass alone: w^2 tends to k / m."""
     model = plate_model(elements=(6, 3))
     node, mass = model.loop.corner.nodes[0], model.loop.mass
@@ -167,14 +164,14 @@ def slide(law: Any, speed: float, normal: float, steps: int, time_step: float = 
 
 @pytest.mark.parametrize("normal", [10.0, -10.0])
 @pytest.mark.parametrize("speed", [3.0, -3.0])
-def test_drag_stops_after_the_known_distance_and_stays(normal: float, speed: float) -> None:
+def test_drag_stops_after_the_known_distance_and_stays(normal, speed):
     """s = v^2 m / (2 mu |N|), whichever the directions."""
     distance, last = slide(Drag(0.5), speed, normal, steps=4000)
     assert distance == pytest.approx(np.sign(speed) * 9.0 * 2.0 / (2.0 * 0.5 * 10.0), rel=1e-3)
     assert last == 0.0
 
 
-def test_drag_holds_what_pushes_less_than_its_limit() -> None:
+def test_drag_holds_what_pushes_less_than_its_limit():
     force = np.array([[4.0], [0.0]])
     reaction = add_corner_reaction(
         np.array([[0.0], [-1e-5]]), np.zeros((2, 1)), np.ones(1), 1e-3, one_node(1.0), Drag(0.5), force
@@ -183,11 +180,11 @@ def test_drag_holds_what_pushes_less_than_its_limit() -> None:
     assert force[0, 0] == 0.0
 
 
-def test_signed_friction_drives_on_where_the_wall_pulls() -> None:
+def test_signed_friction_drives_on_where_the_wall_pulls():
     _, braked = slide(Signed(0.5), 3.0, 10.0, steps=100)
     _, driven = slide(Signed(0.5), 3.0, -10.0, steps=100)
     assert (braked, driven) == pytest.approx((3.0 - 0.25, 3.0 + 0.25), rel=1e-12)
 
 
-def test_without_friction_nothing_acts_along_the_wall() -> None:
+def test_without_friction_nothing_acts_along_the_wall():
     assert slide(None, 3.0, -10.0, steps=100) == pytest.approx((0.3, 3.0))

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
 from fem.explicit.time_loop import State
 from fem.plate.elements import nodal_spin
 from fem.run.corner import Stepper, simulate
-from fem.start.rigid_state import RigidStart
-from fem.start.start_kinds import start_fields
+from fem.start import rigid_state, start_kinds
 
 pytestmark = pytest.mark.verification
 
@@ -22,11 +18,11 @@ ORACLES = {
     "none": (0.3831252875, 23.3113534750, -3.2868596947, 0.6573719389, 9.4126003049),
     "signed": (0.3819894684, 23.3618493051, -3.3020660056, 0.6604132011, 9.3974582232),
 }
-START = RigidStart(0.26, 0.707, 25.053)
+START = rigid_state.RigidStart(0.26, 0.707, 25.053)
 
 
 @pytest.mark.parametrize("reaction", ORACLES)
-def test_the_shipped_plate_against_the_oracles(outcome: Callable[..., Any], reaction: str) -> None:
+def test_the_shipped_plate_against_the_oracles(outcome, reaction):
     """The rest, up to 2e-6 on v_GY, is the flexibility of steel: it falls with 1/E, see below."""
     result = outcome("paper-table-3", f"corner.reaction={reaction}")
     found = [result.fe[name] for name in ("t", "v_gx", "v_gy", "omega", "slide")]
@@ -35,9 +31,7 @@ def test_the_shipped_plate_against_the_oracles(outcome: Callable[..., Any], reac
 
 
 @pytest.mark.parametrize("reaction", ["drag", "none"])
-def test_the_difference_is_flexibility_and_falls_with_one_over_e(
-    outcome: Callable[..., Any], reaction: str
-) -> None:
+def test_the_difference_is_flexibility_and_falls_with_one_over_e(outcome, reaction):
     moduli = np.array([2e9, 2e10, 2e11, 2e12])
     worst = []
     for modulus in moduli:
@@ -50,7 +44,7 @@ def test_the_difference_is_flexibility_and_falls_with_one_over_e(
 
 
 @pytest.mark.long
-def test_row_sum_masses_converge_with_the_square_of_the_element(outcome: Callable[..., Any]) -> None:
+def test_row_sum_masses_converge_with_the_square_of_the_element(outcome):
     """Their error is the rotary inertia's, of order h^2: the exact masses have none of it on any mesh."""
     change = ("corner.reaction=none", "plate.lumping=row-sum")
     worst = []
@@ -62,19 +56,19 @@ def test_row_sum_masses_converge_with_the_square_of_the_element(outcome: Callabl
     assert worst[1] < 2e-4
 
 
-def test_a_coarse_mesh_with_exact_masses_is_as_good(outcome: Callable[..., Any]) -> None:
+def test_a_coarse_mesh_with_exact_masses_is_as_good(outcome):
     result = outcome("paper-table-3", "corner.reaction=none", "plate.elements=[4, 2]")
     assert max(map(abs, result.difference.values())) < 5e-6
 
 
-def test_energy_and_momentum_are_kept(outcome: Callable[..., Any]) -> None:
+def test_energy_and_momentum_are_kept(outcome):
     for change in ("corner.reaction=none", "corner.reaction=drag", "damping.ratio=0.1"):
         values = {check.name: check.value for check in outcome("paper-table-3", change).checks}
         assert values["energy balance"] < 1e-9
         assert values["momentum balance"] < 1e-13
 
 
-def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome: Callable[..., Any]) -> None:
+def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome):
     result = outcome("paper-table-3", "damping.ratio=0.2", "plate.start=unstressed", "corner.reaction=none")
     work, vibration = result.fe_history["damping_work"], result.fe_history["vibration_energy"]
     assert work[0] == 0.0
@@ -83,39 +77,39 @@ def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome: Callable
     assert np.abs(result.fe_history["energy_error"]).max() < 1e-9 * result.fe_history["kinetic_energy"][0]
 
 
-def test_friction_work_is_the_rigid_one(outcome: Callable[..., Any]) -> None:
+def test_friction_work_is_the_rigid_one(outcome):
     result = outcome("paper-table-3")
     fe, rigid = (history["friction_work"] for history in (result.fe_history, result.rigid_history))
     assert rigid[-1] < 0.0
     np.testing.assert_allclose(fe, rigid, atol=1e-4 * abs(rigid[-1]), rtol=0.0)
 
 
-def test_the_whole_history_follows_the_rigid_motion(outcome: Callable[..., Any]) -> None:
+def test_the_whole_history_follows_the_rigid_motion(outcome):
     result = outcome("paper-table-3")
     for name in ("theta", "omega", "v_gx", "v_gy", "slide", "v_p", "reaction_normal", "reaction_tangential"):
         fe, rigid = result.fe_history[name], result.rigid_history[name]
         assert np.abs(fe - rigid).max() < 2e-4 * np.abs(rigid).max(), name
 
 
-def test_the_answer_does_not_depend_on_the_time_step(outcome: Callable[..., Any]) -> None:
+def test_the_answer_does_not_depend_on_the_time_step(outcome):
     half, full = (outcome("paper-table-3", f"time.safety_factor={factor}").fe for factor in (0.45, 0.9))
     for name, value in full.items():
         assert half[name] == pytest.approx(value, rel=2e-8)
 
 
-def test_the_answer_does_not_depend_on_how_often_it_is_recorded(outcome: Callable[..., Any]) -> None:
+def test_the_answer_does_not_depend_on_how_often_it_is_recorded(outcome):
     few, many = (outcome("paper-table-3", f"time.rows={rows}").fe for rows in (37, 400))
     for name, value in many.items():
         assert few[name] == pytest.approx(value, rel=1e-12)
 
 
-def test_two_runs_are_equal_to_the_bit(plate_model: Callable[..., Any]) -> None:
+def test_two_runs_are_equal_to_the_bit(plate_model):
     first, second = (simulate(plate_model(reaction="drag"), START, 0.384) for _ in range(2))
     for name, column in first.history.items():
         np.testing.assert_array_equal(column, second.history[name])
 
 
-def test_a_free_plate_flies_straight_and_turns_evenly(plate_model: Callable[..., Any]) -> None:
+def test_a_free_plate_flies_straight_and_turns_evenly(plate_model):
     """Without the corner's spring: momentum and spin kept, theta = theta_0 - omega t, to rounding."""
     model = plate_model(corner={"penalty_scale": 1e-30})
     stepper = Stepper(model)
@@ -128,7 +122,7 @@ def test_a_free_plate_flies_straight_and_turns_evenly(plate_model: Callable[...,
     assert 0.26 - rows[1]["theta"] == pytest.approx(0.707 * 5000 * model.loop.time_step, rel=1e-6)
 
 
-def test_a_quiet_start_does_not_ring(outcome: Callable[..., Any]) -> None:
+def test_a_quiet_start_does_not_ring(outcome):
     quiet, unstressed = (
         outcome("paper-table-3", f"plate.start={kind}") for kind in ("inertia-relief", "unstressed")
     )
@@ -141,7 +135,7 @@ def test_a_quiet_start_does_not_ring(outcome: Callable[..., Any]) -> None:
     assert ringing > 3000.0
 
 
-def test_the_quiet_start_is_in_balance(plate_model: Callable[..., Any]) -> None:
+def test_the_quiet_start_is_in_balance(plate_model):
     """Forces over masses at t = 0 are the rigid accelerations plus little: the first step changes no strain."""
     model = plate_model(reaction="drag")
     stepper = Stepper(model)
@@ -155,7 +149,7 @@ def test_the_quiet_start_is_in_balance(plate_model: Callable[..., Any]) -> None:
     assert rows[1][0] < 1e-9 < rows[1][1]
 
 
-def test_the_quiet_start_keeps_spin_angle_and_corner_speed(plate_model: Callable[..., Any]) -> None:
+def test_the_quiet_start_keeps_spin_angle_and_corner_speed(plate_model):
     model = plate_model(reaction="drag")
     row = (s := Stepper(model)).measure(s.start(START, "inertia-relief"))._asdict()
     # The body is a little longer when stretched: angles and spin hold to the strain squared, not to rounding.
@@ -163,14 +157,14 @@ def test_the_quiet_start_keeps_spin_angle_and_corner_speed(plate_model: Callable
     assert row["slide"] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_nodal_spin_of_a_turning_plate_is_its_angular_velocity(plate_model: Callable[..., Any]) -> None:
+def test_nodal_spin_of_a_turning_plate_is_its_angular_velocity(plate_model):
     model = plate_model()
-    positions, velocities = start_fields(model, START, "unstressed")
+    positions, velocities = start_kinds.start_fields(model, START, "unstressed")
     spin = nodal_spin(model.discretisation.scalar, positions, velocities)
     np.testing.assert_allclose(spin, 0.707, rtol=1e-12)
 
 
-def test_the_loop_leaves_the_given_state_alone(plate_model: Callable[..., Any]) -> None:
+def test_the_loop_leaves_the_given_state_alone(plate_model):
     stepper = Stepper(plate_model())
     state = stepper.start(START, "inertia-relief")
     kept = State(*(array.copy() for array in state))

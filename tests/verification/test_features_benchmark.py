@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,9 +13,8 @@ import numpy as np
 import pytest
 
 from fem.explicit.time_loop import copy_state
-from fem.laws.constraints import DampedPenalty, Exact, Penalty
+from fem.laws import constraints, materials
 from fem.laws.friction import Drag
-from fem.laws.materials import NeoHookean
 from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import distorted, plate_mesh
@@ -49,7 +47,7 @@ benchmark = load_benchmark()
 
 
 @pytest.fixture(scope="module")
-def models() -> dict[str, Any]:
+def models():
     """Of a scene that has parts itself."""
     changes = ("damping.ratio=0.1", "corner.patch_length=2", "material.law=neo-hookean", "time.threads=3")
     found: dict[str, Any] = benchmark.models_of(scene_of(*changes))
@@ -78,14 +76,14 @@ NRT_incref:
 """
 
 
-def test_instructions_are_the_loop_s_own() -> None:
+def test_instructions_are_the_loop_s_own():
     assert benchmark.count(ASSEMBLY) == benchmark.MachineCode(4, 2)
 
 
 @pytest.mark.parametrize(
     "kind", ["quad4", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("tri3", "distorted"))]
 )
-def test_the_bare_loop_computes_what_the_program_s_does(plate_model: Callable[..., Any], kind: str) -> None:
+def test_the_bare_loop_computes_what_the_program_s_does(plate_model, kind):
     """Positions and velocities to rounding, on lattices and on elements that are looked up, over a time that shows."""
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4)) if kind == "distorted" else None
     model = plate_model((8, 4), mesh=mesh, plate={"element": "tri3"} if kind == "tri3" else None)
@@ -115,34 +113,32 @@ def test_the_bare_loop_computes_what_the_program_s_does(plate_model: Callable[..
         {"plate": {"element": "quad4-reduced"}},
     ],
 )
-def test_the_bare_loop_refuses_what_it_has_no_code_for(
-    plate_model: Callable[..., Any], changes: dict[str, Any]
-) -> None:
+def test_the_bare_loop_refuses_what_it_has_no_code_for(plate_model, changes):
     with pytest.raises(ValueError, match="bare loop"):
         benchmark.bare_parameters(plate_model((8, 4), **changes).loop)
 
 
-def test_each_part_is_added_alone(models: dict[str, Any]) -> None:
+def test_each_part_is_added_alone(models):
     """Whatever parts the scene itself has, a model has the one of its name and no other."""
     for name, model in models.items():
         loop = model.model.loop
         found = {
             "friction": isinstance(loop.friction, Drag),
             "damping": loop.viscosity is not None,
-            "dashpot": isinstance(loop.corner.constraint, DampedPenalty),
-            "exact constraint": isinstance(loop.corner.constraint, Exact),
+            "dashpot": isinstance(loop.corner.constraint, constraints.DampedPenalty),
+            "exact constraint": isinstance(loop.corner.constraint, constraints.Exact),
             "patch": loop.corner.nodes.size > 1,
-            "neo-Hookean": isinstance(loop.material, NeoHookean),
+            "neo-Hookean": isinstance(loop.material, materials.NeoHookean),
             "hourglass control": loop.hourglass is not None,
         }
         assert {part for part, there in found.items() if there} == {name} - {benchmark.PLAIN}
     assert len(models) == 8
-    assert isinstance(models[benchmark.PLAIN].model.loop.corner.constraint, Penalty)
+    assert isinstance(models[benchmark.PLAIN].model.loop.corner.constraint, constraints.Penalty)
     plain = benchmark.plain_scene(scene_of())
     assert benchmark.plain_scene(plain) == plain
 
 
-def test_turns_go_forwards_and_back() -> None:
+def test_turns_go_forwards_and_back():
     order: list[int] = []
     runs = [lambda i=i: float(order.append(i) or 10 * len(order) + i) for i in range(3)]  # type: ignore[func-returns-value]
     table = benchmark.take_turns(runs, 3)
@@ -150,7 +146,7 @@ def test_turns_go_forwards_and_back() -> None:
     assert table.tolist() == [[10, 21, 32], [60, 51, 42], [70, 81, 92]]
 
 
-def test_a_slow_machine_cancels_turn_by_turn() -> None:
+def test_a_slow_machine_cancels_turn_by_turn():
     """Times that double half-way, and one that is hit a hundredfold: the ratio stays what it is, to the digit."""
     slow = np.where(np.arange(40) < 20, 1.0, 2.0)
     assert benchmark.ratio(1.3 * slow, slow) == pytest.approx((1.3, 1.3, 1.3), abs=1e-15)
@@ -159,7 +155,7 @@ def test_a_slow_machine_cancels_turn_by_turn() -> None:
     assert benchmark.ratio(hit, slow)[2] == pytest.approx(1.3, abs=1e-15)
 
 
-def test_the_interval_of_a_ratio_covers_the_truth_as_often_as_it_says() -> None:
+def test_the_interval_of_a_ratio_covers_the_truth_as_often_as_it_says():
     """300 samples of 40 turns with 10 % noise: the bootstrap of a median covers 95 %, within its own noise."""
     random = np.random.default_rng(1)
     covered = 0
@@ -185,12 +181,12 @@ def noisy(factor: float, noise: float, seed: int) -> np.ndarray:
         (1.00, 0.02, "free"),
     ],
 )
-def test_verdicts_on_made_up_times(factor: float, noise: float, expected: str) -> None:
+def test_verdicts_on_made_up_times(factor, noise, expected):
     plain, again, bare = noisy(factor, noise, 1), noisy(factor, noise, 2), noisy(1.0, noise, 3)
     assert benchmark.verdict(plain, again, bare) == expected
 
 
-def test_a_noisy_machine_widens_the_limit() -> None:
+def test_a_noisy_machine_widens_the_limit():
     """7 % against the bare loop is not told from the 9 % of the same loop against itself; nor is it nothing."""
     ones = np.ones(40)
     assert benchmark.verdict(1.07 * ones, 1.07 * ones, ones) == "costs"
@@ -201,13 +197,7 @@ def test_a_noisy_machine_widens_the_limit() -> None:
 @pytest.mark.parametrize(
     ("plain", "apart", "status"), [(1.0, 0.0, 0), (1.2, 0.0, 1), (1.0, 2e-9, 1), (1.0, np.nan, 1)]
 )
-def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    plain: float,
-    apart: float,
-    status: int,
-) -> None:
+def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(monkeypatch, capsys, plain, apart, status):
     """On made-up assembly, times and positions."""
     made_up = dict.fromkeys(("plain", "plain again"), 20.0 * plain * np.ones(10)) | {
         "bare loop": 20.0 * np.ones(10)
@@ -226,9 +216,7 @@ def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(
     assert lines[2][4] == f"{1.5 / plain:.3f}"
 
 
-def test_the_two_loops_agree_and_can_be_timed(
-    models: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_two_loops_agree_and_can_be_timed(models, monkeypatch):
     monkeypatch.setattr(benchmark, "CHUNK_S", 1e-3)
     plain = models[benchmark.PLAIN]
     assert 0.0 <= benchmark.difference(plain, 200) <= benchmark.SAME
@@ -237,7 +225,7 @@ def test_the_two_loops_agree_and_can_be_timed(
     assert all((each > 0.0).all() and each.shape == (3,) for each in updates.values())
 
 
-def test_the_study_of_features_says_where_it_went(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_study_of_features_says_where_it_went(capsys):
     assert _status(["study", "features", SCENE]) == 2
     said = capsys.readouterr().err
     assert "benchmarks/features.py" in said
@@ -245,7 +233,7 @@ def test_the_study_of_features_says_where_it_went(capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.long
-def test_a_part_has_instructions_only_where_it_is(models: dict[str, Any]) -> None:
+def test_a_part_has_instructions_only_where_it_is(models):
     """Counted on vector registers, where the arithmetic is; of other instructions the machine decides how many."""
     plain, friction, damping = (
         benchmark.program_code(models[name]) for name in ("plain", "friction", "damping")
@@ -253,7 +241,7 @@ def test_a_part_has_instructions_only_where_it_is(models: dict[str, Any]) -> Non
     assert 0 < plain.vector < friction.vector < damping.vector < damping.instructions
 
 
-def test_imports_are_summed_by_package() -> None:
+def test_imports_are_summed_by_package():
     report = (
         "import time: self [us] | cumulative | imported package\n"
         "import time:      1500 |       1500 |   numpy.core\n"
@@ -265,7 +253,7 @@ def test_imports_are_summed_by_package() -> None:
 
 
 @pytest.mark.long
-def test_whole_commands_are_run_and_their_imports_read(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whole_commands_are_run_and_their_imports_read(monkeypatch):
     """The rigid method alone, with a change; and a wrong scene is an error, not a time."""
     for name in ("check", "run --no-pictures", "run"):
         monkeypatch.delitem(benchmark.COMMANDS, name)

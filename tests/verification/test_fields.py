@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -58,7 +57,7 @@ def series(outcome: Any) -> FieldSeries:
 
 
 @pytest.mark.parametrize("ran", [corner, impact])
-def test_fields_agree_with_the_history(ran: Any) -> None:
+def test_fields_agree_with_the_history(ran):
     """Strain energy over the volume, and the centre's velocity by mass, are those of the rows of the same instants."""
     outcome = ran(KEPT)
     found, history, loop = series(outcome), outcome.run.history, outcome.fe_plan.model.loop
@@ -80,7 +79,7 @@ def test_fields_agree_with_the_history(ran: Any) -> None:
 
 
 @pytest.mark.parametrize("ran", [corner, impact])
-def test_a_run_with_fields_has_the_bits_of_one_without(ran: Any) -> None:
+def test_a_run_with_fields_has_the_bits_of_one_without(ran):
     with_fields, without = ran(KEPT).run, ran().run
     assert without.snapshots is None
     assert len(with_fields.snapshots.t) == 6
@@ -88,7 +87,7 @@ def test_a_run_with_fields_has_the_bits_of_one_without(ran: Any) -> None:
         np.testing.assert_array_equal(with_fields.history[name], values, err_msg=name)
 
 
-def test_displacement_is_rigid_motion_and_what_is_elastic() -> None:
+def test_displacement_is_rigid_motion_and_what_is_elastic():
     found = series(corner(KEPT))
     moved, elastic = found.nodal["displacement"], found.nodal["elastic_displacement"]
     rigid = found.points + moved - elastic
@@ -97,7 +96,7 @@ def test_displacement_is_rigid_motion_and_what_is_elastic() -> None:
     assert 1e-8 < np.abs(elastic).max() < 1e-4 < np.abs(moved).max()
 
 
-def test_a_stretched_plate_has_the_stress_of_the_closed_form(plate_model: Any) -> None:
+def test_a_stretched_plate_has_the_stress_of_the_closed_form(plate_model):
     """F = diag(1 + a, 1): S by plane stress, Kirchhoff stress F S F'."""
     model, stretch = plate_model(), 1.01
     strain = 0.5 * (stretch**2 - 1.0)
@@ -108,7 +107,7 @@ def test_a_stretched_plate_has_the_stress_of_the_closed_form(plate_model: Any) -
         np.testing.assert_allclose(values, value, rtol=1e-9, atol=1.0)
 
 
-def test_von_mises_and_principal_stress_of_pure_shear_and_tension() -> None:
+def test_von_mises_and_principal_stress_of_pure_shear_and_tension():
     found = series(corner(KEPT)).elemental
     one, two = found["stress_principal_1"], found["stress_principal_2"]
     assert (one >= two).all()
@@ -117,7 +116,7 @@ def test_von_mises_and_principal_stress_of_pure_shear_and_tension() -> None:
     )
 
 
-def test_the_file_has_every_bit(tmp_path: Path) -> None:
+def test_the_file_has_every_bit(tmp_path):
     found = series(corner(KEPT))
     again = read_fields(write_fields(tmp_path / "fields.npz", found))
     assert again.cell_type == found.cell_type == "quad"
@@ -133,9 +132,7 @@ def test_the_file_has_every_bit(tmp_path: Path) -> None:
     ("element", "cell_type", "nodes"),
     [("quad9", "quad9", 9), ("tri3", "triangle", 3), ("tri6", "triangle6", 6)],
 )
-def test_cells_name_their_nodes_in_the_order_of_other_programs(
-    element: str, cell_type: str, nodes: int, plate_model: Any
-) -> None:
+def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_type, nodes, plate_model):
     """Nodes on the sides lie between the corners before and after them."""
     from meshes import plate_mesh
 
@@ -154,7 +151,7 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(
         np.testing.assert_allclose(positions[:, connectivity[:, corners + k]], between, atol=1e-12)
 
 
-def test_snapshots_survive_a_stop() -> None:
+def test_snapshots_survive_a_stop():
     fe_plan = CornerCase(*read_scene("paper-table-3", (KEPT,))).plan()
     duration = fe_plan.case.motion.strike.t
     whole = simulate(fe_plan.model, fe_plan.start, duration, snapshots=6)
@@ -170,14 +167,14 @@ def test_snapshots_survive_a_stop() -> None:
         np.testing.assert_array_equal(getattr(whole.snapshots, name), getattr(resumed.snapshots, name))
 
 
-def test_a_single_instant_is_the_end() -> None:
+def test_a_single_instant_is_the_end():
     nodal = (np.zeros((2, 3)), np.ones((2, 3)))
     keeper = SnapshotKeeper(1, 10.0, lambda state: nodal)
     keeper.look(np.zeros((1, 3)), None)
     np.testing.assert_array_equal(keeper.finished(np.array([0.0, 1.0]), nodal).t, [1.0])
 
 
-def test_fields_need_a_plate() -> None:
+def test_fields_need_a_plate():
     tables = ("plate=", "material=", "wall=", "output.fields=3")
     with pytest.raises(InputError) as caught:
         read_scene("paper-table-3", tables[:1] + tables[2:])

@@ -5,17 +5,14 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 
+from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
-from tailslap.cli import DONE, _status
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.validate import validate
 from tailslap.scene.write import resolved_inputs
@@ -42,7 +39,7 @@ def dense_frequencies(model: Any) -> np.ndarray:
         ("plate.thickness=2 mm", "plate.density=", "plate.poissons_ratio=0.45"),
     ],
 )
-def test_the_model_has_it(change: tuple[str, ...]) -> None:
+def test_the_model_has_it(change):
     fe_plan = CornerCase(*read_scene("paper-table-3", (*EIGHT, *change))).plan()
     frequencies = dense_frequencies(fe_plan.model)
     assert frequencies[:3].max() < 1e-4
@@ -52,42 +49,42 @@ def test_the_model_has_it(change: tuple[str, ...]) -> None:
 @pytest.mark.parametrize(
     ("given", "hertz"), [("8 Hz", 8.0), ("0.02 kHz", 20.0), ("12.5", 12.5), ("3 1/s", 3.0)]
 )
-def test_units(given: str, hertz: float) -> None:
+def test_units(given, hertz):
     scene = read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))[0]
     assert scene.plate
     assert scene.plate.first_frequency == pytest.approx(hertz, rel=1e-15)
 
 
 @pytest.mark.parametrize("given", ["8 rad/s", "480 rpm", "8 deg/s", "0 Hz", "-8 Hz", "8 s", "8 GPa"])
-def test_radians_are_no_cycles(given: str) -> None:
-    with pytest.raises(InputError) as caught:
+def test_radians_are_no_cycles(given):
+    with pytest.raises(errors.InputError) as caught:
         read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))
     assert caught.value.key == "plate.first_frequency"
 
 
 @pytest.mark.parametrize("given", ["0.7 Hz", "0.7 1/s", "0.7 m/s"])
-def test_cycles_are_no_radians(given: str) -> None:
-    with pytest.raises(InputError) as caught:
+def test_cycles_are_no_radians(given):
+    with pytest.raises(errors.InputError) as caught:
         read_scene("paper-table-3", (f"start.omega={given}",))
     assert caught.value.key == "start.omega"
 
 
-def test_exactly_one_of_the_two() -> None:
-    with pytest.raises(InputError, match=r"plate\.youngs_modulus") as caught:
+def test_exactly_one_of_the_two():
+    with pytest.raises(errors.InputError, match=r"plate\.youngs_modulus") as caught:
         read_scene("paper-table-3", ("plate.first_frequency=8 Hz",))
     assert caught.value.key == "plate.first_frequency"
-    with pytest.raises(InputError, match=r"plate\.first_frequency") as caught:
+    with pytest.raises(errors.InputError, match=r"plate\.first_frequency") as caught:
         read_scene("paper-table-3", ("plate.youngs_modulus=",))
     assert caught.value.key == "plate.youngs_modulus"
 
 
-def test_nothing_to_take_out() -> None:
-    with pytest.raises(InputError) as caught:
+def test_nothing_to_take_out():
+    with pytest.raises(errors.InputError) as caught:
         read_scene("paper-table-3", ("plate.first_frequency=",))
     assert caught.value.key == "--set"
 
 
-def test_same_run_as_with_the_modulus(outcome: Callable[..., Any]) -> None:
+def test_same_run_as_with_the_modulus(outcome):
     by_frequency = outcome("paper-table-3", *EIGHT)
     modulus = by_frequency.fe_plan.plate.youngs_modulus
     assert 0.9e9 < modulus < 1.3e9
@@ -98,22 +95,22 @@ def test_same_run_as_with_the_modulus(outcome: Callable[..., Any]) -> None:
     assert by_modulus.fe_plan.first_frequency == pytest.approx(8.0, rel=1e-10)
 
 
-def test_reports_say_what_was_resolved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_reports_say_what_was_resolved(tmp_path, capsys):
     changes = [item for change in (*EIGHT, "plate.element=quad4") for item in ("--set", change)]
     out = tmp_path / "result"
-    assert _status(["run", "paper-table-3", "--out", str(out), "--no-pictures", *changes]) == DONE
+    assert cli._status(["run", "paper-table-3", "--out", str(out), "--no-pictures", *changes]) == cli.DONE
     plate = json.loads((out / "summary.json").read_text())["plate"]
     assert plate["first_frequency"] == 8.0
     assert plate["youngs_modulus"] == pytest.approx(1.098424e9, rel=1e-6)  # regression
     page = (out / "report.html").read_text()
     assert "from plate.first_frequency" in page
     capsys.readouterr()
-    assert _status(["check", "paper-table-3", *changes]) == DONE
+    assert cli._status(["check", "paper-table-3", *changes]) == cli.DONE
     said = " ".join(capsys.readouterr().out.split())  # folded to the terminal's width
     assert "first frequency of the free plate in its plane 8 Hz" in said
 
 
-def test_inputs_of_a_scene_with_its_modulus_are_as_before() -> None:
+def test_inputs_of_a_scene_with_its_modulus_are_as_before():
     plan = CornerCase(*read_scene("paper-table-3"))
     assert plan.scene.plate
     rows = {row.key: row for row in resolved_inputs(plan.scene, plan.source, plan.scene.plate)}
@@ -121,14 +118,14 @@ def test_inputs_of_a_scene_with_its_modulus_are_as_before() -> None:
     assert "plate.first_frequency" not in rows
 
 
-def test_too_stiff_names_the_key() -> None:
+def test_too_stiff_names_the_key():
     plan = CornerCase(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e9")))
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(errors.InputError) as caught:
         plan.plan()
     assert caught.value.key == "plate.first_frequency"
 
 
-def test_rigid_method_needs_no_modulus_to_be_resolved() -> None:
+def test_rigid_method_needs_no_modulus_to_be_resolved():
     scene, source = read_scene("paper-table-3", EIGHT)
     assert dataclasses.is_dataclass(CornerCase(scene, source))
     assert validate(source.given) == scene

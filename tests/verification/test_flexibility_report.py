@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -88,12 +88,12 @@ def main_meshes(record: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def plan() -> CornerCase:
+def plan():
     return CornerCase(*read_scene("paper-table-3", SMALL))
 
 
 @pytest.fixture(scope="module")
-def synthetic(plan: CornerCase) -> Callable[..., Flexibility]:
+def synthetic(plan):
     """The campaign of a synthetic power law; changes: records by the place of the point."""
     sweep = define(plan)
 
@@ -109,7 +109,7 @@ def synthetic(plan: CornerCase) -> Callable[..., Flexibility]:
     return build
 
 
-def test_points_carry_difference_and_error(synthetic: Callable[..., Flexibility]) -> None:
+def test_points_carry_difference_and_error(synthetic):
     for row in synthetic().rows:
         whole = 0.04 / row["first_frequency"] ** 2
         assert row["difference_v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
@@ -121,14 +121,14 @@ def test_points_carry_difference_and_error(synthetic: Callable[..., Flexibility]
         assert row["passed"]
 
 
-def test_what_meshes_do_not_show_is_added_to_the_error(plan: CornerCase) -> None:
+def test_what_meshes_do_not_show_is_added_to_the_error(plan):
     rigid = plan.tail_slap
     plain, damped = (plate_row(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
     for name in ("error_v_gy", "error_reaction", "inertia-relief:v_gy_error"):
         assert damped[name] - plain[name] == pytest.approx(1e-4, rel=1e-6)
 
 
-def test_a_start_is_not_credited_with_a_change_of_sign(synthetic: Callable[..., Flexibility]) -> None:
+def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
@@ -146,7 +146,7 @@ def said(found: Flexibility, tmp_path: Path) -> tuple[str, str]:
 
 
 @pytest.mark.long
-def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Flexibility], tmp_path: Path) -> None:
+def test_what_half_the_patch_changes_is_said(synthetic, tmp_path):
     rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[4], rigid)
     longer = main_meshes(record)[-1]["values"]
@@ -158,7 +158,7 @@ def test_what_half_the_patch_changes_is_said(synthetic: Callable[..., Flexibilit
     assert ">0.100</td>" not in said(failed, tmp_path)[1]
 
 
-def test_headline(synthetic: Callable[..., Flexibility]) -> None:
+def test_headline(synthetic):
     assert headline(synthetic()).replace("\N{NO-BREAK SPACE}", " ") == (
         "Rigid-body v_GY is good to 1 %, at the strike and before, down to a first frequency of 2 Hz (inertia relief), "
         "1.2 Hz (Stage 1's momenta), 4 Hz (unstressed); from any of the three starts, 4 Hz. The scene's own plate has "
@@ -167,9 +167,7 @@ def test_headline(synthetic: Callable[..., Flexibility]) -> None:
 
 
 @pytest.mark.long
-def test_levels_of_any_start_and_the_power_law_are_said(
-    synthetic: Callable[..., Flexibility], tmp_path: Path
-) -> None:
+def test_levels_of_any_start_and_the_power_law_are_said(synthetic, tmp_path):
     terminal, page = said(synthetic(), tmp_path)
     assert "any of the three 40 Hz 4 Hz 0.894 Hz 0.632 Hz" in terminal
     assert "inertia relief 6.32 Hz 2 Hz" in terminal
@@ -178,7 +176,7 @@ def test_levels_of_any_start_and_the_power_law_are_said(
 
 
 @pytest.mark.long
-def test_what_the_starts_depart_from_is_said(synthetic: Callable[..., Flexibility], tmp_path: Path) -> None:
+def test_what_the_starts_depart_from_is_said(synthetic, tmp_path):
     """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
     rigid = synthetic().case.tail_slap
     found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
@@ -203,7 +201,7 @@ def cells(rows: list[str], first: str) -> list[str]:
     return re.findall(r"<td[^>]*>([^<]*)</td>", row)
 
 
-def test_headline_of_what_is_not_known(synthetic: Callable[..., Flexibility]) -> None:
+def test_headline_of_what_is_not_known(synthetic):
     refused = {"refused": "plate: no"}
     runs = {name: 3 * [refused] for name in STARTS}
     nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
@@ -228,7 +226,7 @@ def test_headline_of_what_is_not_known(synthetic: Callable[..., Flexibility]) ->
     assert found.band[2].text.endswith("Hz")
 
 
-def test_points_that_fail_are_shown_as_such(synthetic: Callable[..., Flexibility], tmp_path: Path) -> None:
+def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     rigid = synthetic().case.tail_slap
     fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
     lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
@@ -258,7 +256,7 @@ def test_points_that_fail_are_shown_as_such(synthetic: Callable[..., Flexibility
     assert len((tmp_path / "points.csv").read_text().splitlines()) == 10
 
 
-def test_interrupted_study_goes_on(plan: CornerCase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
     rigid, done = plan.tail_slap, []
 
     def one_at_a_time(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
@@ -279,9 +277,7 @@ def test_interrupted_study_goes_on(plan: CornerCase, tmp_path: Path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
-def test_exit_status_where_nothing_passed(
-    plan: CornerCase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
     def all_fail(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
         rigid = plan.tail_slap
         for key in parts:
@@ -307,7 +303,7 @@ FREQUENCIES = (256.0, 128.0, 64.0, 32.0, 16.0, 8.0)
 
 
 @pytest.fixture(scope="module")
-def impact() -> ImpactCase:
+def impact():
     return ImpactCase(*read_scene("impact-mash-tl4-sut"))
 
 
@@ -318,7 +314,7 @@ def impact_plate(frequency: float, why: str = "", size: float | None = None) -> 
     return impact_row(frequency, {**groups, "why": why})
 
 
-def test_levels_lie_where_the_difference_of_strikes_crosses_them() -> None:
+def test_levels_lie_where_the_difference_of_strikes_crosses_them():
     samples = impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
     levels = [lowest_frequency(samples, level) for level in IMPACT_LEVELS]
     assert [level.kind for level in levels] == ["crossed"] * 3
@@ -327,13 +323,13 @@ def test_levels_lie_where_the_difference_of_strikes_crosses_them() -> None:
     )
 
 
-def test_a_plate_that_strikes_with_other_corners_tells_no_level() -> None:
+def test_a_plate_that_strikes_with_other_corners_tells_no_level():
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, size=math.nan)]
     level = lowest_frequency(impact_samples(rows, "strike_1.impulse"), IMPACT_LEVELS[-1])
     assert (level.kind, level.frequency) == ("not reached", 16.0)
 
 
-def test_what_a_plate_s_run_records(monkeypatch: pytest.MonkeyPatch, impact: ImpactCase) -> None:
+def test_what_a_plate_s_run_records(monkeypatch, impact):
     """The mesh's check is left to the levels; what is not compared is not a number; a refusal is its reason."""
 
     def run(case: Any) -> Any:
@@ -349,7 +345,7 @@ def test_what_a_plate_s_run_records(monkeypatch: pytest.MonkeyPatch, impact: Imp
     assert "contact.restitution" in measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
 
 
-def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path: Path, impact: ImpactCase) -> None:
+def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
     samples = {name: impact_samples(rows, name) for name in NAMES}
     levels = {
@@ -380,7 +376,7 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path: Path, impact: 
     assert summary["levels"]["strike_2.impulse"][0]["kind"] == "crossed"
 
 
-def test_contacts_of_a_corner_that_are_close_are_one_strike() -> None:
+def test_contacts_of_a_corner_that_are_close_are_one_strike():
     contacts = [
         Strike("front", start, end, 1.0, 1.0) for start, end in ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
     ]
@@ -389,7 +385,7 @@ def test_contacts_of_a_corner_that_are_close_are_one_strike() -> None:
 
 
 @pytest.mark.long
-def test_a_stiff_plate_is_the_rigid_vehicle(impact: ImpactCase) -> None:
+def test_a_stiff_plate_is_the_rigid_vehicle(impact):
     changes = {"plate.youngs_modulus": None, "plate.first_frequency": 200.0, "contact.patch_length": 1.0}
     meshes = [
         {**changes, "plate.elements": (10 * n, 4 * n), "time.end": 2.0 * impact.duration} for n in (1, 2)

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from postprocess.comparison.quantities import largest_relative, relative_difference
+from tailslap import cli, errors
 from tailslap.campaign.levels import (
     ABOVE_ALL,
     CROSSED,
@@ -23,25 +23,9 @@ from tailslap.campaign.levels import (
     power_law,
 )
 from tailslap.case.corner.case import CornerCase
-from tailslap.cli import DONE, WRONG_INPUT, _status
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
-from tailslap.studies.flexibility.compute import (
-    STARTS,
-    Sweep,
-    convergence_index,
-    corner_support,
-    define,
-    frequencies,
-    largest_difference,
-    mesh_changes,
-    modal_opinion,
-    one_run,
-    run_changes,
-    thickness_changes,
-    three_meshes,
-)
+from tailslap.studies.flexibility import compute
 
 pytestmark = pytest.mark.verification
 
@@ -57,12 +41,12 @@ SWEEP = tuple(np.geomspace(1000.0, 0.1, 9).tolist())
 
 
 @pytest.mark.parametrize(("level", "hertz"), [(0.0004, 10.0), (0.01, 2.0), (0.04, 1.0), (0.16, 0.5)])
-def test_levels_of_a_power_law_are_exact(level: float, hertz: float) -> None:
+def test_levels_of_a_power_law_are_exact(level, hertz):
     found = lowest_frequency([power(f) for f in SWEEP], level)
     assert (found.kind, found.frequency) == (CROSSED, pytest.approx(hertz, rel=1e-12))
 
 
-def test_levels_that_are_not_crossed() -> None:
+def test_levels_that_are_not_crossed():
     points = [power(f) for f in SWEEP]
     all_below = lowest_frequency(points[:4], 0.01)
     assert (all_below.kind, all_below.frequency) == (NOT_REACHED, SWEEP[3])
@@ -86,17 +70,17 @@ def level(kind: str, frequency: float) -> Reach:
         ([level(ABOVE_ALL, 1e3), level(UNKNOWN, 1.0), level(CROSSED, 2.0)], level(ABOVE_ALL, 1e3)),
     ],
 )
-def test_what_holds_for_every_start(levels: list[Reach], joint: Reach) -> None:
+def test_what_holds_for_every_start(levels, joint):
     assert jointly(levels) == jointly(levels[::-1]) == joint
     assert math.isnan(jointly([level(CROSSED, 2.0), level(UNKNOWN, math.nan)]).frequency)
 
 
 @pytest.mark.parametrize(("share", "kind"), [(0.333, CROSSED), (0.334, UNKNOWN), (math.nan, UNKNOWN)])
-def test_a_level_is_known_up_to_a_third_of_it_in_error(share: float, kind: str) -> None:
+def test_a_level_is_known_up_to_a_third_of_it_in_error(share, kind):
     assert lowest_frequency([power(f, share) for f in SWEEP], 0.01).kind == kind
 
 
-def test_points_below_a_level_must_be_known_to_lie_below_it() -> None:
+def test_points_below_a_level_must_be_known_to_lie_below_it():
     points = [power(f) for f in SWEEP]
     points[2] = points[2]._replace(error=0.01)
     unknown = lowest_frequency(points, 0.01)
@@ -105,7 +89,7 @@ def test_points_below_a_level_must_be_known_to_lie_below_it() -> None:
     assert lowest_frequency(points, 0.01).kind == CROSSED
 
 
-def test_failed_points_say_nothing_of_a_level() -> None:
+def test_failed_points_say_nothing_of_a_level():
     points = [power(f) for f in SWEEP]
     points[0] = points[0]._replace(passed=False, difference=9.0)
     points[-1] = points[-1]._replace(passed=False, difference=0.0)
@@ -116,7 +100,7 @@ def test_failed_points_say_nothing_of_a_level() -> None:
     assert lowest_frequency(points, 0.01).kind == UNKNOWN  # the crossing lies beside a point that failed
 
 
-def test_a_power_law_is_followed_to_its_end() -> None:
+def test_a_power_law_is_followed_to_its_end():
     points = [power(f) for f in SWEEP]
     law = power_law(points)
     assert law
@@ -130,16 +114,18 @@ def test_a_power_law_is_followed_to_its_end() -> None:
     assert power_law([power(f, error=0.5) for f in SWEEP]) is None
 
 
-def test_the_error_is_a_grid_convergence_index_of_a_believable_order() -> None:
+def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
     second = [3.0 + 0.01 * h**2 for h in (1.0, 2.0, 4.0)]
-    assert convergence_index(*second) * second[0] == pytest.approx(1.25 * 0.01, rel=1e-9)
+    assert compute.convergence_index(*second) * second[0] == pytest.approx(1.25 * 0.01, rel=1e-9)
     lucky = [3.0 + 1e-6 * h**8 for h in (1.0, 2.0, 4.0)]
-    assert convergence_index(*lucky) * lucky[0] == pytest.approx(1.25 * 255e-6 / 3.0, rel=1e-9)
-    assert convergence_index(1.0, 1.01, 1.0) == pytest.approx(0.03)  # to and fro: three times the change
+    assert compute.convergence_index(*lucky) * lucky[0] == pytest.approx(1.25 * 255e-6 / 3.0, rel=1e-9)
+    assert compute.convergence_index(1.0, 1.01, 1.0) == pytest.approx(
+        0.03
+    )  # to and fro: three times the change
 
 
 @pytest.mark.parametrize(("error", "kind"), [(0.9e-3, CROSSED), (1.0e-3, UNKNOWN)])
-def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error: float, kind: str) -> None:
+def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error, kind):
     """The stiff end, where the error is most of the level and the difference next to nothing."""
     stiff = Sample(1000.0, 0.05e-3, error, True)
     rest = [Sample(frequency, 0.1 / frequency, 1e-6, True) for frequency in (200.0, 80.0)]
@@ -149,18 +135,20 @@ def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error: float, k
         assert found.frequency == pytest.approx(100.0)
 
 
-def small_sweep(scene: str) -> Sweep:
-    return define(CornerCase(*read_scene(scene, SMALL)))
+def small_sweep(scene: str) -> compute.Sweep:
+    return compute.define(CornerCase(*read_scene(scene, SMALL)))
 
 
 @pytest.mark.parametrize(
     ("scene", "hertz"), [("paper-table-3", 0.6), ("paper-table-3", 8.0), ("paper-abaqus", 200.0)]
 )
-def test_thickness_at_constant_mass_does_what_the_modulus_does(scene: str, hertz: float) -> None:
+def test_thickness_at_constant_mass_does_what_the_modulus_does(scene, hertz):
     sweep = small_sweep(scene)
-    base, changes = sweep.case.source, run_changes(sweep, hertz, (8, 4))
-    by_modulus = one_run(base, changes)
-    by_thickness = one_run(base, thickness_changes(changes, by_modulus["youngs_modulus"], sweep.own))
+    base, changes = sweep.case.source, compute.run_changes(sweep, hertz, (8, 4))
+    by_modulus = compute.one_run(base, changes)
+    by_thickness = compute.one_run(
+        base, compute.thickness_changes(changes, by_modulus["youngs_modulus"], sweep.own)
+    )
     assert by_thickness["youngs_modulus"] == sweep.own[2]
     ratio = by_modulus["youngs_modulus"] / sweep.own[2]
     assert by_thickness["thickness"] / sweep.own[0] == pytest.approx(ratio, rel=1e-14)
@@ -168,10 +156,10 @@ def test_thickness_at_constant_mass_does_what_the_modulus_does(scene: str, hertz
     assert by_thickness["stored"] == pytest.approx(by_modulus["stored"], rel=1e-9)
 
 
-def test_differences_go_with_the_inverse_square_of_the_first_frequency() -> None:
+def test_differences_go_with_the_inverse_square_of_the_first_frequency():
     given = (200.0, 100.0, 50.0, 25.0)
     sweep = small_sweep("paper-abaqus")
-    runs = [one_run(sweep.case.source, run_changes(sweep, hertz, (8, 4))) for hertz in given]
+    runs = [compute.one_run(sweep.case.source, compute.run_changes(sweep, hertz, (8, 4))) for hertz in given]
     assert not any(run["failed"] for run in runs)
     rigid = sweep.case.tail_slap
     sizes = {
@@ -186,20 +174,21 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency() -> None
 
 
 @pytest.mark.long
-def test_the_modal_model_is_of_the_same_opinion() -> None:
+def test_the_modal_model_is_of_the_same_opinion():
     sweep = small_sweep("paper-table-3")
-    base, changes = sweep.case.source, run_changes(sweep, 20.0, (8, 4))
-    whole, modal = one_run(base, changes), modal_opinion(base, changes)
+    base, changes = sweep.case.source, compute.run_changes(sweep, 20.0, (8, 4))
+    whole, modal = compute.one_run(base, changes), compute.modal_opinion(base, changes)
     flexible = largest_relative(whole["values"], sweep.case.tail_slap)
     assert largest_relative(modal["values"], whole["values"]) < 1e-2 * flexible
     assert modal["estimate"] < 0.1 * flexible
-    assert "unstressed" in modal_opinion(base, {**changes, "plate.start": "unstressed"})["refused"]
+    assert "unstressed" in compute.modal_opinion(base, {**changes, "plate.start": "unstressed"})["refused"]
 
 
-def test_what_each_start_keeps() -> None:
+def test_what_each_start_keeps():
     sweep = small_sweep("mash-tl4-sut")
     relief, momenta, unstressed = (
-        one_run(sweep.case.source, run_changes(sweep, 2.0, (8, 4), name))["departure"] for name in STARTS
+        compute.one_run(sweep.case.source, compute.run_changes(sweep, 2.0, (8, 4), name))["departure"]
+        for name in compute.STARTS
     )
     assert relief["v_gy"] > 3e-3 > 1e-5 > max(abs(relief["omega"]), abs(relief["v_p"]))
     assert max(abs(momenta["v_gx"]), abs(momenta["v_gy"])) < 1e-12
@@ -207,12 +196,12 @@ def test_what_each_start_keeps() -> None:
     assert max(map(abs, unstressed.values())) < 1e-9
 
 
-def test_the_largest_difference_is_seen_in_any_phase() -> None:
+def test_the_largest_difference_is_seen_in_any_phase():
     """An oscillating plate strikes close to the rigid velocity here, and was ten times as far off before."""
     sweep = small_sweep("mash-tl4-sut")
-    changes = run_changes(sweep, 25.0, (8, 4), "unstressed")
+    changes = compute.run_changes(sweep, 25.0, (8, 4), "unstressed")
     outcome = sweep.case.varied(changes).run()
-    largest, at_strike = largest_difference(outcome), abs(outcome.difference["v_gy"])
+    largest, at_strike = compute.largest_difference(outcome), abs(outcome.difference["v_gy"])
     difference = outcome.fe_history["v_gy"] - outcome.rigid_history["v_gy"]
     assert largest > 10.0 * at_strike
     assert largest == pytest.approx(np.nanmax(np.abs(difference)) / abs(outcome.rigid["v_gy"]), rel=1e-12)
@@ -223,33 +212,35 @@ def test_the_largest_difference_is_seen_in_any_phase() -> None:
     assert 0.3 < largest / (impulse / whole) < 1.0 / 0.689
 
 
-def test_meshes_and_hold() -> None:
+def test_meshes_and_hold():
     scene = read_scene("paper-table-3")[0]
-    assert three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
-    assert corner_support(scene, (10, 3))["patch"] == 1.0
-    assert corner_support(scene, (10, 3))["constraint"] == "exact"
-    assert corner_support(scene, (7, 2))["patch"] == pytest.approx(10.0 / 7.0)  # a tenth, as whole elements
+    assert compute.three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
+    assert compute.corner_support(scene, (10, 3))["patch"] == 1.0
+    assert compute.corner_support(scene, (10, 3))["constraint"] == "exact"
+    assert compute.corner_support(scene, (7, 2))["patch"] == pytest.approx(
+        10.0 / 7.0
+    )  # a tenth, as whole elements
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
-    assert three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
+    assert compute.three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
     own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
-    assert three_meshes(own)[0] == (20, 6)  # half of it would have elements longer than the patch
+    assert compute.three_meshes(own)[0] == (20, 6)  # half of it would have elements longer than the patch
     given = {"own_constraint": True, "own_patch": True}
-    assert corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
+    assert compute.corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
 
 
-def test_three_starts_whatever_the_scene_has() -> None:
+def test_three_starts_whatever_the_scene_has():
     own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
-    sweep = define(CornerCase(*read_scene("mash-tl4-sut", own)))
+    sweep = compute.define(CornerCase(*read_scene("mash-tl4-sut", own)))
     assert sweep.meshes[1] == (20, 6)  # what the program chooses where the scene does not
-    changes = {name: run_changes(sweep, 50.0, sweep.meshes[0], name) for name in STARTS}
+    changes = {name: compute.run_changes(sweep, 50.0, sweep.meshes[0], name) for name in compute.STARTS}
     scenes = {name: vary(sweep.case.source, each)[0] for name, each in changes.items()}
-    assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(STARTS)
-    assert run_changes(sweep, 50.0, sweep.meshes[0]) == changes[STARTS[0]]
+    assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(compute.STARTS)
+    assert compute.run_changes(sweep, 50.0, sweep.meshes[0]) == changes[compute.STARTS[0]]
     assert not any(scene.verify or scene.wall for scene in scenes.values())
-    for (
-        start
-    ) in STARTS:  # an oscillation has its error from three meshes too, whatever the phase of the strike
-        assert [run and run["plate.elements"] for run in mesh_changes(sweep, 50.0, start)] == list(
+    for start in (
+        compute.STARTS
+    ):  # an oscillation has its error from three meshes too, whatever the phase of the strike
+        assert [run and run["plate.elements"] for run in compute.mesh_changes(sweep, 50.0, start)] == list(
             sweep.meshes
         )
 
@@ -258,23 +249,23 @@ def test_three_starts_whatever_the_scene_has() -> None:
     ("option", "given"),
     [("--lowest", "0"), ("--lowest", "2 kg"), ("--lowest", "2 kHz"), ("--highest", "1 MHz")],
 )
-def test_wrong_frequencies(option: str, given: str) -> None:
+def test_wrong_frequencies(option, given):
     values = {"--lowest": "1 Hz", "--highest": "1 kHz"} | {option: given}
-    with pytest.raises(InputError) as caught:
-        frequencies(values["--lowest"], values["--highest"], 5)
+    with pytest.raises(errors.InputError) as caught:
+        compute.frequencies(values["--lowest"], values["--highest"], 5)
     assert caught.value.key == option
 
 
-def test_frequencies_are_at_even_ratios_from_stiff_to_soft() -> None:
-    assert frequencies("1", "1 kHz", 4) == pytest.approx((1000.0, 100.0, 10.0, 1.0), rel=1e-12)
+def test_frequencies_are_at_even_ratios_from_stiff_to_soft():
+    assert compute.frequencies("1", "1 kHz", 4) == pytest.approx((1000.0, 100.0, 10.0, 1.0), rel=1e-12)
 
 
 @pytest.mark.long
-def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command(tmp_path, capsys):
     out = tmp_path / "out"
     small = ["--set", "plate.elements=[8,4]", "--points", "4", "--workers", "1", "--out", str(out)]
     given = ["study", "flexibility", "paper-abaqus", *small, "--lowest", "0.05 Hz", "--highest", "50 Hz"]
-    assert _status(given) == DONE
+    assert cli._status(given) == cli.DONE
     printed = capsys.readouterr().out.replace("\N{NO-BREAK SPACE}", " ")
     assert "good to 1 %, at the strike and before, down to a first frequency of 1." in " ".join(
         printed.split()
@@ -288,5 +279,5 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         1.0 < points[2]["half_patch_v_gy"] / points[2]["difference_v_gy"] < 1.3
     )  # what holds on less gives more
-    assert _status([*given, "--lowest", "50 Hz"]) == WRONG_INPUT
-    assert _status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == WRONG_INPUT
+    assert cli._status([*given, "--lowest", "50 Hz"]) == cli.WRONG_INPUT
+    assert cli._status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == cli.WRONG_INPUT

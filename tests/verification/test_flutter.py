@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,18 +11,9 @@ from fem.laws.constraints import Exact
 from fem.laws.friction import friction_slope
 from fem.plate.elements import stiffness_matrix
 from fem.run.corner import Stepper
-from fem.stability.flutter import (
-    FACTOR,
-    INSTANTS,
-    MAX_UNKNOWNS,
-    corner_modes,
-    growing_modes,
-    highest_mode,
-    predict_flutter,
-)
+from fem.stability import flutter
 from fem.start.rigid_state import RigidStart, to_global
-from tailslap.case.corner import decisions
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner import case, decisions
 from tailslap.case.corner.decisions import REQUIRED_DAMPING
 from tailslap.scene.read import read_scene
 
@@ -68,12 +58,10 @@ CORNERS: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("corner", CORNERS)
 @pytest.mark.parametrize("ratio", [0.0, 0.002])
-def test_number_of_growing_modes_is_that_of_the_eigenvalues(
-    plate_model: Callable[..., Any], corner: str, ratio: float
-) -> None:
+def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner, ratio):
     """At three angles and five rates: the modes with a larger real part are as many as the criterion counts."""
     model = plate_model((10, 3), "drag", corner=CORNERS[corner], damping_ratio=ratio)
-    modes, slope = corner_modes(model), friction_slope(model.loop.friction, START.corner_speed)
+    modes, slope = flutter.corner_modes(model), friction_slope(model.loop.friction, START.corner_speed)
     viscous = 0.5 * model.loop.viscosity.c_33 / model.tangent_moduli.c_33 if ratio else 0.0
     constraint, seen = model.loop.corner.constraint, 0
     for angle in (0.26, 0.1, 0.0):
@@ -83,11 +71,11 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(
         residues[2], squares = residues[:3].sum(), modes.squares.copy()
         squares[2] = 0.0
         stiffness = getattr(constraint, "stiffness", np.inf)
-        top = 1.5 * highest_mode(squares, residues[2:], stiffness)
+        top = 1.5 * flutter.highest_mode(squares, residues[2:], stiffness)
         for rate in (3.0, 10.0, 30.0, 100.0, 300.0):
             if np.abs(rates - rate).min() < 0.02 * rate:
                 continue  # too near to tell
-            counted = growing_modes(
+            counted = flutter.growing_modes(
                 squares[2:], residues[2:], stiffness, getattr(constraint, "damping", 0.0), viscous, rate, top
             )
             expected = int((rates > rate).sum())
@@ -97,15 +85,15 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(
 
 
 @pytest.mark.long
-def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model: Callable[..., Any]) -> None:
+def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model):
     model = plate_model(reaction="drag", corner={"constraint": "exact"})
-    found = predict_flutter(model, START, DURATION)
-    angles = np.linspace(START.angle, 0.0, INSTANTS)
+    found = flutter.predict_flutter(model, START, DURATION)
+    angles = np.linspace(START.angle, 0.0, flutter.INSTANTS)
     fastest = max(growth_rates(model, angle).max() for angle in angles)
-    assert fastest < found.rate <= 1.01 * FACTOR * fastest
+    assert fastest < found.rate <= 1.01 * flutter.FACTOR * fastest
 
 
-def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model: Callable[..., Any]) -> None:
+def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model):
     """A plate so stiff that it hardly turns meanwhile; with the damping that is said to suppress it, it decays."""
     stiff = {"plate": {"youngs_modulus": 2e15}, "corner": {"penalty_scale": 3.0}, "safety_factor": 0.45}
     model = plate_model(reaction="drag", **stiff)
@@ -138,9 +126,7 @@ def measured_rate(model: Any, size: float, calls: slice) -> float:
         (("corner.constraint=exact", "plate.youngs_modulus=20 TPa"), True),
     ],
 )
-def test_flutter_is_foreseen_and_suppressed(
-    outcome: Callable[..., Any], changes: tuple[str, ...], flutters: bool
-) -> None:
+def test_flutter_is_foreseen_and_suppressed(outcome, changes, flutters):
     """Forbidden to damp, the run fails; left to decide, the program damps it, and it is right to its flexibility."""
     forbidden = outcome("paper-table-3", *changes, "damping.kind=none")
     assert forbidden.passed is not flutters
@@ -150,11 +136,11 @@ def test_flutter_is_foreseen_and_suppressed(
     assert max(map(abs, free.difference.values())) < 5e-6
 
 
-def test_without_friction_nothing_grows(plate_model: Callable[..., Any]) -> None:
-    assert predict_flutter(plate_model(reaction="none"), START, DURATION).growth == 0.0
+def test_without_friction_nothing_grows(plate_model):
+    assert flutter.predict_flutter(plate_model(reaction="none"), START, DURATION).growth == 0.0
 
 
-def test_only_meshes_that_can_be_analysed_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
     """Of the coarser meshes of a large one."""
     made, plain = [], decisions.static_models
 
@@ -163,18 +149,18 @@ def test_only_meshes_that_can_be_analysed_are_made(monkeypatch: pytest.MonkeyPat
         return plain(plan, plates, meshes)
 
     monkeypatch.setattr(decisions, "static_models", counted)
-    plan = CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
-    models = list(decisions._coarser_models(plan, plan.scene.needed_plate, MAX_UNKNOWNS))
-    assert [2 * model.loop.mass.size <= MAX_UNKNOWNS for model in models] == [True, True]
+    plan = case.CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
+    models = list(decisions._coarser_models(plan, plan.scene.needed_plate, flutter.MAX_UNKNOWNS))
+    assert [2 * model.loop.mass.size <= flutter.MAX_UNKNOWNS for model in models] == [True, True]
     assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
 
 
 @pytest.mark.long
-def test_coarser_meshes_stand_in_for_a_large_one() -> None:
+def test_coarser_meshes_stand_in_for_a_large_one():
     """Their rates, with the margin, are above those of the mesh itself."""
     stiff = ("corner.constraint=exact", "impact.friction=0.8")
     changes = (*stiff, "plate.element=quad4", "plate.elements=[40, 14]")
-    plan = CornerCase(*read_scene("mash-tl4-sut", changes)).plan()
+    plan = case.CornerCase(*read_scene("mash-tl4-sut", changes)).plan()
     assert plan.growth.stand_in
     angles = np.linspace(plan.start.angle, 0.0, 3)
     assert plan.growth.rate > max(growth_rates(plan.model, angle).max() for angle in angles)

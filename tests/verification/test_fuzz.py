@@ -20,9 +20,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tailslap.cli import _status
-from tailslap.scene.read import shipped_scenes
-from tailslap.scene.schema import Scene
-from tailslap.scene.units import Quantity
+from tailslap.scene import read, schema, units
 
 pytestmark = pytest.mark.verification
 
@@ -77,18 +75,18 @@ ODD = (
 )
 
 
-def numbers(model: Any, prefix: str = "") -> Iterator[tuple[str, Quantity | None]]:
+def numbers(model: Any, prefix: str = "") -> Iterator[tuple[str, units.Quantity | None]]:
     """Dotted keys of a scene, with the marks of those that are numbers."""
     for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         marks = [*field.metadata, *(mark for kind in kinds for mark in getattr(kind, "__metadata__", ()))]
         inner = [kind for kind in kinds if hasattr(kind, "model_fields")]
-        yield prefix + name, next((mark for mark in marks if isinstance(mark, Quantity)), None)
+        yield prefix + name, next((mark for mark in marks if isinstance(mark, units.Quantity)), None)
         for kind in inner:
             yield from numbers(kind, f"{prefix}{name}.")
 
 
-KEYS = dict(numbers(Scene))
+KEYS = dict(numbers(schema.Scene))
 
 
 def around(bound: float) -> list[float]:
@@ -101,7 +99,7 @@ def around(bound: float) -> list[float]:
     ]
 
 
-def ends(mark: Quantity) -> st.SearchStrategy[str]:
+def ends(mark: units.Quantity) -> st.SearchStrategy[str]:
     """Values at the ends of what is allowed, beside them, and anywhere between."""
     low, high = mark.least, min(mark.most, mark.below)
     between = st.floats(math.log(low), math.log(high)).map(math.exp) if low > 0.0 else st.floats(low, high)
@@ -190,7 +188,7 @@ fuzz = settings(deadline=None, derandomize=True, suppress_health_check=list(Heal
 
 @settings(fuzz, max_examples=250)
 @given(command_lines())
-def test_command_lines(arguments: list[str]) -> None:
+def test_command_lines(arguments):
     demand_good_end(arguments)
 
 
@@ -210,7 +208,7 @@ FOUND = (
 
 
 @pytest.mark.parametrize("changed", FOUND)
-def test_impacts_that_once_ended_badly(changed: str) -> None:
+def test_impacts_that_once_ended_badly(changed):
     demand_good_end(
         ["rigid", "impact-mash-tl4-sut", *(part for word in changed.split() for part in ("--set", word))]
     )
@@ -219,20 +217,20 @@ def test_impacts_that_once_ended_badly(changed: str) -> None:
 @pytest.mark.long
 @settings(fuzz, max_examples=2000)
 @given(command_lines())
-def test_many_command_lines(arguments: list[str]) -> None:
+def test_many_command_lines(arguments):
     demand_good_end(arguments)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("scene", SCENES)
-def test_all_numbers_at_either_end(scene: str) -> None:
+def test_all_numbers_at_either_end(scene):
     """Each number alone at its bounds: what passes validation ends finite."""
     for key, mark in KEYS.items():
         for value in (mark.least, mark.most) if mark else ():
             demand_good_end(["rigid", scene, "--json", "--set", f"{key}={value!r}"])
 
 
-def test_the_keys_are_those_of_the_scenes() -> None:
+def test_the_keys_are_those_of_the_scenes():
     assert {
         "vehicle.length",
         "plate.thickness",
@@ -240,4 +238,4 @@ def test_the_keys_are_those_of_the_scenes() -> None:
         "contact.stiffness",
         "time.end",
     } <= KEYS.keys()
-    assert set(SCENES) <= shipped_scenes().keys()
+    assert set(SCENES) <= read.shipped_scenes().keys()

@@ -85,13 +85,7 @@ SECONDS = 5.0
         ((*RIGID, "--set", "vehicle.length=\x1b[2J"), "\\x1b[2J"),
     ],
 )
-def test_it_is_refused_at_once(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    arguments: tuple[str, ...],
-    said: str,
-) -> None:
+def test_it_is_refused_at_once(tmp_path, monkeypatch, capsys, arguments, said):
     monkeypatch.chdir(tmp_path)
     write_files(tmp_path)
     before, began = sorted(tmp_path.iterdir()), time.monotonic()
@@ -114,19 +108,19 @@ def write_files(folder: Path) -> None:
     (folder / "return.toml").write_bytes(b'name = "a"\r[vehicle]\r')
 
 
-def test_a_number_that_lacks_its_unit_is_remarked_upon(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_number_that_lacks_its_unit_is_remarked_upon(capsys):
     assert _status([*RIGID, "--set", "impact.speed=45"]) == 0
     assert "impact.speed = 45 without a unit is 45 m/s, 162 km/h" in capsys.readouterr().err
     assert _status([*RIGID, "--set", "impact.speed=162 km/h"]) == 0
     assert capsys.readouterr().err == ""
 
 
-def test_angles_are_told_in_degrees_too(capsys: pytest.CaptureFixture[str]) -> None:
+def test_angles_are_told_in_degrees_too(capsys):
     assert _status([*RIGID, "--set", "impact.angle=80 deg"]) == 2
     assert "rad (80 deg)" in capsys.readouterr().err
 
 
-def test_units_are_products_of_names() -> None:
+def test_units_are_products_of_names():
     assert unit_factors("kg m^2/s**2") == (Factor("kg", 1), Factor("m", 2), Factor("s", -2))
     assert unit_factors("1 / s") == (Factor("s", -1),)
     assert unit_factors("N*m^-9") == (Factor("N", 1), Factor("m", -9))
@@ -136,7 +130,7 @@ def test_units_are_products_of_names() -> None:
             unit_factors(text)
 
 
-def test_numbers_without_a_digit_on_one_side() -> None:
+def test_numbers_without_a_digit_on_one_side():
     assert read_scene("mash-tl4-sut", ("impact.friction=.47",))[0].corner_friction == 0.47
     assert read_scene("mash-tl4-sut", ("vehicle.length=10.",))[0].vehicle.length == 10.0
 
@@ -153,7 +147,7 @@ def quantities(model: type) -> list[Quantity]:
     return found
 
 
-def test_every_number_of_a_scene_has_bounds_on_both_sides() -> None:
+def test_every_number_of_a_scene_has_bounds_on_both_sides():
     marks = quantities(Scene)
     assert len(marks) > 25
     lower = [mark.least for mark in marks]
@@ -179,7 +173,7 @@ def parameters(command: click.Command) -> list[click.Parameter]:
     return found
 
 
-def test_every_option_has_a_type_that_refuses_what_is_odd() -> None:
+def test_every_option_has_a_type_that_refuses_what_is_odd():
     kinds = [parameter.type for parameter in parameters(commands)]
     assert len(kinds) > 40
     plain = (click.types.IntParamType, click.types.FloatParamType, click.Path)
@@ -189,12 +183,12 @@ def test_every_option_has_a_type_that_refuses_what_is_odd() -> None:
     assert any(isinstance(kind, Text) for kind in kinds)
 
 
-def test_a_deep_table_is_refused() -> None:
+def test_a_deep_table_is_refused():
     with pytest.raises(InputError, match="8 levels"):
         source_of_text("a." * 20 + "b = 1")
 
 
-def test_what_a_terminal_would_obey_is_escaped() -> None:
+def test_what_a_terminal_would_obey_is_escaped():
     assert escaped("a\x1b[2J\u202e\x00b\u00fc\n") == "a\\x1b[2J\\u202e\\x00b\u00fc\n"
 
 
@@ -203,7 +197,7 @@ def command(*arguments: str, **more: object) -> subprocess.CompletedProcess[byte
     return subprocess.run(line, timeout=60, **more)  # type: ignore[call-overload, no-any-return]
 
 
-def test_streams_that_nobody_reads(tmp_path: Path) -> None:
+def test_streams_that_nobody_reads(tmp_path):
     read, write = os.pipe()
     os.close(read)
     for arguments in (("--help",), ("scenes",)):
@@ -217,7 +211,7 @@ def test_streams_that_nobody_reads(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (3, b"tailslap: No space left on device\n")
 
 
-def test_too_little_memory_is_told_with_the_estimate() -> None:
+def test_too_little_memory_is_told_with_the_estimate():
     """Within a limit of the process's own, as in a small container."""
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2_000_000_000, 2_000_000_000))  # noqa: E731
     arguments = ("check", "paper-table-3", "--set", "plate.elements=[600, 600]")
@@ -226,7 +220,7 @@ def test_too_little_memory_is_told_with_the_estimate() -> None:
     assert b"GB of memory" in done.stderr
 
 
-def test_a_large_mesh_is_estimated_and_not_made(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_large_mesh_is_estimated_and_not_made(capsys):
     began = time.monotonic()
     assert _status(["check", "paper-table-3", "--set", "plate.elements=[2000, 2000]", "--allow-large"]) == 0
     assert "about 4000000 nodes" in capsys.readouterr().out

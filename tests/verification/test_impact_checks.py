@@ -33,13 +33,13 @@ def point_contact(made: Any) -> Check:
     return check
 
 
-def test_the_wedge_s_constant() -> None:
+def test_the_wedge_s_constant():
     """Half the sum of both components' constants of a right-angled wedge, each 2/(pi/2 +- 1)."""
     along, across = 2.0 / (0.5 * math.pi + 1.0), 2.0 / (0.5 * math.pi - 1.0)
     assert pytest.approx(0.5 * (along + across), rel=1e-15) == WEDGE
 
 
-def test_a_point_on_a_soft_plate_fails() -> None:
+def test_a_point_on_a_soft_plate_fails():
     """E t = 1e7 N/m against k = 2e6 N/m: 0.2 WEDGE log 2 = 0.297."""
     check = point_contact(point_outcome(2e8))
     assert check.value == pytest.approx(0.2 * WEDGE * math.log(2.0), rel=1e-12)
@@ -47,7 +47,7 @@ def test_a_point_on_a_soft_plate_fails() -> None:
     assert point_contact(point_outcome(2e8, off=0.2)).limit == pytest.approx(FLOOR + 0.2 * SHARE)
 
 
-def test_what_has_a_limit_passes() -> None:
+def test_what_has_a_limit_passes():
     assert point_contact(point_outcome(2e11)).passed
     assert point_contact(point_outcome(2e8, patch=1.0)).value == 0.0
     assert point_contact(point_outcome(2e8, stiffness=None)).value == 0.0
@@ -74,7 +74,7 @@ def outcome(
     )
 
 
-def test_modal_mass_of_a_free_beam() -> None:
+def test_modal_mass_of_a_free_beam():
     """Its first mode, scaled to 1 at the ends: the mean of its square is 1/4 (cosh a cos a = 1)."""
     a = 4.730040744862704
     x = np.linspace(0.0, 1.0, 20001) * a
@@ -85,7 +85,7 @@ def test_modal_mass_of_a_free_beam() -> None:
 
 
 @pytest.mark.parametrize("lasts", [1e-4, 0.02, 0.1, 0.37])
-def test_no_phase_moves_the_mean_velocity_of_a_strike_by_more(lasts: float) -> None:
+def test_no_phase_moves_the_mean_velocity_of_a_strike_by_more(lasts):
     """Of a velocity of 0.5 m/s at 8 Hz beside an approach at 10 m/s."""
     phases = np.linspace(0.0, 2.0 * math.pi, 721)
     t = np.linspace(0.0, lasts, 2001)
@@ -96,26 +96,26 @@ def test_no_phase_moves_the_mean_velocity_of_a_strike_by_more(lasts: float) -> N
     assert found == pytest.approx(0.05 * min(1.0, 1.0 / (math.pi * 8.0 * lasts)), rel=1e-3)
 
 
-def test_a_mesh_that_tells_the_phase_leaves_little() -> None:
+def test_a_mesh_that_tells_the_phase_leaves_little():
     """16 cycles at a frequency 1e-4 off: a phase of 0.01 rad."""
     known, unknown = (unknown_by_vibration(outcome(0.5, 8.0, 2.0, 0.01, error)) for error in (1e-4, -1.0))
     assert known / unknown == pytest.approx(2.0 * math.pi * 16.0 * 1e-4)
 
 
-def test_it_is_of_the_corner_that_strikes() -> None:
+def test_it_is_of_the_corner_that_strikes():
     rear, front = (
         unknown_by_vibration(outcome(0.5, 8.0, 2.0, 0.01, 1.0, corner)) for corner in ("rear", "front")
     )
     assert front / rear == pytest.approx(10.0 / 6.0)
 
 
-def test_without_flight_or_second_strike_there_is_none() -> None:
+def test_without_flight_or_second_strike_there_is_none():
     assert unknown_by_vibration(outcome(0.5, 8.0, 0.0, 0.01, 1.0)) == 0.0
     single = outcome(0.5, 8.0, 2.0, 0.01, 1.0)
     single.fe.strikes.pop()
     assert unknown_by_vibration(single) == 0.0
 
 
-def test_without_a_second_mesh_no_phase_is_known() -> None:
+def test_without_a_second_mesh_no_phase_is_known():
     none, unknown = (unknown_by_vibration(outcome(0.5, 8.0, 2.0, 0.01, error)) for error in (math.nan, 1.0))
     assert none == unknown

@@ -16,13 +16,7 @@ from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.model.plate_model import PlateModel
-from fem.plate.kinds import (
-    ContactProperties,
-    ModelError,
-    PlateProperties,
-    StepProperties,
-    WallProperties,
-)
+from fem.plate.kinds import ContactProperties, ModelError, PlateProperties, StepProperties, WallProperties
 from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
 from fem.run.observers import Arrays
 from meshes import plate_mesh, wall_mesh
@@ -88,7 +82,7 @@ SLENDER = 4.0 * BENDING / 4.0**4
 """Foundation for b = 1/4 per m, 0.075 over the depth: shear and the dent under the force are then below 1 %."""
 
 
-def test_a_point_force_deflects_the_wall_as_hetenyi_says() -> None:
+def test_a_point_force_deflects_the_wall_as_hetenyi_says():
     places, (_, y) = static(SLENDER, 48)
     b, x = wave_number(SLENDER), np.abs(places)
     exact = b / (2.0 * SLENDER) * np.exp(-b * x) * (np.cos(b * x) + np.sin(b * x))
@@ -97,7 +91,7 @@ def test_a_point_force_deflects_the_wall_as_hetenyi_says() -> None:
     assert -y.min() == pytest.approx(b / (2.0 * SLENDER), rel=0.01)
 
 
-def test_its_face_is_strained_by_hetenyis_moment() -> None:
+def test_its_face_is_strained_by_hetenyis_moment():
     places, (x, _) = static(SLENDER, 96)
     b, middle = wave_number(SLENDER), 0.5 * (places[1:] + places[:-1])
     moment = -np.diff(x) / np.diff(places) * BENDING / (0.5 * DEPTH)
@@ -108,7 +102,7 @@ def test_its_face_is_strained_by_hetenyis_moment() -> None:
     assert fitted == pytest.approx(1.0, rel=0.01)  # P/(4b) of the whole course
 
 
-def test_the_deflection_converges_with_the_mesh() -> None:
+def test_the_deflection_converges_with_the_mesh():
     found = []
     for elements in (12, 24, 48):
         places, (_, y) = static(SLENDER, elements)
@@ -118,7 +112,7 @@ def test_the_deflection_converges_with_the_mesh() -> None:
     assert found[2] == pytest.approx(found[1], rel=0.02)
 
 
-def test_modes_that_the_step_leaves_out_hardly_deflect() -> None:
+def test_modes_that_the_step_leaves_out_hardly_deflect():
     """A soft plate with long steps, and a stiff one that leaves out none; most of the difference is the dent."""
 
     def deflection(modulus: float) -> tuple[float, float]:
@@ -133,7 +127,7 @@ def test_modes_that_the_step_leaves_out_hardly_deflect() -> None:
     assert some == pytest.approx(every, rel=0.01)
 
 
-def test_the_wall_swings_on_its_foundation() -> None:
+def test_the_wall_swings_on_its_foundation():
     """Uniform velocity V: V/w0 sin w0 t all along it, w0^2 = k' over mass per length, and no other motion."""
     model = truck_model(concrete(1e8))
     wall, stepper = model.loop.wall, ImpactStepper(model)
@@ -151,19 +145,14 @@ def test_the_wall_swings_on_its_foundation() -> None:
     assert np.ptp(wall.face[1] @ state.wall.amplitude) < 1e-9 * -speed / frequency
 
 
-CASES = {
-    "crush": {},
-    "layer": {"layer": 2e5},
-    "penalty": {"law": "penalty"},
-    "exact": {"law": "exact"},
-}
+CASES = {"crush": {}, "layer": {"layer": 2e5}, "penalty": {"law": "penalty"}, "exact": {"law": "exact"}}
 GAINED = {"exact": 2e-5, "penalty": 2e-5, "layer": 5e-6}
 LOST = {"exact": 2e-3}
 """Share of the energy: what light nodes bring on touching, and waves that the step does not follow."""
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_energy_of_plate_and_wall(case: str) -> None:
+def test_energy_of_plate_and_wall(case):
     _, run = truck(1e8, **CASES[case])
     h = run.history
     names = ("kinetic_energy", "strain_energy", "contact_energy", "crush_energy", "wall_energy")
@@ -175,7 +164,7 @@ def test_energy_of_plate_and_wall(case: str) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case: str) -> None:
+def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
     model, _ = truck(1e8, **CASES[case])
     stepper, wall = ImpactStepper(model), model.loop.wall
     state = stepper.at_touch(touch())
@@ -200,7 +189,7 @@ def heavier(scale: float) -> tuple[float, float]:
     return float(force.max()), float(force.sum())
 
 
-def test_a_stiff_wall_approaches_the_rigid_one_at_first_order() -> None:
+def test_a_stiff_wall_approaches_the_rigid_one_at_first_order():
     found = np.array([heavier(scale) for scale in (4.0, 8.0, 16.0)])
     rigid = simulate_impact(truck_model(None, longest=3.5e-5), touch(), 2e-4, 0.12).history["force_normal"]
     off = np.abs(found / (rigid.max(), rigid.sum()) - 1.0)
@@ -213,7 +202,7 @@ def first_peak(foundation: float) -> float:
     return float(run.history["force_normal"][run.history["t"] < 0.14].max())
 
 
-def test_a_softer_wall_lowers_the_peak() -> None:
+def test_a_softer_wall_lowers_the_peak():
     """Slow against its period, wall and crush are springs in series: k over 1 + k b/(2 k')."""
     rigid = first_peak(math.inf)
     for foundation in (1e8, 1e7):
@@ -222,7 +211,7 @@ def test_a_softer_wall_lowers_the_peak() -> None:
     assert first_peak(1e6) < 0.85 * rigid
 
 
-def test_figures_of_a_concrete_parapet() -> None:
+def test_figures_of_a_concrete_parapet():
     """The first strike is slow, so that the deflection is Hetenyi's; the third, on what is crushed, is a blow."""
     h = truck(1e8)[1].history
     first, force, foundation = h["t"] < 0.09, h["force_normal"], h["force_foundation"]
@@ -249,7 +238,7 @@ class Kept:
         self.arrays = copy.deepcopy(arrays())
 
 
-def test_a_resumed_run_goes_on_with_the_wall_as_it_was() -> None:
+def test_a_resumed_run_goes_on_with_the_wall_as_it_was():
     model, kept = truck_model(concrete(1e8)), Kept()
     whole = simulate_impact(model, touch(), 2e-4, 0.15)
     simulate_impact(model, touch(), 2e-4, 0.06, checkpoint=kept)
@@ -258,7 +247,7 @@ def test_a_resumed_run_goes_on_with_the_wall_as_it_was() -> None:
         assert (resumed.history[name] == whole.history[name]).all()
 
 
-def test_a_rigid_wall_has_no_part_in_the_record() -> None:
+def test_a_rigid_wall_has_no_part_in_the_record():
     model, run = truck(math.inf)
     assert model.loop.wall is None
     assert ImpactStepper(model).at_touch(touch()).wall is None
@@ -266,7 +255,7 @@ def test_a_rigid_wall_has_no_part_in_the_record() -> None:
         assert not run.history[name].any()
 
 
-def test_a_plate_that_leaves_the_wall_ends_the_run() -> None:
+def test_a_plate_that_leaves_the_wall_ends_the_run():
     model = truck_model(concrete(1e8, 20, 12.0, -11.0))
     with pytest.raises(ModelError, match="beyond the wall's end") as fault:
         simulate_impact(model, touch(), 2e-4, 0.6)
@@ -274,13 +263,13 @@ def test_a_plate_that_leaves_the_wall_ends_the_run() -> None:
 
 
 @pytest.mark.parametrize("foundation", [0.0, -1.0])
-def test_a_wall_needs_a_foundation(foundation: float) -> None:
+def test_a_wall_needs_a_foundation(foundation):
     with pytest.raises(ModelError, match="must be above 0") as fault:
         truck_model(concrete(foundation))
     assert fault.value.wrong == "wall.foundation_stiffness"
 
 
-def test_a_wall_of_too_many_elements_is_refused() -> None:
+def test_a_wall_of_too_many_elements_is_refused():
     with pytest.raises(ModelError, match="unknowns") as fault:
         truck_model(concrete(1e8, 400))
     assert fault.value.wrong == "wall.elements"

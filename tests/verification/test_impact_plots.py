@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from postprocess.figures.animation import MAX_FRAMES, write_animation
-from postprocess.figures.impact import (
-    COLUMNS,
-    StrikeMark,
-    draw_energies,
-    draw_forces,
-    draw_loops,
-    draw_positions,
-    draw_side_force,
-    vehicle_outlines,
-)
+from postprocess.figures import animation, impact
 
 pytestmark = pytest.mark.verification
 
 T = np.linspace(0.0, 0.5, 5001)
-STRIKES = (StrikeMark("front", 0.0, 0.08, (0.0, 2.0)), StrikeMark("rear", 0.29, 0.36, (-2.7, -1.2)))
+STRIKES = (
+    impact.StrikeMark("front", 0.0, 0.08, (0.0, 2.0)),
+    impact.StrikeMark("rear", 0.29, 0.36, (-2.7, -1.2)),
+)
 
 
 def found(pattern: str, svg: str) -> str:
@@ -45,42 +37,42 @@ def points(svg: str, colour: str) -> np.ndarray:
     return np.array(longest, float) * (1.0, -1.0)
 
 
-def test_outlines_of_a_rigid_vehicle() -> None:
+def test_outlines_of_a_rigid_vehicle():
     """A front corner on the wall at 15 deg: the first point; the sides keep their lengths, G lies behind the front."""
     theta, length, width, centre = math.radians(15.0), 10.0, 2.438, 4.2
     heading = np.array([math.cos(theta), -math.sin(theta)])
     left = np.array([math.sin(theta), math.cos(theta)])
     x, y = 3.0 * np.array([1.0, 0.0]) - centre * heading + 0.5 * width * left
-    (outline,) = vehicle_outlines(*np.array([[x], [y], [theta]]), length, width, centre)
+    (outline,) = impact.vehicle_outlines(*np.array([[x], [y], [theta]]), length, width, centre)
     np.testing.assert_allclose(outline[0], (3.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(outline[0] - outline[1], length * heading, atol=1e-12)
     np.testing.assert_allclose(outline[2] - outline[1], width * left, atol=1e-12)
     np.testing.assert_allclose(outline[3] - outline[2], length * heading, atol=1e-12)
 
 
-def test_positions_name_instants_and_strikes() -> None:
+def test_positions_name_instants_and_strikes():
     x, y, theta = np.array([0.0, 2.0, 5.0]), np.array([2.4, 1.5, 1.2]), np.array([0.26, 0.1, 0.0])
-    outlines = vehicle_outlines(x, y, theta, 10.0, 2.4, 5.0)
-    curve = draw_positions(outlines, (0.0, 0.1, 0.25), STRIKES, np.stack([x, y], axis=-1))
+    outlines = impact.vehicle_outlines(x, y, theta, 10.0, 2.4, 5.0)
+    curve = impact.draw_positions(outlines, (0.0, 0.1, 0.25), STRIKES, np.stack([x, y], axis=-1))
     assert {"0.00 s", "0.10 s", "0.25 s", "front 0.000 to 0.080 s", "rear 0.290 to 0.360 s"} <= set(
         texts(curve.svg)
     )
     assert len(points(curve.svg, "soft")) == 3
 
 
-def test_positions_keep_their_scale() -> None:
+def test_positions_keep_their_scale():
     """A metre along the wall is as long as a metre across: the outline's sides in the figure."""
-    outlines = vehicle_outlines(*np.array([[0.0], [2.4], [0.3]]), 10.0, 2.5, 5.0)
-    corners = points(draw_positions(outlines, (0.0,)).svg, "fe")[:4]
+    outlines = impact.vehicle_outlines(*np.array([[0.0], [2.4], [0.3]]), 10.0, 2.5, 5.0)
+    corners = points(impact.draw_positions(outlines, (0.0,)).svg, "fe")[:4]
     sides = np.hypot(*np.diff(corners, axis=0).T)
     assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-4)
 
 
-def test_a_spike_of_the_force_is_drawn() -> None:
+def test_a_spike_of_the_force_is_drawn():
     """One sample of 1 MN among 5001 reaches as far above a level line of 500 kN as that above zero."""
     force = np.zeros_like(T)
     force[1234] = 1e6
-    svg = draw_forces("force", "Force", T, {"raw": force}, STRIKES, {"AASHTO LRFD": 5e5}).svg
+    svg = impact.draw_forces("force", "Force", T, {"raw": force}, STRIKES, {"AASHTO LRFD": 5e5}).svg
     line, level = (
         points(svg, "grey")[:, 1],
         -float(found(r'class="difference"[^>]*><path d="M\S+ ([\d.]+)H', svg)),
@@ -90,29 +82,29 @@ def test_a_spike_of_the_force_is_drawn() -> None:
     assert "CFC 60" not in texts(svg)
 
 
-def test_names_of_close_levels_do_not_overlap() -> None:
+def test_names_of_close_levels_do_not_overlap():
     levels = {"a": 340e3, "b": 350e3, "c": 356e3}
-    svg = draw_forces("force", "Force", T, {"raw": 5e5 * np.sin(T)}, (), levels).svg
+    svg = impact.draw_forces("force", "Force", T, {"raw": 5e5 * np.sin(T)}, (), levels).svg
     heights = [float(found(rf'y="([\d.]+)" font-size="10">{name}</text>', svg)) for name in levels]
     assert (np.diff(heights) < -2.2 * 10.0).all()
 
 
-def test_a_loop_keeps_its_corners() -> None:
+def test_a_loop_keeps_its_corners():
     """Loading to 300 mm and 600 kN, unloading, reloading along that line, and on to 400 mm: few points, all corners."""
     crush = np.interp(np.linspace(0.0, 4.0, 4001), range(5), [0.0, 0.3, 0.28, 0.3, 0.4])
     force = np.interp(np.linspace(0.0, 4.0, 4001), range(5), [0.0, 600e3, 0.0, 600e3, 800e3])
-    drawn = points(draw_loops({"front": (crush, force)}).svg, "red")
+    drawn = points(impact.draw_loops({"front": (crush, force)}).svg, "red")
     assert len(drawn) < 40
     x, y = ((drawn - drawn[0]) / np.ptp(drawn, axis=0)).T
     for corner in ((0.75, 0.75), (0.7, 0.0), (1.0, 1.0)):
         assert np.hypot(x - corner[0], y - corner[1]).min() < 1e-3
 
 
-def test_layers_end_at_what_was_given_up() -> None:
+def test_layers_end_at_what_was_given_up():
     """Half to friction, half to crush; a part that is zero throughout is left out."""
     kinetic = 3e6 - 9e5 * np.clip(T / 0.4, 0.0, 1.0)
     half = 0.5 * (kinetic[0] - kinetic)
-    svg = draw_energies(
+    svg = impact.draw_energies(
         T, kinetic, {"crush, lost": half, "friction": half, "damping": 0.0 * half}, STRIKES
     ).svg
     assert {"given up", "crush, lost", "friction"} <= set(texts(svg))
@@ -121,28 +113,28 @@ def test_layers_end_at_what_was_given_up() -> None:
     assert max(-float(y) for _, y in layer) == pytest.approx(points(svg, "ink")[:, 1].max(), abs=1e-4)
 
 
-def test_contact_of_one_instant_is_seen() -> None:
+def test_contact_of_one_instant_is_seen():
     """A cell keeps the largest force of its time, and there are few however many instants there are."""
     force = np.zeros((T.size, 5))
-    plain = draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN").svg
+    plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN").svg
     force[1777, 2] = 300.0
-    svg = draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES).svg
+    svg = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES).svg
     assert "data-values" not in plain
     assert found('data-label="force" data-values="([^"]*)"', svg) == "300\N{NO-BREAK SPACE}kN"
     time, place = found('data-at="([^"]*)"', svg).replace("\N{NO-BREAK SPACE}", " ").split("; ")
-    assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / COLUMNS), "5 m")
+    assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / impact.COLUMNS), "5 m")
     assert "300 kN" in texts(svg)
     assert len(svg) < len(plain) + 1500
 
 
-@pytest.mark.parametrize(("instants", "frames"), [(7, 7), (MAX_FRAMES + 30, MAX_FRAMES)])
-def test_animation(tmp_path: Path, instants: int, frames: int) -> None:
+@pytest.mark.parametrize(("instants", "frames"), [(7, 7), (animation.MAX_FRAMES + 30, animation.MAX_FRAMES)])
+def test_animation(tmp_path, instants, frames):
     """As many frames as instants, at most MAX_FRAMES; about ten times slower than the impact; the vehicle moves."""
     from PIL import Image
 
     t = np.linspace(0.0, 0.3, instants)
-    outlines = vehicle_outlines(25.0 * t, 2.5 - t, 0.26 - t / 2.0, 10.0, 2.4, 5.0)
-    path = write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
+    outlines = impact.vehicle_outlines(25.0 * t, 2.5 - t, 0.26 - t / 2.0, 10.0, 2.4, 5.0)
+    path = animation.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
     assert path == tmp_path / "impact.gif"
     with Image.open(path) as film:
         assert film.n_frames == frames

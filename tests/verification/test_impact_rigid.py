@@ -26,7 +26,6 @@ from solver.impact import (
     train_of,
 )
 from solver.impact.solve import COLUMNS
-from solver.rules import Array
 
 pytestmark = pytest.mark.verification
 
@@ -57,7 +56,7 @@ def head_on(law: CrushLaw, **more: Any) -> ImpactMotion:
 
 
 @pytest.mark.parametrize("e", [0.0, 0.05, 0.22, 0.5, 0.9, 1.0])
-def test_a_point_mass_on_the_bilinear_law(e: float) -> None:
+def test_a_point_mass_on_the_bilinear_law(e):
     """F = v sqrt(k m), duration (pi/2)(1 + e) sqrt(m/k), residual crush D (1 - e^2), exit speed e v."""
     k, m = 2e6, BOX.mass
     motion = head_on(CrushLaw(k, 0.0, e), tolerance=1e-6)
@@ -76,7 +75,7 @@ def test_a_point_mass_on_the_bilinear_law(e: float) -> None:
 
 @pytest.mark.parametrize("e", [0.0, 0.22, 0.7])
 @pytest.mark.parametrize("force", [1e4, 3e5])
-def test_a_point_mass_on_the_law_with_an_initial_force(force: float, e: float) -> None:
+def test_a_point_mass_on_the_law_with_an_initial_force(force, e):
     """F0 D + k D^2/2 = m v^2/2; m d'' = -F0 - k d until then, and the slope that returns e^2 of it after."""
     k, m = 2e6, BOX.mass
     motion = head_on(CrushLaw(k, force, e), tolerance=1e-6)
@@ -92,7 +91,7 @@ def test_a_point_mass_on_the_law_with_an_initial_force(force: float, e: float) -
 
 
 @pytest.mark.parametrize(("force", "e"), [(0.0, 0.22), (3e5, 0.22), (3e5, 0.7)])
-def test_the_order_is_two(force: float, e: float) -> None:
+def test_the_order_is_two(force, e):
     """Peak and exit speed of the point mass, and the impulses of the truck, whose second strike begins in a step."""
     m, k = BOX.mass, 2e6
     top = math.sqrt(force**2 + k * m * CLOSING**2)
@@ -108,7 +107,7 @@ def test_the_order_is_two(force: float, e: float) -> None:
     assert off[-1] < 1e-5
 
 
-def test_the_stated_error_is_that_of_twice_the_step() -> None:
+def test_the_stated_error_is_that_of_twice_the_step():
     """Not below the true one, which for the second order is a third of it."""
     fine = impact(step=1e-6)
     for step in (1e-4, 2e-5):
@@ -125,7 +124,7 @@ def test_the_stated_error_is_that_of_twice_the_step() -> None:
 
 
 @pytest.mark.parametrize("e", [0.05, 0.22, 0.9])
-def test_a_stiff_corner_gives_newtons_impulse(e: float) -> None:
+def test_a_stiff_corner_gives_newtons_impulse(e):
     """omega after the first strike converges on Stage 1 with k, whose error falls with 1/k."""
     newton = corner_impulse(RectangularBody(10.0, 2.438, 9979.0), SPEED, ANGLE, MU, e, "newton")
     runs = [impact(k, e, end=0.02) for k in (1e9, 4e9)]  # a gap like 1/sqrt(k)
@@ -144,7 +143,7 @@ def effective_mass() -> tuple[float, float]:
     return effective, r * lever / TRUCK.inertia
 
 
-def test_the_first_strike_of_the_truck() -> None:
+def test_the_first_strike_of_the_truck():
     """m_eff 3677 kg, J 29.06 kN s, omega 1.1059."""
     effective, lever = effective_mass()
     impulse = 1.22 * SPEED * math.sin(ANGLE) * effective
@@ -157,7 +156,7 @@ def test_the_first_strike_of_the_truck() -> None:
 
 
 @pytest.mark.parametrize("speed", [1e-6, 1e-5, 1e-4])
-def test_a_slow_vehicle_brings_the_impulse_of_its_effective_mass(speed: float) -> None:
+def test_a_slow_vehicle_brings_the_impulse_of_its_effective_mass(speed):
     """(1 + e) m_eff v in the limit; rounding of places, 1e-15 m, is a part of its crush, 1e-7 m at 1e-6 m/s."""
     effective, _ = effective_mass()
     contact = WallContact(CrushLaw(2e6, 0.0, 0.22), MU)
@@ -184,7 +183,7 @@ TABLE = {  # corner, start, duration, peak, impulse, as of an explicit trial run
 
 
 @pytest.mark.parametrize("k", TABLE)
-def test_the_strikes_of_the_truck(k: float) -> None:
+def test_the_strikes_of_the_truck(k):
     """Within a step of the trial, 1e-4 s, and its printed digits."""
     motion = impact(k, end=0.6)
     *rows, mean = TABLE[k]
@@ -198,7 +197,7 @@ def test_the_strikes_of_the_truck(k: float) -> None:
     assert (impulse[5000:] - impulse[:-5000]).max() / 0.05 == pytest.approx(mean, abs=0.051e3)
 
 
-def test_where_it_strikes() -> None:
+def test_where_it_strikes():
     """Corners are points: the force attacks at the front, then at the rear."""
     front, rear = impact().strikes[:2]
     assert (front.point_of_attack, rear.point_of_attack) == pytest.approx((0.0, 10.0))
@@ -228,7 +227,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_momentum_energy_and_friction(case: str) -> None:
+def test_momentum_energy_and_friction(case):
     """No pull, Coulomb's cone, momenta against the forces' integrals, and the balance of energy."""
     motion = impact(**CASES[case])
     vehicle, mu = motion.vehicle, motion.contact.friction
@@ -252,7 +251,7 @@ def test_momentum_energy_and_friction(case: str) -> None:
     assert absorbed == pytest.approx(float(last.crush_work), rel=1e-5, abs=1e-6 * balance[0])
 
 
-def test_the_forces_are_what_the_impulses_integrate() -> None:
+def test_the_forces_are_what_the_impulses_integrate():
     """Trapezia of the recorded forces, step by step, and positions between rows that follow the velocities."""
     motion = impact()
     t = motion.interval * np.arange(len(motion.rows) - 1)
@@ -267,7 +266,7 @@ def test_the_forces_are_what_the_impulses_integrate() -> None:
     assert np.diff(motion.at(edges).y_g) == pytest.approx(moved, abs=1e-8)
 
 
-def test_a_plastic_corner_is_held_while_the_other_presses_on_it() -> None:
+def test_a_plastic_corner_is_held_while_the_other_presses_on_it():
     """e = 0: the rear rests at its greatest crush under less than its strength until the front has stopped."""
     motion = impact(e=0.0)
     rear, front = motion.strikes[1:3]
@@ -283,16 +282,18 @@ def test_a_plastic_corner_is_held_while_the_other_presses_on_it() -> None:
 # --- friction ---
 
 
-def pressed_block(mu: float, speed: float, end: float) -> Array:
-    """State of a ton that does not turn and is pressed on by the wall with N0 = 10 kN, for a second at 10 m/s."""
+def pressed_block(mu: float, speed: float, end: float, push: float = 0.0) -> np.ndarray:
+    """State of a ton that does not turn, pressed on by the wall with N0 = 10 kN, for a second at 10 m/s, and pushed
+    along it by a force [N]."""
     one = np.ones((1, 1))
     law = 1e-3 * one, 1e4 * one, 0.0 * one, mu * one
     whose = np.zeros(1, dtype=np.int64)
-    block = Train(1e3 * one, 1e30 * one, one[:0], one[:0], whose, whose, 0.0 * one, -one, *law)
+    load = np.array([push, 0.0, 0.0]).reshape(1, 3, 1)
+    block = Train(1e3 * one, 1e30 * one, one[:0], one[:0], whose, whose, 0.0 * one, -one, *law, load)
     return solve_trains(block, np.array([[[0.0, 1.0, 0.0, speed, -10.0, 0.0]]]), end=end).state[0, 0]
 
 
-def test_a_sliding_block_stops_after_its_way() -> None:
+def test_a_sliding_block_stops_after_its_way():
     """v^2 m/(2 mu N0), and stays there."""
     mu, v = 0.4, 3.0
     for end in (0.8, 0.95):
@@ -304,7 +305,35 @@ def test_a_sliding_block_stops_after_its_way() -> None:
     assert pressed_block(mu, -v, half)[3] == pytest.approx(-v / 2.0, rel=1e-6)
 
 
-def test_a_steep_vehicle_sticks_and_another_slides() -> None:
+@pytest.mark.parametrize("push", [-0.9, 0.9, -1.5])
+def test_a_pushed_block_sticks_below_its_friction_and_turns_above(push):
+    """It stops after v^2 m/(2 (mu N0 - T)); T < mu N0 leaves it there, T > mu N0 takes it back at (T - mu N0)/m."""
+    v, held, end = 0.3, 4.0, 0.95  # mu N0/m [m/s^2]
+    slowing, back = held * (1.0 - push), held * min(push + 1.0, 0.0)
+    left = end - v / slowing
+    x, _, _, v_x, *_ = pressed_block(0.4, v, end, 1e3 * held * push)
+    assert x == pytest.approx(v * v / (2.0 * slowing) + 0.5 * back * left**2, rel=1e-5)
+    assert v_x == pytest.approx(back * left, rel=1e-5, abs=1e-12)
+
+
+@pytest.mark.parametrize("e", [0.22, 0.7, 1.0])
+def test_a_point_mass_bounces_under_gravity(e):
+    """It touches after sqrt(2h/g) at v, leaves at e v, and comes back after 2 e v/g; from then on it returns along the
+    line that the first strike has left, at e v again."""
+    g, height = 40.0, 0.8
+    v = math.sqrt(2.0 * g * height)
+    train = train_of([BOX], WallContact(CrushLaw(2e6, 0.0, e), 0.0))
+    train.load[0, 1] = -BOX.mass * g
+    start = np.array([[[0.0, REACH + height, UPRIGHT, 0.0, 0.0, 0.0]]])
+    found = solve_trains(train, start, end=1.2, strikes=8, step=2e-5).strikes[0]
+    first, last, impulse = found[:, 1], found[:, 2], found[:, 4]
+    assert first[0] == pytest.approx(math.sqrt(2.0 * height / g), rel=1e-5)
+    assert first[1:3] - last[:2] == pytest.approx(2.0 * e * v / g, rel=1e-5)
+    gained = impulse[:2] / BOX.mass - g * (last - first)[:2]
+    assert gained == pytest.approx([(1.0 + e) * v, 2.0 * e * v], rel=1e-5)
+
+
+def test_a_steep_vehicle_sticks_and_another_slides():
     """mu above the ratio that the wall needs to stop its corner holds it; below it slides on, at mu N."""
     for mu, sticks in ((2.0, True), (0.2, False)):
         motion = impact(k=1e5, mu=mu, angle=60.0)
@@ -319,7 +348,7 @@ def test_a_steep_vehicle_sticks_and_another_slides() -> None:
 
 
 @pytest.mark.parametrize("points", [16, pytest.param(32, marks=pytest.mark.long)])
-def test_a_layer_converges_with_its_points(points: int) -> None:
+def test_a_layer_converges_with_its_points(points):
     """Doubling changes peaks and impulses of the first two strikes by 2e-3 from 16, 1e-3 from 32 points."""
     law = CrushLaw(1e6, 0.0, 0.22)
     runs = [impact(side=law, side_points=count, end=0.41, step=4e-5) for count in (points, 2 * points)]
@@ -329,7 +358,7 @@ def test_a_layer_converges_with_its_points(points: int) -> None:
         assert coarse.peak_force == pytest.approx(fine.peak_force, rel=32e-3 / points)
 
 
-def test_a_layer_pressed_flat_is_a_spring_of_its_stiffness_times_length() -> None:
+def test_a_layer_pressed_flat_is_a_spring_of_its_stiffness_times_length():
     """The side strikes flat: F = v sqrt(k m) with k = 2 corners + layer times length."""
     k, law = 1e5, CrushLaw(2e5, 0.0, 1.0)
     start = ImpactState(0.0, TRUCK.width / 2.0, 0.0, 0.0, -0.1, 0.0)  # so that the ends do not reach the wall
@@ -344,7 +373,7 @@ def test_a_layer_pressed_flat_is_a_spring_of_its_stiffness_times_length() -> Non
 # --- ends and refusals ---
 
 
-def test_the_end() -> None:
+def test_the_end():
     """After the second strike; where there is none, when nothing can touch any more."""
     motion = impact()
     assert motion.t_end == pytest.approx(motion.strikes[1].end + 0.1, rel=1e-12)
@@ -358,7 +387,7 @@ def test_the_end() -> None:
     assert short.strikes[0].peak_force == pytest.approx(float(whole.force_normal), rel=1e-5)
 
 
-def test_a_single_strike_is_followed_for_a_tenth_of_a_second() -> None:
+def test_a_single_strike_is_followed_for_a_tenth_of_a_second():
     """Filters need a history of 50 ms, also of what has left the wall for good after 3 ms."""
     car = ImpactVehicle(4.0, 2.0, 1500.0)
     touch = first_touch(car, math.radians(45.0), 500.0)
@@ -368,7 +397,7 @@ def test_a_single_strike_is_followed_for_a_tenth_of_a_second() -> None:
     assert motion.t_end == pytest.approx(0.1, rel=1e-12)
 
 
-def test_no_input_takes_for_ever() -> None:
+def test_no_input_takes_for_ever():
     """A stiffness that asks for more steps than there may be is refused, or its error is stated."""
     with pytest.raises(RigidBodyError) as caught:
         impact(k=1e22, end=1.0)
@@ -416,14 +445,14 @@ REFUSED: list[tuple[str, Callable[[], Any], str]] = [
 
 
 @pytest.mark.parametrize(("key", "attempt", "allowed"), REFUSED)
-def test_what_cannot_be_is_refused(key: str, attempt: Callable[[], Any], allowed: str) -> None:
+def test_what_cannot_be_is_refused(key, attempt, allowed):
     with pytest.raises(RigidBodyError) as caught:
         attempt()
     assert caught.value.key == key
     assert allowed in str(caught.value)
 
 
-def test_the_greatest_inertia_is_that_of_masses_at_the_corners() -> None:
+def test_the_greatest_inertia_is_that_of_masses_at_the_corners():
     """A quarter of the mass at each corner, and the same moved forwards."""
     for a, front in ((2.0, 0.5), (1.0, 0.75)):
         places = [(x, y, share / 2.0) for x, share in ((0.0, front), (4.0, 1.0 - front)) for y in (-1.0, 1.0)]
@@ -440,7 +469,7 @@ GIVEN = {
 }  # fmt: skip
 
 
-def drawn(seed: int, n: int, steepest: float, roughest: float) -> dict[str, Array]:
+def drawn(seed: int, n: int, steepest: float, roughest: float) -> dict[str, np.ndarray]:
     """Random vehicles, laws and impacts."""
     rng = np.random.default_rng(seed)
     length, mass = rng.uniform(4.0, 12.0, n), rng.uniform(1e3, 3e4, n)
@@ -465,7 +494,7 @@ def alone(row: dict[str, float]) -> ImpactMotion:
 @pytest.mark.parametrize(
     ("seed", "steepest", "roughest"), [(2, 30.0, 0.8), pytest.param(3, 85.0, 2.0, marks=pytest.mark.long)]
 )
-def test_many_are_what_each_is_alone(seed: int, steepest: float, roughest: float) -> None:
+def test_many_are_what_each_is_alone(seed, steepest, roughest):
     """Slender and steep, slip and stick, in coarser steps: within 1e-4."""
     given = drawn(seed, 15, steepest, roughest)
     found = solve_impacts(**given, interval=5e-4)
@@ -491,7 +520,7 @@ def test_many_are_what_each_is_alone(seed: int, steepest: float, roughest: float
     assert len(end) == pytest.approx(100.0 * exact.t_end / exact.strikes[0].end, abs=1.0)
 
 
-def test_numbers_and_arrays_broadcast() -> None:
+def test_numbers_and_arrays_broadcast():
     """One impact has the shape (), stiffness times restitution the product's."""
     one = solve_impacts(**GIVEN)
     assert one.error.shape == ()
@@ -521,7 +550,7 @@ def test_numbers_and_arrays_broadcast() -> None:
         ("yaw_inertia", 1.0, "from a thousandth of m (a (L - a)"),
     ],
 )
-def test_what_cannot_be_among_many_is_refused(key: str, value: Any, allowed: str) -> None:
+def test_what_cannot_be_among_many_is_refused(key, value, allowed):
     with pytest.raises(RigidBodyError) as caught:
         solve_impacts(**{**GIVEN, key: value})
     assert caught.value.key == key
@@ -572,7 +601,7 @@ TRAIN = {  # unit and corner, start, duration, peak, impulse, as of a trial by a
 
 
 @pytest.mark.parametrize("k", TRAIN)
-def test_the_strikes_of_a_tractor_and_trailer(k: float) -> None:
+def test_the_strikes_of_a_tractor_and_trailer(k):
     """Five strikes to the digits of the trial."""
     found = train_run([TRACTOR, TRAILER], [(HITCH, KINGPIN)], k, end=0.95, strikes=8, step=2e-5)
     rows = sorted(found.strikes[0][found.strikes[0, :, 4] > 0.0].tolist(), key=lambda row: row[1])
@@ -583,7 +612,7 @@ def test_the_strikes_of_a_tractor_and_trailer(k: float) -> None:
         assert row[4] == pytest.approx(impulse, rel=1e-3)
 
 
-def test_a_trailer_without_mass_changes_nothing() -> None:
+def test_a_trailer_without_mass_changes_nothing():
     light = ImpactVehicle(14.6, 2.44, 1e-4, 8.0, 1e-4 * 17.9)
     train = train_run([TRACTOR, light, light], [(HITCH, KINGPIN), (13.0, KINGPIN)], 2e6, end=0.15, step=2e-5)
     single = train_run([TRACTOR], [], 2e6, end=0.15, step=2e-5)
@@ -591,14 +620,14 @@ def test_a_trailer_without_mass_changes_nothing() -> None:
     assert train.state[0, 0] == pytest.approx(single.state[0, 0], rel=1e-6)
 
 
-def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass() -> None:
+def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass():
     """J = (1 + e) v0 sin(theta)/(n' W d), n = (0, 1), d = (-mu, 1), W the inverse mass of the hinged train there."""
     masses = np.diag(
         [TRACTOR.mass, TRACTOR.mass, TRACTOR.inertia, TRAILER.mass, TRAILER.mass, TRAILER.inertia]
     )
     c, s = math.cos(ANGLE), math.sin(ANGLE)
 
-    def rows(along: float, across: float, unit: int) -> Array:
+    def rows(along: float, across: float, unit: int) -> np.ndarray:
         x, y = along * c + across * s, across * c - along * s
         out = np.zeros((2, 6))
         out[0, 3 * unit], out[1, 3 * unit + 1] = 1.0, 1.0
@@ -614,7 +643,7 @@ def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass(
     assert found.strikes[0, 0, 4] == pytest.approx(1.22 * 22.35 * s / gain, rel=2e-3)
 
 
-def test_a_train_in_free_flight() -> None:
+def test_a_train_in_free_flight():
     """Momentum, angular momentum and energy stay; the hinges stay closed; its force is what the masses ask for."""
     train = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [(HITCH, KINGPIN)])
     a, b = HITCH - TRACTOR.front_distance, TRAILER.front_distance - KINGPIN
@@ -638,7 +667,7 @@ def test_a_train_in_free_flight() -> None:
     assert pull[5:-5] == pytest.approx(reduced * apart[5:-5], abs=1e-3 * np.abs(pull).max())
 
 
-def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass() -> None:
+def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
     """Its inertia plays no part while nothing touches it."""
     runs = [
         train_run(
@@ -654,5 +683,5 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass() -> None:
     assert runs[0].state[0, 0] == pytest.approx(runs[1].state[0, 0], rel=1e-9)
 
 
-def test_the_columns_of_rows_are_named() -> None:
+def test_the_columns_of_rows_are_named():
     assert len(COLUMNS) == impact(end=0.01).rows.shape[1]

@@ -5,23 +5,17 @@ from __future__ import annotations
 import functools
 import json
 import math
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tailslap import cli, errors
 from tailslap.case.checks import evaluated
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.impact.answers import strike_numbers
+from tailslap.case.impact import answers, checks, report, rigid, run
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.checks import CHECKS, MESH_CHECKS, energy_error
-from tailslap.case.impact.report import wall_numbers
-from tailslap.case.impact.rigid import paper_method
-from tailslap.case.impact.run import ImpactOutcome, attempt
-from tailslap.cli import main
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
 pytestmark = pytest.mark.verification
@@ -34,23 +28,23 @@ def planned(*changes: str, scene: str = SCENE) -> ImpactCase:
 
 
 @functools.cache
-def ran(*changes: str) -> ImpactOutcome:
+def ran(*changes: str) -> run.ImpactOutcome:
     """One run, without the second one that tells the mesh's error."""
-    return attempt(planned(*changes))
+    return run.attempt(planned(*changes))
 
 
 @functools.cache
-def whole() -> ImpactOutcome:
+def whole() -> run.ImpactOutcome:
     return planned().run()
 
 
-def test_the_shipped_impact_passes_its_checks() -> None:
+def test_the_shipped_impact_passes_its_checks():
     outcome = whole()
     assert [check.name for check in outcome.checks if not check.passed] == []
     assert [strike.corner for strike in outcome.fe.strikes] == ["front", "rear", "front"]
 
 
-def test_a_stiff_plate_is_near_the_rigid_vehicle_and_nearer_the_stiffer_it_is() -> None:
+def test_a_stiff_plate_is_near_the_rigid_vehicle_and_nearer_the_stiffer_it_is():
     """Flexibility goes with 1/E: at four times the modulus a quarter is left, and the limit is the rigid vehicle's."""
     soft, stiff, stiffer = (ran(f"plate.youngs_modulus={modulus}") for modulus in ("2e11", "8e11", "3.2e12"))
     for name, difference in soft.difference.items():
@@ -61,7 +55,7 @@ def test_a_stiff_plate_is_near_the_rigid_vehicle_and_nearer_the_stiffer_it_is() 
         assert abs(limit) < 1e-4, name
 
 
-def test_published_trial_at_8_hz() -> None:
+def test_published_trial_at_8_hz():
     """The rear strike of a plate of 8 Hz brings 43 % more impulse (shared rough trial, the corners one node each)."""
     outcome = ran("plate.first_frequency=8 Hz", "plate.youngs_modulus=")
     front, rear = outcome.fe.strikes[:2]
@@ -90,7 +84,7 @@ COMPILED_APART = {"layer", "damped", "penalty", "exact"}
 @pytest.mark.parametrize(
     "case", [pytest.param(c, marks=pytest.mark.long) if c in COMPILED_APART else c for c in CASES]
 )
-def test_conservation(case: str) -> None:
+def test_conservation(case):
     outcome = ran(*CASES[case])
     h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.case.touch
     energy = 0.5 * mass * (touch.v_gx**2 + touch.v_gy**2)
@@ -98,9 +92,9 @@ def test_conservation(case: str) -> None:
     assert np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() < 1e-9 * mass * 25.0
     turned = h["angular_momentum"] - h["moment_impulse"]
     assert np.abs(turned - turned[0]).max() < 1e-9 * np.abs(h["angular_momentum"]).max()
-    assert energy_error(outcome).max() < 1e-4 * energy
+    assert checks.energy_error(outcome).max() < 1e-4 * energy
     assert (
-        energy_error(outcome).min()
+        checks.energy_error(outcome).min()
         > (-1e-2 if case == "exact" else -5e-4 if case == "penalty" else -1e-4) * energy
     )
     assert outcome.run.normal.min() >= 0.0
@@ -109,7 +103,7 @@ def test_conservation(case: str) -> None:
 
 
 @pytest.mark.parametrize("case", ["own inertia", "stuck"])
-def test_other_vehicles_and_contacts_agree_with_the_rigid_one(case: str) -> None:
+def test_other_vehicles_and_contacts_agree_with_the_rigid_one(case):
     outcome = ran(*CASES[case], "plate.youngs_modulus=3.2e12")
     assert len(outcome.difference) >= 3
     for name, difference in outcome.difference.items():
@@ -117,7 +111,7 @@ def test_other_vehicles_and_contacts_agree_with_the_rigid_one(case: str) -> None
 
 
 @pytest.mark.long
-def test_a_layer_along_the_side_agrees_with_the_rigid_one_in_the_limit_of_fine_meshes() -> None:
+def test_a_layer_along_the_side_agrees_with_the_rigid_one_in_the_limit_of_fine_meshes():
     """A node stands for the layer beside it, so that the error goes with the element's length; flat against the wall
     the vehicle is shared by both corners, and a strike lasts until it is off."""
     stiff = (*CASES["layer"], "plate.youngs_modulus=3.2e12")
@@ -129,7 +123,7 @@ def test_a_layer_along_the_side_agrees_with_the_rigid_one_in_the_limit_of_fine_m
         assert abs(fine[name]) < max(0.6 * abs(difference), 2e-3), name
 
 
-def test_momentum_of_the_end_follows_from_the_strikes() -> None:
+def test_momentum_of_the_end_follows_from_the_strikes():
     """Impulses of all strikes are the change of momentum across the wall."""
     for answer in (whole().fe, whole().rigid):
         total = sum(strike.impulse for strike in answer.strikes)
@@ -160,36 +154,31 @@ BAD = {
 
 
 @pytest.mark.parametrize("change", BAD)
-def test_bad_input_names_its_key(change: str) -> None:
-    with pytest.raises(InputError) as caught:
+def test_bad_input_names_its_key(change):
+    with pytest.raises(errors.InputError) as caught:
         ran(change)
     assert caught.value.key == BAD[change]
 
 
 @pytest.mark.parametrize(
-    "change",
-    [
-        "vehicle.centre_of_mass=5 m",
-        "vehicle.yaw_inertia=80000 kg m^2",
-        "time.end=1 s",
-    ],
+    "change", ["vehicle.centre_of_mass=5 m", "vehicle.yaw_inertia=80000 kg m^2", "time.end=1 s"]
 )
-def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change: str) -> None:
-    with pytest.raises(InputError, match="belongs to a whole impact"):
+def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change):
+    with pytest.raises(errors.InputError, match="belongs to a whole impact"):
         read_scene("mash-tl4-sut", (change,))
 
 
 @pytest.mark.parametrize("command", ["modal", "modes"])
-def test_commands_of_the_corner_say_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands_of_the_corner_say_so(command, capsys):
     with pytest.raises(SystemExit) as caught:
-        main([command, SCENE])
+        cli.main([command, SCENE])
     assert caught.value.code == 2
     assert "contact: given" in capsys.readouterr().err
 
 
-def test_rigid_prints_what_the_contract_names(capsys: pytest.CaptureFixture[str]) -> None:
+def test_rigid_prints_what_the_contract_names(capsys):
     with pytest.raises(SystemExit) as caught:
-        main(["rigid", SCENE, "--json", "--set", "plate="])
+        cli.main(["rigid", SCENE, "--json", "--set", "plate="])
     found = json.loads(capsys.readouterr().out)
     assert caught.value.code == 0
     assert set(found["strikes"][0]) >= {"corner", "start", "end", "duration", "peak_force", "impulse"}
@@ -197,9 +186,9 @@ def test_rigid_prints_what_the_contract_names(capsys: pytest.CaptureFixture[str]
     assert set(found["end"]) == {"t", "theta", "omega", "v_gx", "v_gy"}
 
 
-def test_a_run_leaves_what_the_contract_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_leaves_what_the_contract_names(tmp_path, capsys):
     with pytest.raises(SystemExit) as caught:
-        main(["run", SCENE, "--no-pictures", "--out", str(tmp_path / "out"), "--tolerance", "2e-3"])
+        cli.main(["run", SCENE, "--no-pictures", "--out", str(tmp_path / "out"), "--tolerance", "2e-3"])
     assert caught.value.code == 0
     summary: dict[str, Any] = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["passed"] is True
@@ -226,13 +215,13 @@ def test_a_run_leaves_what_the_contract_names(tmp_path: Path, capsys: pytest.Cap
     assert "rear" in capsys.readouterr().out
 
 
-def test_what_is_not_known_of_a_strike_is_left_out() -> None:
-    numbers = strike_numbers(whole().fe.strikes[0])
+def test_what_is_not_known_of_a_strike_is_left_out():
+    numbers = answers.strike_numbers(whole().fe.strikes[0])
     assert "friction_work" not in numbers
     assert all(not isinstance(value, float) or math.isfinite(value) for value in numbers.values())
 
 
-def test_hops_of_a_plate_leave_the_impulse_of_a_strike_whole() -> None:
+def test_hops_of_a_plate_leave_the_impulse_of_a_strike_whole():
     """Without restitution the stiff plate's rear corner hops; where the mesh opens and closes gaps between hops, the
     impulse was 23 % off. One strike by any mesh, and near the rigid vehicle's."""
     stiff = ("contact.restitution=0", "plate.youngs_modulus=1.26 TPa")
@@ -246,7 +235,7 @@ def judged(impulse: float, duration: float, error: dict[str, float]) -> dict[str
     """What the checks of the mesh say of so large differences from the rigid vehicle, and errors."""
     difference = {"strike_1.impulse": impulse, "strike_2.duration": duration}
     outcome = SimpleNamespace(difference=difference, mesh_error=error)
-    kinds = [kind for kind in CHECKS if kind.name in MESH_CHECKS[:2]]
+    kinds = [kind for kind in checks.CHECKS if kind.name in checks.MESH_CHECKS[:2]]
     return {check.name: check.passed for check in evaluated(kinds, outcome)}
 
 
@@ -267,9 +256,7 @@ def judged(impulse: float, duration: float, error: dict[str, float]) -> dict[str
         (0.1, 0.1, {}, {"mesh", "mesh for durations"}),
     ],
 )
-def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(
-    impulse: float, duration: float, error: dict[str, float], fails: set[str]
-) -> None:
+def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(impulse, duration, error, fails):
     assert {name for name, passed in judged(impulse, duration, error).items() if not passed} == fails
 
 
@@ -283,16 +270,16 @@ def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(
         ("vehicle.width=5.49 m", "plate.youngs_modulus=317 MPa"),
     ],
 )
-def test_a_contact_too_stiff_for_the_plate_is_caught(changes: tuple[str, ...]) -> None:
+def test_a_contact_too_stiff_for_the_plate_is_caught(changes):
     """Quadratic elements change the impulse by 5 to 30 %."""
     failed = {check.name for check in planned(*changes).run().checks if not check.passed}
     assert failed & {"mesh", "point contact"}
 
 
-def test_the_papers_method_stands_beside() -> None:
+def test_the_papers_method_stands_beside():
     """Its impulse is that of the same truck with a constrained corner; with the computed duration its force is less."""
     outcome = whole()
-    beside = paper_method(outcome.fe_plan.case.scene, outcome.rigid)
+    beside = rigid.paper_method(outcome.fe_plan.case.scene, outcome.rigid)
     assert beside is not None
     corner = CornerCase(*read_scene("mash-tl4-sut"))
     assert beside.impulse == pytest.approx(float(corner.force.impulse), rel=1e-12)
@@ -301,7 +288,7 @@ def test_the_papers_method_stands_beside() -> None:
         2.0 * beside.impulse / (beside.computed_duration or 0.0)
     )
     without = planned("impact.friction=", "impact.restitution=")
-    assert paper_method(without.scene, outcome.rigid) is None
+    assert rigid.paper_method(without.scene, outcome.rigid) is None
 
 
 WALL = {
@@ -314,21 +301,21 @@ WALL = {
 
 
 @pytest.mark.long
-def test_a_wall_that_gives_deflects_and_its_foundation_carries_the_force() -> None:
+def test_a_wall_that_gives_deflects_and_its_foundation_carries_the_force():
     """The foundation carries what the contact brings, but for the wall's inertia: impulses agree; the ledger closes."""
     outcome = ran(*(f"{key}={value}" for key, value in WALL.items()))
-    h, found = outcome.run.history, wall_numbers(outcome)
+    h, found = outcome.run.history, report.wall_numbers(outcome)
     assert found is not None
     assert 2e-3 < found["deflection"] < 6e-3  # of the size of the peak force over 2 k'/b, 3.3 mm
     assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.05)
     initial = 0.5 * outcome.fe_plan.model.mass * 25.034**2
-    assert np.abs(energy_error(outcome)).max() < 1e-4 * initial
+    assert np.abs(checks.energy_error(outcome)).max() < 1e-4 * initial
 
 
-def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused() -> None:
+def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused():
     for key in ("wall.height", "wall.foundation_stiffness"):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(errors.InputError) as caught:
             planned(*(f"{name}={value}" for name, value in WALL.items() if name != key))
         assert caught.value.key == key
-    with pytest.raises(InputError, match="belongs to a whole impact"):
+    with pytest.raises(errors.InputError, match="belongs to a whole impact"):
         read_scene("mash-tl4-sut", ("wall.height=1 m",))

@@ -29,7 +29,7 @@ def half_sine(t: Array, start: float, duration: float, peak: float) -> Array:
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.3, 0.77])
-def test_a_half_sine(shift: float) -> None:
+def test_a_half_sine(shift):
     """Impulse exact; start and end far below a sample; the peak of the third order."""
     dt = 1e-3
     t = np.arange(0.0, 0.3, dt)
@@ -44,7 +44,7 @@ def test_a_half_sine(shift: float) -> None:
     assert math.isnan(strike.impulse_tangential)
 
 
-def test_a_jump_is_found_within_a_sample() -> None:
+def test_a_jump_is_found_within_a_sample():
     t = np.linspace(0.0, 0.1, 101)
     force = np.where((t[:-1] > 0.0205) & (t[:-1] < 0.0595), 3e5, 0.0)
     (strike,) = strikes_of(t, {"front": force})
@@ -52,7 +52,7 @@ def test_a_jump_is_found_within_a_sample() -> None:
     assert strike.peak_force == pytest.approx(3e5)
 
 
-def test_a_strike_is_over_when_the_corner_has_been_off_the_wall_for_as_long() -> None:
+def test_a_strike_is_over_when_the_corner_has_been_off_the_wall_for_as_long():
     """A strike of 20 ms; 19 ms later it is the same one, 21 ms later the next."""
     t = np.arange(0.0, 0.1, 2e-4)
     force = np.zeros(t.size - 1)
@@ -62,7 +62,7 @@ def test_a_strike_is_over_when_the_corner_has_been_off_the_wall_for_as_long() ->
     assert len(strikes_of(t, {"front": force})) == 2
 
 
-def test_what_touches_shortly_is_off_for_a_millisecond() -> None:
+def test_what_touches_shortly_is_off_for_a_millisecond():
     t = np.arange(0.0, 0.01, 1e-4)
     force = np.zeros(t.size - 1)
     force[10:12] = force[20:22] = 1e5  # 0.2 ms each, 0.8 ms apart
@@ -75,7 +75,7 @@ def test_what_touches_shortly_is_off_for_a_millisecond() -> None:
     assert len(strikes_of(t, {"front": force})) == 2
 
 
-def test_uneven_samples_and_means_beside_the_force() -> None:
+def test_uneven_samples_and_means_beside_the_force():
     t = np.sort(np.random.default_rng(1).uniform(0.0, 0.2, 400))
     force = half_sine(t, 0.02, 0.1, 2e5)
     station = np.linspace(0.0, 10.0, force.size)
@@ -93,7 +93,7 @@ def test_uneven_samples_and_means_beside_the_force() -> None:
     assert strike.position == pytest.approx(t[1:] @ push / push.sum())
 
 
-def test_one_sample_alone() -> None:
+def test_one_sample_alone():
     (strike,) = strikes_of(np.array([0.0, 1.0, 2.0, 3.0]), {"rear": np.array([0.0, 7.0, 0.0])})
     assert (strike.start, strike.end, strike.impulse, strike.peak_force) == (1.0, 2.0, 7.0, 7.0)
 
@@ -104,7 +104,7 @@ def truck() -> ImpactMotion:
     return solve_impact(vehicle, WallContact(CrushLaw(2e6, 0.0, 0.22), 0.47), state)
 
 
-def test_the_rigid_impact_sampled() -> None:
+def test_the_rigid_impact_sampled():
     """Means of the forces over half a millisecond give the strikes that the steps have counted."""
     motion = truck()
     t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)

@@ -12,10 +12,9 @@ import pytest
 
 from postprocess.comparison.quantities import STRIKES
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
+from tailslap.campaign import report, table
 from tailslap.campaign.definition import make_definition
 from tailslap.campaign.perform import perform
-from tailslap.campaign.report import spreads
-from tailslap.campaign.table import compute_row, read_columns, table_schema
 from tailslap.case import case_of
 from tailslap.errors import InputError
 from tailslap.scene.read import source_of_text
@@ -37,9 +36,9 @@ def scene_file(folder: Path, text: str) -> str:
     return str(path)
 
 
-def test_a_row_is_what_the_rigid_vehicle_gives() -> None:
+def test_a_row_is_what_the_rigid_vehicle_gives():
     source = source_of_text(RIGID, "rigid")
-    row = compute_row(3, source, {"contact.stiffness": 3e6})
+    row = table.compute_row(3, source, {"contact.stiffness": 3e6})
     plan = case_of(*vary(source, {"contact.stiffness": 3e6}))
     first, second = plan.motion.strikes[:2]
     assert (row["run"], row["status"], row["rigid.strike_2.corner"]) == (3, "passed", "rear")
@@ -48,23 +47,23 @@ def test_a_row_is_what_the_rigid_vehicle_gives() -> None:
     assert 0.0 < row["rigid.strike_1.mean_50ms"] < first.peak_force
     overall = max(row[f"rigid.strike_{k}.mean_50ms"] for k in (1, 2))
     assert overall == pytest.approx(row["rigid.peak.mean_50ms"], rel=1e-12)
-    assert compute_row(0, source, {"contact.restitution": 2.0})["status"] == "refused"
+    assert table.compute_row(0, source, {"contact.restitution": 2.0})["status"] == "refused"
 
 
-def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
+def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
     """No FE columns; its page has the strikes of the rigid vehicle; the same call makes nothing anew."""
     varied = ("contact.stiffness=1e6,4e6", "contact.restitution=0,2")
     definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
     done = perform(definition, tmp_path / "sweep", workers=1)
     assert (done.statuses["passed"], done.effort.runs) == (2, 2)
-    found = read_columns(
+    found = table.read_columns(
         tmp_path / "sweep" / "sweep.parquet", ["run", "rigid.strike_1.peak_force", "rigid.strike_1.mean_50ms"]
     )
     assert found["rigid.strike_1.peak_force"][1] / found["rigid.strike_1.peak_force"][0] == pytest.approx(
         2.0, rel=0.1
     )
     assert not [
-        name for name in table_schema(definition, []).names if name.startswith(("fe.", "difference."))
+        name for name in table.table_schema(definition, []).names if name.startswith(("fe.", "difference."))
     ]
     page = (tmp_path / "sweep" / "report.html").read_text()
     assert "Of both strikes" in page
@@ -84,20 +83,20 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path: Path) -> None:
         make_definition(scene_file(tmp_path, RIGID), (), varied, None, 1)
 
 
-def test_columns_of_both_calculations(tmp_path: Path) -> None:
+def test_columns_of_both_calculations(tmp_path):
     """The corner keeps its columns, whatever its rows; an impact with a plate has both models' strikes."""
-    corner = table_schema(
+    corner = table.table_schema(
         make_definition("paper-table-3", (), ("plate.thickness=1,2",), None, 1), ["check.x"]
     ).names
     assert corner[:5] == ["run", "status", "reason", "plate.thickness", "rigid.t"]
     assert corner[18:22] == ["difference.slide", "rigid.peak_force", "deflection_ratio", "check.x"]
     assert corner[22:26] == ["cost.elements", "cost.nodes", "cost.steps", "cost.time_step"]
     impact = make_definition(scene_file(tmp_path, RIGID + PLATE), (), ("contact.friction=0,1",), None, 1)
-    names = table_schema(impact, []).names
+    names = table.table_schema(impact, []).names
     assert {"fe.strike_2.mean_50ms", "difference.strike_2.impulse", "numerical_error"} <= set(names)
 
 
-def test_a_corner_without_a_plate_is_no_sweep() -> None:
+def test_a_corner_without_a_plate_is_no_sweep():
     with pytest.raises(InputError, match="plate"):
         make_definition("paper-table-3", ("plate=",), ("corner.friction=0,1",), None, 1)
 
@@ -114,7 +113,7 @@ def rows(fe: bool) -> SweepRows:
     return SweepRows((a, b), status, flexible if fe else {}, rigid, error if fe else {}, STRIKES)
 
 
-def test_pictures_of_impacts() -> None:
+def test_pictures_of_impacts():
     """Every result against each key, and maps: of both models, and the difference beside; of the rigid vehicle alone,
     no word of FE."""
     both, alone = draw_sweep(rows(True)), draw_sweep(rows(False))
@@ -128,10 +127,10 @@ def test_pictures_of_impacts() -> None:
     assert draw_sweep(replace(rows(False), rigid=dict.fromkeys(STRIKES.quantities, np.full(4, np.nan)))) == ()
 
 
-def test_spreads_leave_out_what_a_row_lacks() -> None:
+def test_spreads_leave_out_what_a_row_lacks():
     """An impact without a second strike has none of its quantities."""
     some = rows(False)
     some.rigid["strike_2.impulse"][0] = math.nan
-    found = {item["quantity"].key: item for item in spreads(some)}
+    found = {item["quantity"].key: item for item in report.spreads(some)}
     assert found["strike_2.impulse"]["least"] == some.rigid["strike_2.impulse"][1]
     assert "difference" not in found["strike_1.impulse"]
