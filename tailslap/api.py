@@ -20,7 +20,7 @@ from fem.registry import Registry
 from fem.start import start_kinds
 from postprocess.report import files, terminal
 from postprocess.report.table import Table
-from postprocess.units import SYSTEMS, US
+from postprocess.units import SI, SYSTEMS
 from tailslap import result
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
@@ -209,11 +209,9 @@ def check(
     from tailslap.case.report import LABEL, as_numbers
 
     case = _case(scene, changes)
-    lines = case.check_text(allow_large)
-    said = lines if units == "si" else [US.rendered(line) for line in lines]
-    return result.Result(
-        "check", case.scene.name, as_numbers(case.scene.name, lines), text=terminal.labelled_text(said, LABEL)
-    )
+    lines, name = case.check_text(allow_large), case.scene.name
+    said, plainly = ([system.rendered(line) for line in lines] for system in (SYSTEMS[units], SI))
+    return result.Result("check", name, as_numbers(name, plainly), text=terminal.labelled_text(said, LABEL))
 
 
 def modal(

@@ -13,8 +13,6 @@ import pytest
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene, shipped_scenes, title
 
-pytestmark = pytest.mark.validation
-
 POUND, MILE, FOOT, KIP = 0.45359237, 1609.344, 0.3048, 4448.2216152605
 TESTS = {  # pounds, the kilograms of the vehicle's name, mph, km/h, degrees
     "mash-tl1-car": (2420, 1100, 31, 50, 25),

@@ -15,8 +15,6 @@ import pytest
 
 from tailslap.cli import _status
 
-pytestmark = pytest.mark.validation
-
 ANALYTICAL = {"t": 0.383, "v_gy": -3.274, "v_gx": 23.270, "omega": 0.65, "slide": 9.420}  # Table 3
 FORCES = {  # kN: 50 ms, peak for e = 0.22 and e = 0; then Table 5's three; Tables 4 and 5
     "a": ((680, 707, 898.5), (904, 707, 898.5)),

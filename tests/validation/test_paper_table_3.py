@@ -7,8 +7,6 @@ import pytest
 
 from postprocess.comparison.quantities import PAPER_TABLE_3
 
-pytestmark = pytest.mark.validation
-
 
 def test_the_analytical_column(outcome):
     """FE with friction as in Eqs 66-67: each value within what the paper's rounding and plot reading leave."""

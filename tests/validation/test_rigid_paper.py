@@ -13,8 +13,6 @@ import pytest
 
 from solver import RectangularBody, corner_impulse, plane_motion, strike_force
 
-pytestmark = pytest.mark.validation
-
 TRUCK = RectangularBody(10.0, 2.438, 9979.0)  # Table 1; 22 000 lb
 ANGLE, FRICTION, RESTITUTION = math.radians(15.0), 0.47, 0.22  # Table 1
 MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6

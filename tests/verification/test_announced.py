@@ -12,8 +12,6 @@ import pytest
 from tailslap import progress
 from tailslap.progress import announced, compiling, counted, progress_bar
 
-pytestmark = pytest.mark.verification
-
 ERASED = "\x1b[2K"
 """Erases a line of a terminal."""
 

@@ -20,8 +20,6 @@ from fem import FRICTION_LAWS, MATERIALS
 from postprocess.units import number
 from tailslap import Columns, InputError, api, cli
 
-pytestmark = pytest.mark.verification
-
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 FUNCTIONS = ("check", "compare", "export", "load", "modal", "modes", "rigid", "run", "study", "sweep")
 TIMES = {"setup_s", "time_loop_s", "pictures_s", "integration_s", "estimate_s", "seconds"}

@@ -7,8 +7,6 @@ import math
 
 import pytest
 
-pytestmark = pytest.mark.verification
-
 SIZES = ((4.0, 1.5), (10.0, 2.438), (19.0, 2.7))
 FRICTIONS = (0.05, 0.47, 0.8)
 MODULI = ("20 GPa", "200 GPa", "2 TPa")

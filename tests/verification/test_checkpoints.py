@@ -23,8 +23,6 @@ from tailslap.files import checkpoints
 from tailslap.files.checkpoints import checkpointed, next_checkpoint
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 
 class Stopping:
     """Keeps a copy each time, and interrupts the run at one of them."""

@@ -15,8 +15,6 @@ from tailslap.case.corner.checks import CHECKS, Evidence
 from tailslap.case.corner.error import LATE, SecondRun, distance_in_motion
 from tailslap.case.corner.model import sensitivity
 
-pytestmark = pytest.mark.verification
-
 METRICS = {
     *("Sprague-Geers magnitude", "Sprague-Geers phase", "Sprague-Geers combined"),
     *("mean residual", "deviation of residuals"),

@@ -5,11 +5,8 @@ from __future__ import annotations
 import os
 
 import psutil
-import pytest
 
 from tailslap.campaign import pools
-
-pytestmark = pytest.mark.verification
 
 
 def test_processes_of_this_machine_open_no_port():

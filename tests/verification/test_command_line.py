@@ -23,8 +23,6 @@ from click.testing import CliRunner
 from tailslap.cli import _status, commands
 from tailslap.studies import study_names
 
-pytestmark = pytest.mark.verification
-
 HEAVY = (
     *("gmsh", "skfem", "numba", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),

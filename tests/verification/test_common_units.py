@@ -8,8 +8,6 @@ import pytest
 
 from tailslap.scene.units import UNITS, Dimension, converted, to_si
 
-pytestmark = pytest.mark.verification
-
 # International yard and pound (1959), standard gravity (CGPM 1901), SI prefixes.
 DEFINED = {
     **{"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144, "mi": 1609.344},

@@ -13,8 +13,6 @@ from postprocess.comparison.metrics import beside
 from tailslap import InputError, Result, cli
 from tailslap.comparing.source import parse_mapping, read_table
 
-pytestmark = pytest.mark.verification
-
 T = np.linspace(0.0, 1.0, 1001)
 
 

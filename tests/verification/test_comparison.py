@@ -10,8 +10,6 @@ import pytest
 from postprocess.comparison.metrics import Metrics, compare_histories, grid_convergence, observed_order
 from postprocess.comparison.quantities import PAPER_TABLE_3, comparison_rows, relative_difference
 
-pytestmark = pytest.mark.verification
-
 FE = {"t": 0.5, "v_gx": 22.0, "v_gy": -3.0, "omega": 0.75, "slide": 9.0}
 RIGID = {"t": 0.4, "v_gx": 20.0, "v_gy": -4.0, "omega": 0.75, "slide": 10.0}
 

@@ -27,8 +27,6 @@ from postprocess.fields.contours import (
 )
 from postprocess.svg.drawing import viridis
 
-pytestmark = pytest.mark.verification
-
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
 COLUMNS, ROWS = 20, 6
 

@@ -19,8 +19,6 @@ from tailslap.studies.cost import compute as study
 from tailslap.studies.cost.compute import EXACT, FE, MODAL, ODE, Limit, Setting, limit_of, measure, row_of
 from tailslap.studies.cost.report import report
 
-pytestmark = pytest.mark.verification
-
 TRUTH = {"t": 1.0, "v_gx": 2.0, "v_gy": -4.0, "omega": 0.5, "slide": 8.0}
 STUDIED = case_of(*read_scene("paper-table-3"))
 TODO = [*study.settings(STUDIED.scene), *study.soft_settings(STUDIED.scene)]

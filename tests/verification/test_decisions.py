@@ -16,8 +16,6 @@ from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 SOFT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
 DAMPED = ("damping.kind=elastic-velocity", "damping.rate=200")
 FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")

@@ -14,8 +14,6 @@ import tailslap
 from tailslap import cli, errors
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 ROOT = Path(__file__).parents[2]
 SHOWN = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 DOCUMENTS = [*SHOWN, ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]

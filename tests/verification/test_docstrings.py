@@ -17,8 +17,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.verification
-
 HEADING = re.compile(r"^(\S.*)\n(-{3,})$", re.MULTILINE)
 ENTRY = re.compile(r"^([\w*][\w, *]*?)(?: : (.+))?$")
 NUMBER = re.compile(r"(float|Number|V|Array|ArrayLike|np\.ndarray|NDArray\[.*\])( \| None)?$")

@@ -21,8 +21,6 @@ from tailslap.scene.schema import Scene
 from tailslap.scene.schema import Table as SceneTable
 from tailslap.scene.validate import validate
 
-pytestmark = pytest.mark.verification
-
 QUICK = (
     ("scenes",),
     ("rigid", "mash-tl4-sut"),

@@ -12,8 +12,6 @@ from fem.explicit.elastic_damping import SUMS, ElasticDamping, damp, damped_time
 from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
 
-pytestmark = pytest.mark.verification
-
 START = RigidStart(0.26, 0.707, 25.053)
 
 

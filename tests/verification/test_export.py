@@ -19,8 +19,6 @@ from postprocess.fields.series import ELEMENTS, NODES, UNITS, FieldSeries
 from tailslap.cli import main
 from tailslap.errors import InputError
 
-pytestmark = pytest.mark.verification
-
 ROOT = Path(__file__).parents[2]
 SINGLE = 2e-7
 """Relative rounding of float32."""

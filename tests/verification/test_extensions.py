@@ -26,8 +26,6 @@ from tailslap.case.corner.checks import CHECKS
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 FOLDER = Path(__file__).parents[1] / "extensions"
 ADDED: dict[str, tuple[Registry[Any], str]] = {
     "smoothed_friction": (FRICTION_LAWS, "smoothed"),

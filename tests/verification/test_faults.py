@@ -16,8 +16,6 @@ from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
 from tailslap.files.folder import result_folder
 
-pytestmark = pytest.mark.verification
-
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
 DYING = """
 import os, sys

@@ -20,8 +20,6 @@ from fem.stability.deformed import deformed_frequency
 from fem.start.rigid_state import RigidStart, to_global
 from meshes import distorted, plate_mesh
 
-pytestmark = pytest.mark.verification
-
 THICKNESS = 0.053
 START = RigidStart(0.26, 0.707, 25.053)
 KINDS = sorted(ELEMENT_KINDS)

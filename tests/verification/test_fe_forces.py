@@ -14,8 +14,6 @@ from fem.plate.elements import ElementTable, discretise, hourglass_control
 from fem.start.rigid_state import to_global
 from meshes import distorted, plate_mesh
 
-pytestmark = pytest.mark.verification
-
 MATERIAL = st_venant_kirchhoff(200e9, 0.3)
 THICKNESS = 0.053
 

@@ -18,8 +18,6 @@ from fem.run.corner import Stepper
 from fem.start.rigid_state import RigidStart
 from meshes import plate_mesh
 
-pytestmark = pytest.mark.verification
-
 DENSITY, THICKNESS = 7800.0, 0.053
 MASS = DENSITY * THICKNESS * 10.0 * 2.438
 

@@ -14,8 +14,6 @@ from fem.laws.materials import st_venant_kirchhoff
 from fem.plate import elements
 from meshes import distorted, plate_mesh
 
-pytestmark = pytest.mark.verification
-
 E, NU, T = 2e11, 0.3, 0.05
 MODULI = st_venant_kirchhoff(E, NU)
 

@@ -10,8 +10,6 @@ from fem.plate.elements import nodal_spin
 from fem.run.corner import Stepper, simulate
 from fem.start import rigid_state, start_kinds
 
-pytestmark = pytest.mark.verification
-
 # physics.md section 3, derived in closed form; the solver's own tests hold it to these as well.
 ORACLES = {
     "drag": (0.3839597401, 23.2733311090, -3.2755267205, 0.6551053441, 9.4236754419),

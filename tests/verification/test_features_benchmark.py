@@ -21,8 +21,6 @@ from meshes import distorted, plate_mesh
 from tailslap.cli import _status
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 SCENE = "paper-table-3"
 START = RigidStart(0.26, 0.707, 25.053)
 STEPS = 300

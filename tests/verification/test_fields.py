@@ -21,8 +21,6 @@ from tailslap.case.report import field_series
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 KEPT = "output.fields=6"
 
 

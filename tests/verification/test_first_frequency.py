@@ -17,8 +17,6 @@ from tailslap.scene.read import read_scene
 from tailslap.scene.validate import validate
 from tailslap.scene.write import resolved_inputs
 
-pytestmark = pytest.mark.verification
-
 EIGHT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
 
 

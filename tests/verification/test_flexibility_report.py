@@ -43,8 +43,6 @@ from tailslap.studies.flexibility.compute import (
 )
 from tailslap.studies.flexibility.report import WORDS, headline, plates_table, report
 
-pytestmark = pytest.mark.verification
-
 SMALL = ("plate.elements=[8,4]",)
 SWEEP = tuple(np.geomspace(1000.0, 0.1, 9).tolist())
 

@@ -27,8 +27,6 @@ from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility import compute
 
-pytestmark = pytest.mark.verification
-
 SMALL = ("plate.elements=[8,4]",)
 
 

@@ -17,8 +17,6 @@ from tailslap.case.corner import case, decisions
 from tailslap.case.corner.decisions import REQUIRED_DAMPING
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 START = RigidStart(0.26, 0.707, 25.053)
 DURATION = 0.384
 

@@ -22,8 +22,6 @@ from hypothesis import strategies as st
 from tailslap.cli import _status
 from tailslap.scene import read, schema, units
 
-pytestmark = pytest.mark.verification
-
 MAX_S = 10.0
 """Seconds of processor time that reading an input may take: a guard, whatever else the machine does."""
 

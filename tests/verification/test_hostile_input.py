@@ -19,8 +19,6 @@ from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Factor, Quantity, converted, unit_factors
 
-pytestmark = pytest.mark.verification
-
 RIGID, SWEEP = ("rigid", "mash-tl4-sut"), ("sweep", "mash-tl4-sut", "--vary")
 SPREAD = ("study", "uncertainty", "mash-tl4-sut")
 DEEP = "[" * 900 + "]" * 900

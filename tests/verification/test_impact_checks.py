@@ -12,8 +12,6 @@ import pytest
 from tailslap.case.checks import Check, evaluated
 from tailslap.case.impact.checks import CHECKS, FLOOR, MODAL_SHARE, SHARE, WEDGE, unknown_by_vibration
 
-pytestmark = pytest.mark.verification
-
 MASS, LENGTH = 9979.0, 10.0
 
 

@@ -21,8 +21,6 @@ from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
 from fem.run.observers import Arrays
 from meshes import plate_mesh, wall_mesh
 
-pytestmark = pytest.mark.verification
-
 DEPTH, MODULUS = 0.3, 24.82e9
 BENDING = MODULUS * DEPTH**3 / 12.0
 """EI [N m^2] of a concrete parapet 0.3 m deep and 1 m high."""

@@ -20,8 +20,6 @@ from fem.plate.kinds import ContactProperties, Inertia, PlateProperties, StepPro
 from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 
-pytestmark = pytest.mark.verification
-
 HEAD_ON = math.pi / 2
 TAU = 1.0 / 3.0
 """Time [s] of a wave through the bouncing bar: E = 900, rho = 1, L = 10."""

@@ -10,8 +10,6 @@ import pytest
 
 from postprocess.figures import animation, impact
 
-pytestmark = pytest.mark.verification
-
 T = np.linspace(0.0, 0.5, 5001)
 STRIKES = (
     impact.StrikeMark("front", 0.0, 0.08, (0.0, 2.0)),

@@ -27,8 +27,6 @@ from solver.impact import (
 )
 from solver.impact.solve import COLUMNS
 
-pytestmark = pytest.mark.verification
-
 TRUCK = ImpactVehicle(10.0, 2.438, 9979.0)
 SPEED, ANGLE, MU = 56 * 0.44704, math.radians(15.0), 0.47
 

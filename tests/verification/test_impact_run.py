@@ -18,8 +18,6 @@ from tailslap.case.impact import answers, checks, report, rigid, run
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 
-pytestmark = pytest.mark.verification
-
 SCENE = "impact-mash-tl4-sut"
 
 

@@ -18,8 +18,6 @@ from solver.impact import (
 )
 from solver.rules import Array
 
-pytestmark = pytest.mark.verification
-
 
 def half_sine(t: Array, start: float, duration: float, peak: float) -> Array:
     """Means of a half sine over the intervals between the instants."""

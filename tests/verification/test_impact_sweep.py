@@ -20,8 +20,6 @@ from tailslap.errors import InputError
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 
-pytestmark = pytest.mark.verification
-
 RIGID = """name = "rigid"
 vehicle = {length = 10, width = 2.438, mass = 9979}
 impact = {speed = 25, angle = 0.26}
