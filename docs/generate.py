@@ -81,10 +81,10 @@ def _default(field: FieldInfo) -> str:
 
 
 def _table_of(field: FieldInfo) -> Any:
-    from tailslap.scene.schema import Table
+    from tailslap.scene.schema import SceneTable
 
     kinds = (field.annotation, *get_args(field.annotation))
-    return next((k for k in kinds if isinstance(k, type) and issubclass(k, Table)), None)
+    return next((k for k in kinds if isinstance(k, type) and issubclass(k, SceneTable)), None)
 
 
 def allowed(field: FieldInfo) -> str:

@@ -18,7 +18,7 @@ __all__, __getattr__ = lazily(
         "model.plate_model": "PlateModel build_model",
         "plate.kinds": "ELEMENT_KINDS LUMPINGS CornerProperties ElementKind Lumping ModelError PlateProperties "
         "StepProperties",
-        "explicit.columns": "COLUMNS Column",
+        "explicit.columns": "COLUMNS HistoryColumn",
         "run.corner": "Run simulate",
         "start.rigid_state": "RigidStart",
         "start.start_kinds": "START_KINDS StartKind",

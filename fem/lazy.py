@@ -64,7 +64,7 @@ def cached(part: str) -> Callable[[Callable[..., Any]], Any]:
 
 
 def looks() -> Mapping[str, tuple[int, int]]:
-    """How often each part was found, and how often it was made."""
+    """Counts, by part, of how often it was found in the cache, and how often it was made."""
     return {part: keeping.cache_info()[:2] for part, keeping in _PARTS.items()}
 
 
@@ -75,6 +75,6 @@ def reused(before: Mapping[str, tuple[int, int]]) -> list[str]:
 
 
 def forget() -> None:
-    """Let everything go."""
+    """Empty the caches of all parts."""
     for keeping in _PARTS.values():
         keeping.cache_clear()

@@ -112,9 +112,9 @@ _REGISTRIES: list[LawRegistry[Any]] = []
 _WATCHERS: list[Callable[[], None]] = []
 
 
-def watch(told: Callable[[], None]) -> None:
-    """Have this called whenever a law from outside this package is registered or taken out."""
-    _WATCHERS.append(told)
+def watch(callback: Callable[[], None]) -> None:
+    """Have a callback called whenever a law from outside this package is registered or taken out."""
+    _WATCHERS.append(callback)
 
 
 def outside_sources() -> tuple[bytes, ...]:
@@ -124,8 +124,8 @@ def outside_sources() -> tuple[bytes, ...]:
 
 
 def _tell_watchers(law: Law) -> None:
-    for told in _WATCHERS if _outside(law) else ():
-        told()
+    for callback in _WATCHERS if _outside(law) else ():
+        callback()
 
 
 def _outside(law: Law) -> list[FunctionType]:

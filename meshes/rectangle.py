@@ -47,7 +47,7 @@ def rectangle_mesh(
 
 
 def _row_by_row(mesh: meshio.Mesh) -> meshio.Mesh:
-    """The same mesh, nodes numbered along X and then along Y, cells in the order of their nodes."""
+    """The mesh with nodes numbered along X and then along Y, cells in the order of their nodes."""
     import meshio
 
     order = np.lexsort((mesh.points[:, 0], mesh.points[:, 1]))
@@ -174,15 +174,15 @@ def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, in
 SEED = 7
 
 
-def distorted(mesh: meshio.Mesh, share: float, elements: tuple[int, int]) -> meshio.Mesh:
-    """A copy with the nodes inside the plate moved at random, the same way every time.
+def distorted(mesh: meshio.Mesh, fraction: float, elements: tuple[int, int]) -> meshio.Mesh:
+    """A copy with the nodes inside the plate moved at random, equally every time.
 
     Parameters
     ----------
     mesh : meshio.Mesh
         Of `plate_mesh`.
-    share : float
-        Largest displacement of a node, as a share of an element's length and width [-].
+    fraction : float
+        Largest displacement of a node, as a fraction of an element's length and width [-].
     elements : tuple of int
         Along and across, as the mesh was made with.
 
@@ -197,5 +197,5 @@ def distorted(mesh: meshio.Mesh, share: float, elements: tuple[int, int]) -> mes
     inner = np.ones(len(points), dtype=bool)
     inner[np.unique(mesh.cells_dict["line"])] = False
     size = np.ptp(points[:, :2], axis=0) / elements
-    points[inner, :2] += np.random.default_rng(SEED).uniform(-share, share, (inner.sum(), 2)) * size
+    points[inner, :2] += np.random.default_rng(SEED).uniform(-fraction, fraction, (inner.sum(), 2)) * size
     return meshio.Mesh(points, mesh.cells, cell_sets=mesh.cell_sets)

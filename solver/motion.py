@@ -367,7 +367,7 @@ def integrate_odes(
 
 @dataclass(frozen=True)
 class _Event:
-    """What `solve_ivp` takes for an event: here always the end, where the value falls through 0."""
+    """Event of `solve_ivp` that ends the integration where its value falls through 0."""
 
     value: Callable[[float, Array], Any]
     terminal: bool = True

@@ -55,7 +55,7 @@ def choose(key: str, given: str, options: tuple[str, ...]) -> str:
 
 
 def holds(met: Any) -> bool:
-    """Whether a condition, a bool or an array of them, is met throughout."""
+    """True if a condition, a bool or an array of them, is met throughout."""
     return met is True or (met is not False and bool(np.all(met)))
 
 
@@ -226,7 +226,7 @@ CENTRE = Rule(
     "centre_of_mass", "the centre of mass is in the vehicle", "between 0 and the length, {length:.6g} m"
 )
 MIN_INERTIA = 1e-3
-"""Of the greatest that there can be: nearly all mass at one point is no vehicle, and turns too often to be followed."""
+"""Least yaw inertia, over the greatest that there can be: with nearly all mass at one point it turns too often."""
 INERTIA = Rule(
     "yaw_inertia",
     "no vehicle of that mass, size and centre of mass has it",

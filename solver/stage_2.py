@@ -36,7 +36,7 @@ SMALLEST_D = 1e-4  # at an end of the path; D rounds by a few 1e-16, and omega b
 
 
 class Path(NamedTuple):
-    """What the course of the angle depends on; floats or arrays. Angles [rad], mu with its model's sign."""
+    """Parameters of the course of the angle; floats or arrays. Angles [rad], mu with its model's sign."""
 
     gamma: Any
     theta_0: Any

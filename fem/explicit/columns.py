@@ -60,7 +60,7 @@ class Measures(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Column:
+class HistoryColumn:
     """A column of the history.
 
     Attributes
@@ -85,7 +85,7 @@ class Column:
     meaning: str = ""
 
 
-COLUMNS: Registry[Column] = Registry("column")
+COLUMNS: Registry[HistoryColumn] = Registry("column")
 """Columns by name, in the order of the history; the record's own come first."""
 
 _MEANINGS = {
@@ -125,7 +125,7 @@ _MEANINGS = {
 """Unit and meaning of the program's own columns."""
 
 for _name in Measures._fields:
-    COLUMNS.register(Column(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
+    COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
 
 _ON_IMPACT = {
     "contact_energy": "that contact will give back",
@@ -138,8 +138,8 @@ hourglass_energy contact_energy crush_energy friction_work damping_work vibratio
 tangential_impulse moment_impulse angular_momentum wall_energy wall_deflection wall_deflection_place
 foundation_impulse force_foundation"""
 
-IMPACT_COLUMNS: dict[str, Column] = {
-    name: Column(name, _MEANINGS[name][0], meaning=_ON_IMPACT.get(name, _MEANINGS[name][1]))
+IMPACT_COLUMNS: dict[str, HistoryColumn] = {
+    name: HistoryColumn(name, _MEANINGS[name][0], meaning=_ON_IMPACT.get(name, _MEANINGS[name][1]))
     for name in _IMPACT_NAMES.split()
 }
 """Columns of a whole impact's history by name, in its order."""

@@ -60,8 +60,8 @@ def resist(
 
 
 def gained(damping: Any, sums: Any, state: Any, time_step: float, begin: int, end: int, force: Any) -> float:
-    """What their power [W] changes by, on the mean of the velocities half a step before and after, `force` being
-    complete: with that the energy ledger closes to rounding. Compiled code only."""
+    """Change of their power [W] on the mean of the velocities half a step before and after, `force` being
+    complete: with that the energy balance closes to rounding. Compiled code only."""
     raise NotImplementedError(type(damping))
 
 

@@ -11,8 +11,8 @@ from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain, motion
 from fem.explicit.time_loop import advance, follow, react
 from fem.laws.wall_contact import (
+    BoundaryContact,
     ContactState,
-    WallContact,
     add_contact,
     approach,
     held_by,
@@ -32,7 +32,7 @@ class ImpactLoop(NamedTuple):
     table: ElementTable
     material: Any
     mass: np.ndarray
-    contact: WallContact
+    contact: BoundaryContact
     viscosity: Any
     hourglass: Any
     elastic_damping: Any
@@ -41,8 +41,8 @@ class ImpactLoop(NamedTuple):
     wall: Any  # ElasticWall; None for a rigid one
 
 
-class ImpactState(NamedTuple):
-    """Where the plate is, and what has been summed up on the way.
+class ImpactLoopState(NamedTuple):
+    """State of the loop of a whole impact: the plate's motion, and sums so far.
 
     positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work done on the plate
     [J]; moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point. wall: a
@@ -69,9 +69,9 @@ class ImpactMeasures(NamedTuple):
     v_gx, v_gy : float
         Velocity of the centre of mass [m/s].
     kinetic_energy, strain_energy, hourglass_energy : float
-        What the plate holds [J].
+        Energies of the plate [J].
     contact_energy, crush_energy : float
-        What contact will give back, and what crush has taken for good [J].
+        Energy that contact will return, and energy that crush has taken for good [J].
     friction_work, damping_work : float
         Done on the plate since the start [J].
     vibration_energy : float
@@ -113,7 +113,7 @@ class ImpactMeasures(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Where records go, a row an instant: values, shape (rows, fields of `ImpactMeasures`); normal and tangential
+    """Arrays for the records, a row an instant: values, shape (rows, fields of `ImpactMeasures`); normal and tangential
     impulse [N s], depth behind the face and place along the wall [m] of each contact point, each of shape (rows,
     points)."""
 

@@ -109,7 +109,7 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
 def subtract_forces_of(
     begin, end, positions, velocities, viscosity, hourglass, force, table, material, scratch
 ):
-    """The same for the slots from `begin`, the first of a block, to before `end`."""
+    """Subtract the forces of the slots from `begin`, the first of a block, to before `end`."""
     others, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     connectivity, lattice = table.connectivity, scratch.lattice
     power = 0.0

@@ -2,7 +2,7 @@
 
 Velocities at instant n are the mean of those half a step before and after; with the kinetic energy as
 m v_before . v_after / 2 and works by the trapezoidal rule, central differences keep the energy of a linear model
-to rounding, so that what the ledger shows is the model's error and not the bookkeeping's.
+to rounding, so that what the energy balance shows is the model's error and not the bookkeeping's.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
 
 @compiled
 def motion(positions, velocities, force, mass, time_step, reference):
-    """Angle, spin, centre's velocity, kinetic energy of the ledger, kinetic energy beside the rigid motion, centre."""
+    """Angle, spin, centre's velocity, kinetic energy of the balance, that beside the rigid motion, centre."""
     x, y, v_x, v_y, f_x, f_y = positions[0], positions[1], velocities[0], velocities[1], force[0], force[1]
     r_x, r_y, half = reference[0], reference[1], 0.5 * time_step
     total = c_x = c_y = b_x = b_y = c_u = c_v = kinetic = 0.0

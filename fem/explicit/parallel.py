@@ -27,7 +27,7 @@ WORD = 8
 """The two numbers of a meeting lie so many apart, a cache line."""
 
 ARRIVED, TURN = 0, WORD
-"""Where these numbers are: how many threads have come to meetings so far; the last meeting that is over."""
+"""Places of these numbers: how many threads have come to meetings so far; the last meeting that is over."""
 
 LOOKS = 20_000
 """Times that a thread looks for the end of a meeting before it sleeps: some 20 us."""
@@ -42,7 +42,7 @@ _wake_all = types.ExternalFunction("pthread_cond_broadcast", types.int32(types.u
 
 
 class Meeting(NamedTuple):
-    """Where threads wait for each other.
+    """Meeting point at which threads wait for each other.
 
     numbers: see ARRIVED and TURN, int64; mutex, condition: addresses of the C library's objects; memory: that they
     lie in.
@@ -97,7 +97,7 @@ class Team:
 def advance_thread(
     t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, meeting
 ):
-    """What thread t does; see `fem.explicit.time_loop.advance` for the step."""
+    """Advance the part of thread t; see `fem.explicit.time_loop.advance` for the step."""
     positions, velocities = state.positions, state.velocities
     threads, nodes = forces.shape[0], loop.mass.size
     slots = slot_count(loop.table.connectivity, shared.lattice)

@@ -80,7 +80,7 @@ def add_point(others, material, viscosity, rows, gradients, weights):
 
 @compiled
 def add_mapped_point(others, material, viscosity, rows, gradients, weights):
-    """The same for mapped elements; gradients: on the reference element."""
+    """Add the forces of a quadrature point of mapped elements; gradients: on the reference element."""
     nodes = len(others) + 1
     for slot in range(BLOCK_SIZE):
         j_11, j_12, j_21, j_22 = _gradient(6 * nodes + 3, others, rows, gradients, slot)
@@ -102,7 +102,7 @@ def add_mapped_point(others, material, viscosity, rows, gradients, weights):
 
 @compiled
 def add_bilinear_point(material, viscosity, rows, place, weights):
-    """The same for bilinear elements in their modes; place: xi and eta of the point."""
+    """Add the forces of a quadrature point of bilinear elements in their modes; place: xi and eta of the point."""
     for slot in range(BLOCK_SIZE):
         j_11, j_12, j_21, j_22 = _bilinear_gradient(27, rows, place, slot)
         area = j_11 * j_22 - j_12 * j_21
@@ -230,7 +230,7 @@ def _gradient(row, others, rows, gradients, slot):
 
 @inlined
 def _bilinear_gradient(row, rows, place, slot):
-    """The same on the reference element of a bilinear element, from its modes."""
+    """Gradient on the reference element of a bilinear element, from its modes."""
     x_twist, y_twist = rows[(row + 2) * BLOCK_SIZE + slot], rows[(row + 3) * BLOCK_SIZE + slot]
     return (
         rows[row * BLOCK_SIZE + slot] + place[1] * x_twist,

@@ -13,7 +13,7 @@ import numpy as np
 from fem.explicit.elastic_damping import damp, gained
 from fem.explicit.internal_force import subtract_forces_of
 from fem.explicit.simd_blocks import slot_count
-from fem.laws.corner import Corner, add_corner_reaction
+from fem.laws.corner import CornerConstraint, add_corner_reaction
 from fem.machine_code.compiled import compiled, implements
 from fem.plate.elements import ElementTable
 
@@ -25,7 +25,7 @@ class LoopParameters(NamedTuple):
     table: ElementTable
     material: Any
     mass: np.ndarray
-    corner: Corner
+    corner: CornerConstraint
     friction: Any
     viscosity: Any
     hourglass: Any
@@ -35,7 +35,7 @@ class LoopParameters(NamedTuple):
 
 
 class State(NamedTuple):
-    """Where the plate is, and what has been summed up on the way.
+    """State of the loop: the plate's motion, and sums so far.
 
     positions [m] and velocities half a step back [m/s], shape (2, nodes). sums, shape (4,): friction work and
     damping work done on the plate [J]; impulse of the normal reaction and of its magnitude [N s]. origin [m], shape

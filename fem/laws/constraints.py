@@ -17,7 +17,7 @@ from fem.registry import Law, LawRegistry
 
 @dataclass(frozen=True)
 class ConstraintInput:
-    """What a constraint's constants are made from.
+    """Properties that a constraint's constants are made from.
 
     Attributes
     ----------

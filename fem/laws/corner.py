@@ -20,7 +20,7 @@ from fem.laws.friction import FRICTION_LAWS
 from fem.machine_code.compiled import by_law, compiled
 
 
-class Corner(NamedTuple):
+class CornerConstraint(NamedTuple):
     """Nodes that carry the corner and their weights, sum 1; sum of weight^2 / mass [1/kg]; its constraint's constants.
 
     The properties are for Python; compiled code asks the constraint's kernels.
@@ -38,7 +38,7 @@ class Corner(NamedTuple):
 
     @property
     def is_exact(self) -> bool:
-        """Whether the constraint has no spring."""
+        """True if the constraint has no spring."""
         return self.stiffness == np.inf
 
     @property
@@ -93,9 +93,9 @@ def add_corner_reaction(positions, velocities, mass, time_step, corner, friction
     )
     pull_x = pull_y = 0.0
     for i in range(corner.nodes.size):
-        node, share = corner.nodes[i], corner.weights[i]
-        pull_x += share * force[0, node] / mass[node]
-        pull_y += share * force[1, node] / mass[node]
+        node, fraction = corner.nodes[i], corner.weights[i]
+        pull_x += fraction * force[0, node] / mass[node]
+        pull_y += fraction * force[1, node] / mass[node]
     closing = -((gap / time_step + rate) / time_step + pull_y) / corner.mobility
     spring, dashpot = constraint_forces(corner.constraint, gap, rate, closing)
     normal = spring + dashpot

@@ -39,8 +39,9 @@ class ElasticWall(NamedTuple):
 
 
 class WallMotion(NamedTuple):
-    """Where the wall is: amplitude [m kg^(1/2)], rate half a step back, and force, workspace, each of shape (modes,);
-    impulse of the foundation on the wall [N s], shape (2,); how far beyond its end it was pressed [m], shape (1,).
+    """Motion of the deformable wall: amplitude [m kg^(1/2)], rate half a step back, and force, workspace, each of
+    shape (modes,); impulse of the foundation on the wall [N s], shape (2,); how far beyond its end it was pressed
+    [m], shape (1,).
     """
 
     amplitude: np.ndarray
@@ -64,7 +65,7 @@ def _resist(wall, moving):
 
 @compiled
 def seat(wall, x):
-    """Node of the face before the place x [m], the next one's share, and how far beyond the wall's end x is [m]."""
+    """Node of the face before the place x [m], the next one's weight, and how far beyond the wall's end x is [m]."""
     place, last = (x - wall.start) / wall.spacing, wall.face.shape[1] - 1
     left = min(max(math.floor(place), 0), last - 1)
     return left, min(max(place - left, 0.0), 1.0), wall.spacing * max(-place, place - last, 0.0)
@@ -74,12 +75,12 @@ def seat(wall, x):
 def _under(wall, moving, contact, i, positions, origin):
     if not point_mean(positions[1], contact, i) <= wall.reach:
         return Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    left, share, beyond = seat(wall, origin + point_mean(positions[0], contact, i))
+    left, weight, beyond = seat(wall, origin + point_mean(positions[0], contact, i))
     x_0, x_1 = wall.face[0, left], wall.face[0, left + 1]
     y_0, y_1 = wall.face[1, left], wall.face[1, left + 1]
     sink_0 = sink_1 = rate_x = rate_y = pull_x = pull_y = give_x = give_y = 0.0
     for k in range(wall.stiffness.size):
-        x, y = x_0[k] + share * (x_1[k] - x_0[k]), y_0[k] + share * (y_1[k] - y_0[k])
+        x, y = x_0[k] + weight * (x_1[k] - x_0[k]), y_0[k] + weight * (y_1[k] - y_0[k])
         sink_0 += y_0[k] * moving.amplitude[k]
         sink_1 += y_1[k] * moving.amplitude[k]
         rate_x += x * moving.rate[k]
@@ -88,8 +89,8 @@ def _under(wall, moving, contact, i, positions, origin):
         pull_y += y * moving.force[k]
         give_x += x * x
         give_y += y * y
-    sink, slope = sink_0 + share * (sink_1 - sink_0), (sink_1 - sink_0) / wall.spacing
-    return Surface(left, share, beyond, sink, slope, rate_x, rate_y, pull_x, pull_y, give_x, give_y)
+    sink, slope = sink_0 + weight * (sink_1 - sink_0), (sink_1 - sink_0) / wall.spacing
+    return Surface(left, weight, beyond, sink, slope, rate_x, rate_y, pull_x, pull_y, give_x, give_y)
 
 
 @implements(tilted, ElasticWall, merged=True)
@@ -105,7 +106,7 @@ def _press(wall, moving, face, tangential, normal):
     x_0, x_1 = wall.face[0, face.left], wall.face[0, face.left + 1]
     y_0, y_1 = wall.face[1, face.left], wall.face[1, face.left + 1]
     for k in range(wall.stiffness.size):
-        x, y = x_0[k] + face.share * (x_1[k] - x_0[k]), y_0[k] + face.share * (y_1[k] - y_0[k])
+        x, y = x_0[k] + face.weight * (x_1[k] - x_0[k]), y_0[k] + face.weight * (y_1[k] - y_0[k])
         moving.force[k] -= x * tangential + y * normal
 
 

@@ -56,7 +56,7 @@ class FrictionLaw(Law):
 
     @cached_property
     def frictionless(self) -> bool:
-        """Whether there is no code for it in the loop."""
+        """True if there is no code for the law in the loop."""
         return self.constants is NoneType
 
 

@@ -146,9 +146,9 @@ def _logarithms(lame: float, shear: float, area: float) -> tuple[float, float]:
     the function is convex and rising. Written with log1p and expm1, so that small strains keep their digits.
     """
     plane = math.log1p(area)
-    share = 2.0 * shear / (lame + 2.0 * shear)
-    first = -(1.0 - share) * plane
-    thickness = first * (1.0 - share * first * (0.5 - (0.5 * share - 1.0 / 6.0) * first))
+    fraction = 2.0 * shear / (lame + 2.0 * shear)
+    first = -(1.0 - fraction) * plane
+    thickness = first * (1.0 - fraction * first * (0.5 - (0.5 * fraction - 1.0 / 6.0) * first))
     for _ in range(5):
         grown = math.expm1(thickness)
         residual = 2.0 * shear * grown + lame * (plane + thickness)

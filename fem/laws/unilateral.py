@@ -57,7 +57,7 @@ CONTACT_LAWS: LawRegistry[ContactLaw] = LawRegistry("contact law")
 
 
 class Crush(NamedTuple):
-    """Crush with permanent set: F0 + k d on loading; unloading and reloading on a line that gives back a share of the
+    """Crush with permanent set: F0 + k d on loading; unloading and reloading on a line that returns a fraction of the
     energy taken up. Taken at the mean of the depths before and ahead, which keeps the energy on either line.
 
     stiffness: k [N/m] of each point; initial_force: F0 [N] of each; returned: e^2 of the restitution e.
@@ -73,7 +73,7 @@ def taken_up(law: Any, i: int, deepest: float) -> float:
     return deepest * (law.initial_force[i] + 0.5 * law.stiffness[i] * deepest)
 
 
-def unloading_way(law: Any, i: int, deepest: float) -> float:
+def unloading_displacement(law: Any, i: int, deepest: float) -> float:
     """Depth [m] over which the force falls to nothing: the line gives back e^2 of the energy."""
     peak = law.initial_force[i] + law.stiffness[i] * deepest
     return 2.0 * law.returned * taken_up(law, i, deepest) / peak if peak > 0.0 else 0.0
@@ -85,16 +85,19 @@ def _crush_force(law: Any, i: int, before: float, free: float, deepest: float, i
     loading = (mean - give * initial) / (1.0 + give * stiffness)
     if loading > deepest:
         return initial + stiffness * loading
-    peak, way = initial + stiffness * deepest, unloading_way(law, i, deepest)
-    # (deepest - d) / way = 1 - N / peak on the line, and d = mean - give N; a line without way is a drop of the force.
-    return peak * max(way - deepest + mean, 0.0) / (way + give * peak) if peak > 0.0 else 0.0
+    peak, displacement = initial + stiffness * deepest, unloading_displacement(law, i, deepest)
+    # (deepest - d) / displacement = 1 - N / peak on the line, and d = mean - give N; without displacement the force
+    # drops.
+    return (
+        peak * max(displacement - deepest + mean, 0.0) / (displacement + give * peak) if peak > 0.0 else 0.0
+    )
 
 
 def _crush_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
-    way, drop = unloading_way(law, i, deepest), deepest - depth
-    if way <= drop:
+    displacement, drop = unloading_displacement(law, i, deepest), deepest - depth
+    if displacement <= drop:
         return 0.0
-    return law.returned * taken_up(law, i, deepest) * (1.0 - drop / way) ** 2
+    return law.returned * taken_up(law, i, deepest) * (1.0 - drop / displacement) ** 2
 
 
 def _crush_lost(law: Any, i: int, deepest: float) -> float:
@@ -108,7 +111,7 @@ CONTACT_LAWS.register(
         force=_crush_force,
         stored=_crush_stored,
         lost=_crush_lost,
-        helpers=(taken_up, unloading_way),
+        helpers=(taken_up, unloading_displacement),
         text="crush with permanent set: F0 + k d on loading, unloading on a line that gives back e^2 of the energy",
     )
 )
@@ -125,22 +128,26 @@ class PenaltyContact(NamedTuple):
 
 
 def _penalty_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
-    half, share = 0.5 * law.stiffness[i], 0.5 * law.stiffness[i] / inertia
+    half, fraction = 0.5 * law.stiffness[i], 0.5 * law.stiffness[i] / inertia
     if before > 0.0:
-        ahead = (free - share * before) / (1.0 + share)
+        ahead = (free - fraction * before) / (1.0 + fraction)
         if ahead >= 0.0:
             return half * (ahead + before)
         back = before - free
-        return 2.0 * half * before**2 / (back + math.sqrt(back**2 + 4.0 * share * before**2))
+        return 2.0 * half * before**2 / (back + math.sqrt(back**2 + 4.0 * fraction * before**2))
     if free <= 0.0:
         return 0.0
-    way = free - before * (1.0 + 2.0 * share)
-    moved = 0.5 * (way + math.sqrt(way**2 - 4.0 * (1.0 + share) * share * before**2)) / (1.0 + share)
+    displacement = free - before * (1.0 + 2.0 * fraction)
+    moved = (
+        0.5
+        * (displacement + math.sqrt(displacement**2 - 4.0 * (1.0 + fraction) * fraction * before**2))
+        / (1.0 + fraction)
+    )
     return half * max(before + moved, 0.0) ** 2 / moved
 
 
 def _penalty_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
-    """With this the ledger, whose works follow the trapezoidal rule, closes at every instant."""
+    """Energy [J] stored: with this the balance, of works by the trapezoidal rule, closes at every instant."""
     held = 0.25 * law.stiffness[i] * (max(depth, 0.0) ** 2 + max(before, 0.0) ** 2)
     return held + 0.5 * force * (depth - before)
 

@@ -23,13 +23,13 @@ from fem.machine_code.compiled import by_law, compiled, implements, inlined
 class Surface(NamedTuple):
     """The face under a contact point; x along the wall, y across it.
 
-    left, share: the node of the face before the point, and the next one's part in what is interpolated; beyond: how far
+    left, weight: the node of the face before the point, and the next one's weight in the interpolation; beyond: how far
     beyond the wall's end the point is [m]; sink: the face's y [m], and slope its derivative along the wall [-]; rate:
     velocity [m/s]; pull: acceleration by the forces that are known [m/s^2]; give: mobility [1/kg].
     """
 
     left: int
-    share: float
+    weight: float
     beyond: float
     sink: float
     slope: float
@@ -102,8 +102,8 @@ def _nothing_held(wall, moving, half):
     return 0.0, 0.0, 0.0, 0.0
 
 
-class WallContact(NamedTuple):
-    """Points of the boundary that may touch the wall; constants of the contact law, and of the friction law or None.
+class BoundaryContact(NamedTuple):
+    """Contact nodes of the boundary; constants of the contact law, and of the friction law or None.
 
     A point is a node, or the weighted mean of some. first, shape (points + 1,): where each point's nodes and weights
     begin in `nodes` and `weights`; mobility, shape (points,): sum of weight^2 / mass [1/kg].
@@ -118,7 +118,7 @@ class WallContact(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """What contact keeps of each point, each of shape (points,).
+    """State of the contact nodes, each of shape (points,).
 
     deepest: greatest depth, as the law takes it [m]; normal, tangential: impulse of the wall on it [N s]; pushing,
     sliding: force across and along the wall [N], and mean: depth as the law takes it [m], of the last step: workspace.
@@ -207,7 +207,7 @@ def push_back(positions, velocities, mass, time_step, contact, kept, wall, movin
 def add_contact(positions, velocities, mass, time_step, contact, kept, wall, moving, sums, origin, force):
     """Add the wall's forces to `force`, what they do to the points' state and to the sums, and move the wall on.
 
-    sums: friction work [J] and moment of the impulse about the wall's frame [N m s], in the places of `ImpactState`.
+    sums: friction work [J] and moment of the impulse about the wall's frame [N m s], as in `ImpactLoopState`.
     """
     push_back(positions, velocities, mass, time_step, contact, kept, wall, moving, origin, force)
     for i in range(contact.mobility.size):

@@ -23,8 +23,8 @@ OPTIONS: dict[str, Any] = {
     "no_cfunc_wrapper": True,
 }
 
-Told = Callable[[float, bool], None]
-"""Told seconds, and whether they are over."""
+OnCompile = Callable[[float, bool], None]
+"""Callback of seconds that compiling is expected to take, with False, and that it took, with True."""
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -40,11 +40,13 @@ def compiled(function: Callable[..., Any]) -> Any:
     return Kernel(function, OPTIONS | {"nogil": True})
 
 
-def compile_once(compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any, told: Told) -> None:
+def compile_once(
+    compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any, on_compile: OnCompile
+) -> None:
     """Compile, or load from disk, what a run needs: of each kind of model, one process of the machine at a time.
 
-    kernel, arguments: by whose machine code it is known whether that was done before. told: if it has to be compiled,
-    told about how long that takes [s], and when it is done, how long it took.
+    kernel, arguments: by whose machine code it is known whether that was done before. on_compile: where it has to be
+    compiled, called with the time expected [s] and False, and when it is done, with the time it took and True.
     """
     if kernel.has_code(*arguments):
         compile_all()
@@ -54,16 +56,16 @@ def compile_once(compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any
         if code.exists():
             compile_all()
             return
-        told(expected_time(), False)
+        on_compile(expected_time(), False)
         began = time.perf_counter()
         compile_all()
         spent = time.perf_counter() - began
-        told(spent, True)
+        on_compile(spent, True)
         keep_time(spent)
 
 
-def silent(seconds: float, done: bool) -> None:
-    """Tell nobody."""
+def ignore_compiling(seconds: float, done: bool) -> None:
+    """Ignore the report of compiling."""
 
 
 def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

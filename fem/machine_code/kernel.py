@@ -74,7 +74,7 @@ class Kernel:
         return lambda kept=arguments: call(values)  # type: ignore[misc]  # values are addresses: what is there must live
 
     def has_code(self, *arguments: Any) -> bool:
-        """Whether this process has machine code for arguments of these types."""
+        """True if this process has machine code for arguments of these types."""
         return flattened(arguments)[0] in self._found
 
     def path(self, *arguments: Any) -> Path:
@@ -83,7 +83,7 @@ class Kernel:
 
     @functools.cached_property
     def dispatcher(self) -> Any:
-        """What Numba makes of the function, for other compiled code to call."""
+        """Numba's dispatcher of the function, for other compiled code to call."""
         return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
 
     def _path(self, kinds: tuple[Any, ...]) -> Path:
@@ -96,11 +96,11 @@ class Kernel:
 
     @functools.cached_property
     def _through_numba(self) -> Any:
-        """The function by Numba's own way to call it."""
+        """Callable of the function by Numba itself."""
         return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
 
     def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...]) -> Callable[[list[Any]], Any] | None:
-        """What calls the machine code; None where Numba lacks what that needs."""
+        """Callable of the machine code; None where Numba lacks a name that this needs."""
         with _FINDING:
             if "_through_numba" in vars(self):
                 return None

@@ -23,7 +23,7 @@ NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
 
 
 def make_dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """What Numba makes of a function, and calls from other compiled code."""
+    """Numba's dispatcher of a function, which other compiled code can call."""
     return numba.njit(**options)(function)
 
 

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from fem.machine_code.arguments import ADDRESS, FLOAT, INTEGER, LOGICAL
 
 C_TYPES = {FLOAT: ctypes.c_double, INTEGER: ctypes.c_int64, LOGICAL: ctypes.c_int8, ADDRESS: ctypes.c_void_p}
-"""By code."""
+"""C types by the code of a value."""
 
 UNUSED = ("unpickle", "do_raise", "gil_ensure", "gil_release", "runtime_build_excinfo_struct")
 """Functions of Numba that only its errors call, with a Python object at hand; here nobody asks for that."""
@@ -50,7 +50,7 @@ class KernelError(RuntimeError):
 
 
 def write_code(path: Path, found: ObjectCode) -> None:
-    """Write it whole or not at all; a folder or disk that cannot take it is no error."""
+    """Write object code to a file, whole or not at all; a folder or disk that cannot take it is no error."""
     content = json.dumps(found[:-1]).encode() + b"\n" + found.code
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -64,7 +64,7 @@ def write_code(path: Path, found: ObjectCode) -> None:
 
 
 def read_code(path: Path) -> ObjectCode | None:
-    """What was written; None where there is none, or none that is whole."""
+    """Object code that was written to a file; None where there is none, or none that is whole."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -120,7 +120,7 @@ def _layout(result: Any) -> Any:
 
 
 def _reader(result: Any) -> Callable[[Any], Any]:
-    """What makes the Python value of a C value."""
+    """Function that makes the Python value of a C value of this type."""
     if result is None:
         return lambda value: None
     if result == LOGICAL:

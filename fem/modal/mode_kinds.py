@@ -25,7 +25,7 @@ from fem.plate.elements import stiffness_matrix
 
 @dataclass(frozen=True)
 class ModeKinds:
-    """Names of the kinds, and the shares they follow from, shape (modes,): kinetic energy of the symmetric part and
+    """Names of the kinds, and the fractions they follow from, shape (modes,): kinetic energy of the symmetric part and
     along the length, strain energy of shear."""
 
     names: tuple[str, ...]
@@ -44,8 +44,8 @@ def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKin
     stiffness = stiffness_matrix(model.discretisation.scalar, thickness, moduli)
     flat = shapes.reshape(len(shapes), -1)
     shear = ((stiffness @ flat.T).T * flat).sum(axis=1) / modes.frequencies**2
-    shares = zip(symmetric, along, shear, strict=True)
-    return ModeKinds(tuple(_name(*share) for share in shares), symmetric, along, shear)
+    fractions = zip(symmetric, along, shear, strict=True)
+    return ModeKinds(tuple(_name(*fraction) for fraction in fractions), symmetric, along, shear)
 
 
 def _name(symmetric: float, along: float, shear: float) -> str:
@@ -64,7 +64,7 @@ def _mirror_nodes(positions: np.ndarray) -> np.ndarray:
 
 
 POLYNOMIALS = 24
-"""Of the Ritz solution in each unknown: the lowest ten frequencies are then exact to ten digits."""
+"""Terms of the Ritz solution in each unknown: the lowest ten frequencies are then exact to ten digits."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +79,12 @@ class Beam:
 
     @property
     def wave_speed(self) -> float:
-        """Of longitudinal waves in a thin strip, sqrt(E / rho) [m/s]."""
+        """Speed of longitudinal waves in a thin strip, sqrt(E / rho) [m/s]."""
         return math.sqrt(self.youngs_modulus / self.density)
 
     @property
     def shear_coefficient(self) -> float:
-        """Of a rectangle in plane stress: 5 (1 + nu) / (6 + 5 nu) (Kaneko 1975, J. Phys. D 8, 1927)."""
+        """Shear coefficient of a rectangle: 5 (1 + nu) / (6 + 5 nu) (Kaneko 1975, J. Phys. D 8, 1927)."""
         return 5.0 * (1.0 + self.poissons_ratio) / (6.0 + 5.0 * self.poissons_ratio)
 
 

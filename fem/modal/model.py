@@ -64,7 +64,7 @@ class ModalPlate:
 
     @property
     def frequencies(self) -> np.ndarray:
-        """Of the modes kept [rad/s], shape (modes,)."""
+        """Circular frequencies of the modes [rad/s], shape (modes,)."""
         return np.asarray(np.sqrt(self.model.squares))
 
 
@@ -76,7 +76,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     plate : PlateModel
         The whole plate.
     count : int
-        How many modes are kept.
+        Number of modes.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     body = positions - (positions @ masses / masses.sum())[:, None]
     loads = _loads(masses, body, loop.corner)
     fields = np.array([plate.elastic(load.ravel()).reshape(2, -1) for load in loads])
-    shares = np.tensordot(modes.shapes, loads, ((1, 2), (1, 2)))  # of the loads in the modes, (modes, 3)
+    fractions = np.tensordot(modes.shapes, loads, ((1, 2), (1, 2)))  # of the loads in the modes, (modes, 3)
     squares, weighted = modes.frequencies**2, modes.shapes * masses
     turning = weighted[:, 0] @ modes.shapes[:, 1].T
     model = ModalModel(
@@ -105,10 +105,11 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
         inertia=float(masses @ (body**2).sum(axis=0)),
         arm=_at(body, loop.corner),
         squares=squares,
-        corner=np.ascontiguousarray(shares[:, :2].T),
-        growth=np.ascontiguousarray(shares[:, 2]),
+        corner=np.ascontiguousarray(fractions[:, :2].T),
+        growth=np.ascontiguousarray(fractions[:, 2]),
         turning=np.ascontiguousarray(turning - turning.T),
-        flexibility=np.tensordot(loads, fields, ((1, 2), (1, 2))) - shares.T @ (shares / squares[:, None]),
+        flexibility=np.tensordot(loads, fields, ((1, 2), (1, 2)))
+        - fractions.T @ (fractions / squares[:, None]),
         compliance=1.0 / loop.corner.stiffness,
         friction=loop.friction,
     )
@@ -118,13 +119,13 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
 def with_fewer_modes(modal: ModalPlate, count: int) -> ModalPlate:
     """The model with only its first `count` modes: the others' flexibility joins that of the modes left out."""
     model = modal.model
-    shares = np.column_stack([model.corner[:, count:].T, model.growth[count:]])
+    fractions = np.column_stack([model.corner[:, count:].T, model.growth[count:]])
     fewer = model._replace(
         squares=model.squares[:count].copy(),
         corner=model.corner[:, :count].copy(),
         growth=model.growth[:count].copy(),
         turning=model.turning[:count, :count].copy(),
-        flexibility=model.flexibility + shares.T @ (shares / model.squares[count:, None]),
+        flexibility=model.flexibility + fractions.T @ (fractions / model.squares[count:, None]),
     )
     return ModalPlate(fewer, modal.weighted[:count])
 

@@ -15,7 +15,7 @@ from fem.machine_code.compiled import by_law, compiled
 
 
 class ModalMeasures(NamedTuple):
-    """What is read off a state, SI: as in `fem.explicit.columns`; energy: kinetic and elastic."""
+    """Measures of a state, SI: as in `fem.explicit.columns`; energy: kinetic and elastic."""
 
     theta: float
     omega: float
@@ -27,7 +27,7 @@ class ModalMeasures(NamedTuple):
 
 
 MEASURED = ModalMeasures._fields
-"""What `measure_rows` fills in."""
+"""Columns that `measure_rows` fills in."""
 
 
 class Reaction(NamedTuple):

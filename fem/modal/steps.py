@@ -15,7 +15,7 @@ from fem.machine_code.compiled import compiled
 from fem.modal.motion import accelerate, reaction
 
 NODE = 0.5 - math.sqrt(3.0) / 6.0
-"""The first instant of a step, as a share of it; the second is as far from its end."""
+"""The first instant of a step, as a fraction of it; the second is as far from its end."""
 
 STAGES = np.array([[0.25, NODE - 0.25], [0.75 - NODE, 0.25]])
 TWICE = STAGES @ STAGES
@@ -27,13 +27,13 @@ TOLERANCE = 1e-13
 """Change of the corner's acceleration, over the centripetal, at which Newton's method has converged."""
 
 STAGNATION = 1e-9
-"""The same, where rounding keeps it from falling further."""
+"""Change of the corner's acceleration at which it has converged where rounding keeps it from falling further."""
 
 MAX_ITERATIONS = 30
-"""Of Newton's method in one step: it takes three to six."""
+"""Iterations of Newton's method in one step: it takes three to six."""
 
 REACHED, STOPPED, DIVERGED, LATE = 0, 1, 2, 3
-"""How a run ends: at angle zero; with the corner at rest; without convergence; after the last row."""
+"""Ends of a run: at angle zero; with the corner at rest; without convergence; after the last row."""
 
 
 @compiled

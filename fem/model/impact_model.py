@@ -14,7 +14,7 @@ from fem.explicit.impact_loop import ImpactLoop
 from fem.laws.elastic_wall import ElasticWall
 from fem.laws.materials import st_venant_kirchhoff
 from fem.laws.unilateral import Crush, ExactContact, PenaltyContact, penalty_stiffness
-from fem.laws.wall_contact import WallContact
+from fem.laws.wall_contact import BoundaryContact
 from fem.model import plate_model
 from fem.model.plate_model import PlateModel
 from fem.plate.elements import Discretisation, stiffness_matrix
@@ -75,7 +75,7 @@ def build_impact_model(
 
 def wall_contact(
     discretisation: Discretisation, masses: np.ndarray, plate: PlateProperties, contact: ContactProperties
-) -> WallContact:
+) -> BoundaryContact:
     """Contact points with their law. A corner that crushes and has a layer is there twice.
 
     Raises ModelError where the patch of a corner does not lie on its side.
@@ -94,7 +94,7 @@ def wall_contact(
     nodes, weights = (np.concatenate(parts) for parts in zip(*points, strict=True))
     first = np.cumsum([0, *(len(point[0]) for point in points)])
     mobility = np.add.reduceat(weights**2 / masses[nodes], first[:-1])
-    return WallContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
+    return BoundaryContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
 
 
 def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:

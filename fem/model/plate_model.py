@@ -16,7 +16,7 @@ from fem.explicit.elastic_damping import damped_time_step, elastic_damping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.time_loop import LoopParameters
 from fem.laws.constraints import CONSTRAINTS, ConstraintInput
-from fem.laws.corner import Corner
+from fem.laws.corner import CornerConstraint
 from fem.laws.materials import MATERIALS, StVenantKirchhoff, st_venant_kirchhoff
 from fem.lazy import cached
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 LARGE = 10_000
-"""Nodes from which on a plate is not kept."""
+"""Nodes from which on a plate is not cached."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,19 +277,19 @@ def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: floa
 
 def _corner(
     d: Discretisation, masses: np.ndarray, plate: PlateProperties, corner: CornerProperties
-) -> Corner:
+) -> CornerConstraint:
     nodes, weights = corner_weights(d, corner.patch_length)
     mobility = float((weights**2 / masses[nodes]).sum())
     given = ConstraintInput(
         plate.youngs_modulus, plate.thickness, mobility, corner.penalty_scale, corner.damping_ratio
     )
-    return Corner(nodes, weights, mobility, CONSTRAINTS[corner.constraint].make(given))
+    return CornerConstraint(nodes, weights, mobility, CONSTRAINTS[corner.constraint].make(given))
 
 
 def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights by which the corner P is held; length [m] of side PE, 0 for the node alone.
 
-    The weights are the nodes' shares of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
+    The weights are the nodes' parts of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
     first moment about P is 0, so that for every rigid motion the weighted mean is P itself. Raises ModelError
     if the length is not between two nodes and the side.
     """
@@ -307,14 +307,14 @@ def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.nd
             "patch_length",
             f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
         )
-    weights = _shares(s, length)
+    weights = _hat_integrals(s, length)
     used = np.abs(weights) > 0.0
     return side[used].astype(np.int64), weights[used]
 
 
-def _shares(s: np.ndarray, length: float) -> np.ndarray:
+def _hat_integrals(s: np.ndarray, length: float) -> np.ndarray:
     """Integrals of w times each node's hat function; two Gauss points are exact for this cubic's pieces."""
-    shares = np.zeros_like(s)
+    parts = np.zeros_like(s)
     for i in range(s.size - 1):
         end = min(s[i + 1], length)
         if end <= s[i]:
@@ -324,9 +324,9 @@ def _shares(s: np.ndarray, length: float) -> np.ndarray:
             at = 0.5 * (s[i] + end) + point * half / np.sqrt(3.0)
             load = half * (4.0 - 6.0 * at / length) / length
             hat = (at - s[i]) / (s[i + 1] - s[i])
-            shares[i] += load * (1.0 - hat)
-            shares[i + 1] += load * hat
-    return shares
+            parts[i] += load * (1.0 - hat)
+            parts[i + 1] += load * hat
+    return parts
 
 
 def plate_viscosity(

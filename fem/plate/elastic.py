@@ -29,7 +29,7 @@ TOLERANCE, MOST = 1e-10, 300
 on elements that are very long."""
 
 SWEEPS = {"presmoother": "forward", "postsmoother": "backward"}
-"""Of Gauss and Seidel; together they make a symmetric cycle."""
+"""Sweeps of Gauss and Seidel before and after; together they make a symmetric cycle."""
 
 PROLONGATION = ("jacobi", {"weighting": "local", "omega": 1.8})
 """Weights by sums of rows need no eigenvalues; of factors from 4/3 to 2 this one takes the fewest iterations."""
@@ -133,8 +133,8 @@ Solve = Callable[[np.ndarray], np.ndarray]
 LARGE = 40_000
 """Unknowns from which on a few loads are solved faster by multigrid than by a factorisation, its import included."""
 
-KEPT = 4
-"""Solutions that are kept: statics and the start ask for the same load."""
+CACHED = 4
+"""Solutions that are cached: statics and the start ask for the same load."""
 
 
 def rigid_motions(body: np.ndarray) -> np.ndarray:
@@ -152,7 +152,7 @@ def rigid_motions(body: np.ndarray) -> np.ndarray:
 class Inverse:
     """Solver of K u = f for a few loads in equilibrium, with u free of mass-weighted rigid motion.
 
-    Nothing is computed before the first load; the last solutions are kept. Above LARGE unknowns it iterates
+    Nothing is computed before the first load; the last solutions are cached. Above LARGE unknowns it iterates
     (`fem.plate.elastic`), and where that does not converge, as below, it factorises.
 
     Parameters
@@ -173,7 +173,7 @@ class Inverse:
         """Displacement [m], shape (2 nodes,), under the load [N]."""
         key = hashlib.blake2b(load.tobytes()).digest()
         if key not in self._solutions:
-            if len(self._solutions) == KEPT:
+            if len(self._solutions) == CACHED:
                 self._solutions.pop(next(iter(self._solutions)))
             self._solutions[key] = self._solved(load)
         return self._solutions[key].copy()
@@ -188,23 +188,23 @@ class Inverse:
 
     @property
     def is_large(self) -> bool:
-        """Whether it iterates."""
+        """True if it iterates, on large plates."""
         return 2 * self.masses.size >= LARGE
 
     @cached_property
     def factorised(self) -> Solve:
-        """The same by a factorisation, for many loads."""
+        """Solver by a factorisation, for many loads."""
         return elastic_solver(self.stiffness, self.masses, self.positions)
 
     @cached_property
     def multigrid(self) -> Multigrid:
-        """The iteration."""
+        """Solver by multigrid, for few loads."""
         return Multigrid(self.stiffness, rigid_motions(self.positions - self.positions.mean(axis=1)[:, None]))
 
 
 @dataclass(frozen=True)
 class ElasticSolver:
-    """The same of a plate whose stiffness is that of `inverse` times the modulus [Pa]."""
+    """Solver of K u = f for a plate whose stiffness is that of `inverse` times the modulus [Pa]."""
 
     inverse: Inverse
     modulus: float
@@ -270,7 +270,7 @@ class FreeModes:
 
 
 def most_modes(nodes: int) -> int:
-    """How many elastic modes can be asked for on a mesh of so many nodes: Lanczos cannot give all."""
+    """Largest number of elastic modes that can be asked for on a mesh of so many nodes: Lanczos cannot find all."""
     return 2 * nodes - 4
 
 
@@ -327,7 +327,7 @@ def lowest_frequency(elastic: ElasticSolver) -> float:
 
 @cached("first frequency")
 def _lowest_unit_frequency(plate: Inverse) -> float:
-    """The same with a modulus of 1 Pa [rad/s]: of a large plate by multigrid, else as `plate_modes`."""
+    """Lowest elastic frequency with a modulus of 1 Pa [rad/s]: of a large plate by multigrid, else as `plate_modes`."""
     if plate.is_large:
         with suppress(NotConvergedError):
             return math.sqrt(plate.multigrid.lowest_square(plate.masses, _smooth(plate.positions)))

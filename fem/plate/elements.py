@@ -43,7 +43,7 @@ class Mapping(NamedTuple):
 
 
 class ElementTable(NamedTuple):
-    """What the internal forces need, as contiguous arrays.
+    """Constants of the internal forces, as contiguous arrays.
 
     connectivity: node of each element corner, shape (nodes per element, elements).
     gradients: shape-function gradients in the reference configuration [1/m], shape

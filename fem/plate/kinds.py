@@ -52,7 +52,7 @@ class Inertia:
 
 @dataclass(frozen=True)
 class PlateProperties:
-    """What the plate is made of, and choices by name.
+    """Size and material of the plate, and choices by name.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class ContactProperties:
     stiffness, initial_force : float
         Of the crush at each corner, k [N/m] and F0 [N].
     restitution : float
-        Its square is the share of the energy that unloading gives back [-].
+        Its square is the fraction of the energy that unloading returns [-].
     side_stiffness : float
         Of a crush layer along the sides [N/m per m]; 0 for none, then the corners alone touch.
     penalty_scale : float
@@ -181,7 +181,7 @@ class StepProperties:
     Attributes
     ----------
     safety_factor : float
-        Share of the stable time step that is taken [-].
+        Fraction of the stable time step that is taken [-].
     longest : float
         Upper bound on the time step [s].
     damping_ratio : float
@@ -215,11 +215,11 @@ class ElementKind:
     cells : str
         That it sits on.
     hourglass : bool
-        Whether it needs hourglass control.
-    richer : str
+        True if it needs hourglass control.
+    higher_order : str
         Kind of twice the order on the same mesh, "" where this one is of second order.
     row_sums : bool
-        Whether row sums of its mass matrix are positive.
+        True if row sums of its mass matrix are positive.
     """
 
     name: str
@@ -227,7 +227,7 @@ class ElementKind:
     order: int
     cells: str
     hourglass: bool = False
-    richer: str = ""
+    higher_order: str = ""
     row_sums: bool = True
 
 
@@ -235,10 +235,10 @@ ELEMENT_KINDS: Registry[ElementKind] = Registry("element")
 """Kinds of elements by their names in a scene."""
 
 for _kind in (
-    ElementKind("quad4", "ElementQuad1", 2, "quad", richer="quad9"),
-    ElementKind("quad4-reduced", "ElementQuad1", 0, "quad", hourglass=True, richer="quad9"),
+    ElementKind("quad4", "ElementQuad1", 2, "quad", higher_order="quad9"),
+    ElementKind("quad4-reduced", "ElementQuad1", 0, "quad", hourglass=True, higher_order="quad9"),
     ElementKind("quad9", "ElementQuad2", 4, "quad"),
-    ElementKind("tri3", "ElementTriP1", 1, "triangle", richer="tri6"),
+    ElementKind("tri3", "ElementTriP1", 1, "triangle", higher_order="tri6"),
     ElementKind("tri6", "ElementTriP2", 2, "triangle", row_sums=False),
 ):
     ELEMENT_KINDS.register(_kind)

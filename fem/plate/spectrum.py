@@ -16,12 +16,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.laws.corner import Corner
+from fem.laws.corner import CornerConstraint
 from fem.lazy import cached
 from fem.plate.elastic import ElasticSolver, Inverse
 
 KEPT = 1.0 / 3.0
-"""Share of the basis that a restart keeps, of the vectors of the largest eigenvalues."""
+"""Fraction of the basis that a restart retains, of the vectors of the largest eigenvalues."""
 
 SETTLED = 0.01
 """Part of the tolerance that the value may have grown by since the last restart: where it still grows, it is near an
@@ -108,14 +108,14 @@ BASIS = 12
 """Lanczos vectors: more take fewer products and more time."""
 
 LARGE = 10_000
-"""Nodes from which on a spectrum is not kept."""
+"""Nodes from which on a spectrum is not cached."""
 
 STEP_SETTLED = 1e-6
 """Relative change of the damped time step at which Newton's method ends."""
 
 
 class Hold(NamedTuple):
-    """How the corner is held.
+    """Constraint of the corner, as the spectrum needs it.
 
     nodes: that the constraint acts on; across: weights of their x and then their y unknowns in the direction across
     the wall in the body frame, at each angle of the plate that is looked at; spring [N/m]; dashpot [N s/m].
@@ -127,7 +127,7 @@ class Hold(NamedTuple):
     dashpot: float
 
     def of_modulus(self, modulus: float) -> Hold:
-        """As it holds a plate of this modulus [Pa], where this is of a plate of unit modulus."""
+        """The constraint on a plate of this modulus [Pa], where this one is on a plate of unit modulus."""
         return self._replace(spring=modulus * self.spring, dashpot=math.sqrt(modulus) * self.dashpot)
 
 
@@ -257,11 +257,11 @@ class ScaledSpectrum:
 
     @property
     def mode(self) -> np.ndarray:
-        """As `Spectrum.mode`."""
+        """Mode of the highest frequency, see `Spectrum.mode`."""
         return self.unit.mode
 
     def stable_time_step(self, damping: Any = None) -> float:
-        """As `Spectrum.stable_time_step` [s]."""
+        """Largest stable time step [s], see `Spectrum.stable_time_step`."""
         root = math.sqrt(self.modulus)
         return self.unit.stable_time_step(None if damping is None else damping / root) / root
 
@@ -278,7 +278,7 @@ def _unit_spectrum(plate: Inverse, hold: Hold) -> Spectrum:
     return Spectrum(plate.stiffness, plate.masses, hold)
 
 
-def hold_of(corner: Corner, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0) -> Hold:
+def hold_of(corner: CornerConstraint, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0) -> Hold:
     """How this corner holds a plate of unit modulus: as it holds one of this modulus [Pa].
 
     angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.

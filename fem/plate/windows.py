@@ -24,7 +24,7 @@ SIZE = 24
 """Elements along each side of a window, at least, and beside the nodes that are held."""
 
 EVEN = 1e-3
-"""How far masses of nodes alike may be apart, by the exact inertia, for windows to stand for each other."""
+"""Largest relative difference of masses of nodes alike, by the exact inertia, for windows to stand for each other."""
 
 Window = tuple[tuple[int, int], ...]
 """First column and the one behind the last, and rows likewise."""
@@ -55,11 +55,11 @@ class Windows:
         self._nodes = discretisation.table.connectivity
         self._cells = _lattice(discretisation.positions[:, self._nodes])
         self._stiffness = element_stiffness(discretisation.table, moduli, hourglass)
-        self._shares, self._surplus = _element_masses(self._nodes, masses)
+        self._parts, self._surplus = _element_masses(self._nodes, masses)
 
     @property
     def even(self) -> bool:
-        """Whether windows stand for each other: elements fill a lattice, and nodes alike have about the same mass."""
+        """True if windows stand for each other: elements fill a lattice, and nodes alike have about the same mass."""
         return math.prod(self._cells.max(axis=1) + 1) == self._cells.shape[1] and self._surplus <= 1.0 + EVEN
 
     def bound(self, hold: Hold = FREE) -> WindowBound:
@@ -74,11 +74,11 @@ class Windows:
         return max(bounds, key=lambda bound: bound.frequency)
 
     def _highest(self, window: Window, hold: Hold) -> WindowBound:
-        """The bound of a window, cut out: its elements with their shares of the nodes' masses."""
+        """The bound of a window, cut out: its elements with their parts of the nodes' masses."""
         elements = self._nodes[:, _inside(self._cells, window)]
         used, local = np.unique(elements, return_inverse=True)
         local = local.reshape(elements.shape)
-        masses = np.bincount(local.ravel(), np.repeat(self._shares, elements.shape[1])) / self._surplus
+        masses = np.bincount(local.ravel(), np.repeat(self._parts, elements.shape[1])) / self._surplus
         own = hold._replace(nodes=tuple(np.searchsorted(used, hold.nodes).tolist()))
         spectrum = Spectrum(_assembled(self._stiffness, local, used.size), masses, own)
         mode = np.zeros((2, int(self._nodes.max()) + 1))
@@ -102,7 +102,7 @@ def element_stiffness(table: ElementTable, moduli: Any, hourglass: Hourglass | N
 
 
 def _assembled(stiffness: np.ndarray, nodes: np.ndarray, count: int) -> sp.csr_matrix:
-    """Of elements alike, shape (2 count, 2 count); nodes: shape (nodes per element, elements)."""
+    """Stiffness matrix of elements alike, shape (2 count, 2 count); nodes: shape (nodes per element, elements)."""
     unknowns = np.concatenate([nodes, nodes + count])
     rows, columns = (
         np.broadcast_to(each, (len(stiffness), *unknowns.shape)) for each in (unknowns[:, None], unknowns)
@@ -117,9 +117,9 @@ def _element_masses(nodes: np.ndarray, masses: np.ndarray) -> tuple[np.ndarray, 
     A node's mass is shared by its elements in proportion to these.
     """
     elements = np.bincount(nodes.ravel())
-    shares = (masses / elements)[nodes].mean(axis=1)
-    whole = np.bincount(nodes.ravel(), np.repeat(shares, nodes.shape[1]))
-    return shares, float((whole / masses).max())
+    parts = (masses / elements)[nodes].mean(axis=1)
+    whole = np.bincount(nodes.ravel(), np.repeat(parts, nodes.shape[1]))
+    return parts, float((whole / masses).max())
 
 
 def _lattice(positions: np.ndarray) -> np.ndarray:
@@ -129,7 +129,7 @@ def _lattice(positions: np.ndarray) -> np.ndarray:
 
 
 def _inside(cells: np.ndarray, window: Window) -> np.ndarray:
-    """Whether elements of these columns and rows, shape (2, elements), lie in the window."""
+    """True where elements of these columns and rows, shape (2, elements), lie in the window."""
     return np.all(
         [(low <= row) & (row < high) for row, (low, high) in zip(cells, window, strict=True)], axis=0
     )

@@ -13,7 +13,7 @@ import numpy as np
 from fem.explicit.columns import COLUMNS, Measures, row_of
 from fem.explicit.measures import advance_and_measure, all_forces, measure
 from fem.explicit.time_loop import State, advance, copy_state
-from fem.machine_code.compiled import Told, compile_once, silent
+from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
 from fem.start.rigid_state import RigidStart
@@ -27,7 +27,7 @@ OVERTIME = 1.5
 
 
 @dataclass(frozen=True)
-class Strike:
+class StrikeState:
     """The tail-slap.
 
     Attributes
@@ -51,7 +51,7 @@ class Run:
     ----------
     history : dict of ndarray, shape (rows,)
         By name: t [s] and `COLUMNS`.
-    strike : Strike or None
+    strike : StrikeState or None
         None if the side did not reach the wall, or the numbers left the finite.
     steps : int
         Time steps taken.
@@ -64,7 +64,7 @@ class Run:
     """
 
     history: dict[str, np.ndarray]
-    strike: Strike | None
+    strike: StrikeState | None
     steps: int
     setup_s: float
     time_loop_s: float
@@ -154,14 +154,18 @@ class Stepper(runner.PlateStepper):
         return runner.Recorded(np.array(rows), before, state)
 
 
-def compile_loop(model: PlateModel, start: RigidStart, threads: int = 1, told: Told = silent) -> None:
+def compile_loop(
+    model: PlateModel, start: RigidStart, threads: int = 1, on_compile: OnCompile = ignore_compiling
+) -> None:
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time.
 
-    told: see `fem.machine_code.compiled.compile_once`.
+    on_compile: see `fem.machine_code.compiled.compile_once`.
     """
     stepper = Stepper(model, threads)
     compile_once(
-        lambda: stepper.record(stepper.start(start, "unstressed"), 0, 1), *stepper.step_call, told=told
+        lambda: stepper.record(stepper.start(start, "unstressed"), 0, 1),
+        *stepper.step_call,
+        on_compile=on_compile,
     )
 
 
@@ -256,8 +260,8 @@ def _named(values: Iterable[Any]) -> dict[str, Any]:
     return dict(zip(("t", *COLUMNS), values, strict=True))
 
 
-def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
-    """Strike at angle zero, and the number of steps to just beyond it.
+def _locate(stepper: Stepper, state: State, step: int) -> tuple[StrikeState, int]:
+    """StrikeState at angle zero, and the number of steps to just beyond it.
 
     Steps on singly to one step past the first angle <= 0, and interpolates by the polynomial, cubic where four
     instants are there, that gives everything as a function of the angle.
@@ -272,7 +276,7 @@ def _locate(stepper: Stepper, state: State, step: int) -> tuple[Strike, int]:
     values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
     values |= {"t": float(weights @ np.array(steps)) * stepper.loop.time_step, "theta": 0.0}
     nodal = zip(*map(stepper.nodal, states), strict=True)
-    return Strike(values, *(np.tensordot(weights, each, 1) for each in nodal)), step
+    return StrikeState(values, *(np.tensordot(weights, each, 1) for each in nodal)), step
 
 
 def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:

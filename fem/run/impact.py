@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.explicit.impact_loop import ImpactMeasures, ImpactState, Rows, advance_and_record
+from fem.explicit.impact_loop import ImpactLoopState, ImpactMeasures, Rows, advance_and_record
 from fem.explicit.time_loop import copy_state
 from fem.laws.wall_contact import ContactState
-from fem.machine_code.compiled import Told, compile_once, silent
+from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from fem.model.plate_model import PlateModel
 from fem.plate.kinds import ModelError
 from fem.run import observers, runner
@@ -86,7 +86,7 @@ class ImpactStepper(runner.PlateStepper):
         state = self.at_touch(FirstTouch(0.0, 0.0, 0.0))
         return advance_and_record, state, 1, *self._all_parts, self._room(0)
 
-    def at_touch(self, touch: FirstTouch) -> ImpactState:
+    def at_touch(self, touch: FirstTouch) -> ImpactLoopState:
         """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
         points, wall = self.loop.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
@@ -98,7 +98,7 @@ class ImpactStepper(runner.PlateStepper):
 
             wall = at_rest(self.loop.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
-        return ImpactState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
+        return ImpactLoopState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
 
     @property
     def points(self) -> np.ndarray:
@@ -112,7 +112,7 @@ class ImpactStepper(runner.PlateStepper):
         sizes = (len(ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,))
         return Rows(*(np.empty((count, size)) for size in sizes))
 
-    def record(self, state: ImpactState, stride: int, count: int) -> runner.Recorded:
+    def record(self, state: ImpactLoopState, stride: int, count: int) -> runner.Recorded:
         """So many rows from a state on, which stays as it is, `stride` steps apart: the fields of `Rows` side by side.
 
         Raises ModelError where the plate presses on a deformable wall beyond its end.
@@ -126,11 +126,11 @@ class ImpactStepper(runner.PlateStepper):
         return runner.Recorded(np.hstack(rows), state, later)
 
 
-def compile_impact_loop(model: PlateModel, told: Told = silent) -> None:
+def compile_impact_loop(model: PlateModel, on_compile: OnCompile = ignore_compiling) -> None:
     """Compile, or load from disk, all that a run of this model needs; see `fem.run.corner.compile_loop`."""
     stepper = ImpactStepper(model)
     touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
-    compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, told=told)
+    compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, on_compile=on_compile)
 
 
 def simulate_impact(

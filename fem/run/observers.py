@@ -28,7 +28,7 @@ class Progress(Observer):
         self._callback, self._interval = callback, interval
 
     def look(self, rows: np.ndarray, state: Any) -> bool:
-        """Tell it."""
+        """Call the callback with the time that is done."""
         self._callback(self._interval * (len(rows) - 1))
         return False
 
@@ -73,11 +73,11 @@ class Shapes(Observer):
         return False
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What was kept."""
+        """Arrays with which `resume` goes on."""
         return {"seen": np.array(self.seen), "last": self.last}
 
     def resume(self, arrays: Arrays) -> None:
-        """Go on with it."""
+        """Go on from these arrays."""
         self.seen, self.last = list(arrays["seen"]), arrays["last"]
 
 
@@ -128,23 +128,23 @@ class SnapshotKeeper(Observer):
         return max(1, round(self._spacing * len(self._kept)) - row) if left else 0
 
     def look(self, rows: np.ndarray, state: Any) -> bool:
-        """Keep the motion."""
+        """Record the motion."""
         if len(self._kept) < self._count - 1:
             self._kept.append((len(rows) - 1, *self._nodal(state)))
         return False
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What was kept."""
+        """Arrays with which `resume` goes on."""
         names = ("kept_rows", "kept_positions", "kept_velocities")
         return {name: np.array([entry[i] for entry in self._kept]) for i, name in enumerate(names)}
 
     def resume(self, arrays: Arrays) -> None:
-        """Go on with it."""
+        """Go on from these arrays."""
         kept = (arrays[name] for name in ("kept_rows", "kept_positions", "kept_velocities"))
         self._kept = [(int(row), x, v) for row, x, v in zip(*kept, strict=True)]
 
     def finished(self, t: np.ndarray, end: Nodal) -> Snapshots:
-        """All that was kept, and the end of the run; t: instants of all rows [s]."""
+        """All motions that were recorded, and the end of the run; t: instants of all rows [s]."""
         entries = [entry for entry in self._kept if t[entry[0]] < t[-1]] + [(-1, *end)]
         rows, positions, velocities = zip(*entries, strict=True)
         return Snapshots(t[list(rows)], np.array(positions), np.array(velocities))

@@ -47,11 +47,11 @@ class Observer:
         return False
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What it needs to go on from here."""
+        """Arrays with which `resume` goes on from here."""
         return {}
 
     def resume(self, arrays: Arrays) -> None:
-        """Go on from there."""
+        """Go on from these arrays."""
 
 
 class PlateStepper:
@@ -106,7 +106,7 @@ def run(
     ----------
     stepper : PlateStepper
         The compiled step.
-    state : State or ImpactState
+    state : State or ImpactLoopState
         At the start, or of the last row in `made`.
     stride : int
         Steps between rows.

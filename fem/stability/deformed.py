@@ -80,9 +80,9 @@ def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
     some = np.cos(1.7 * np.arange(positions.size)) + 0.1  # fixed, so that runs repeat to the bit
     if model.highest_mode is None:
         return some
-    share, body = model.loop.mass / model.mass, model.discretisation.positions
-    x, y = positions - (positions @ share)[:, None]
-    r_x, r_y = (body - (body @ share)[:, None]) * share
+    fraction, body = model.loop.mass / model.mass, model.discretisation.positions
+    x, y = positions - (positions @ fraction)[:, None]
+    r_x, r_y = (body - (body @ fraction)[:, None]) * fraction
     angle = math.atan2((r_y * x - r_x * y).sum(), (r_x * x + r_y * y).sum())
     return np.asarray((to_global(angle) @ model.highest_mode).ravel() + 1e-3 * some)
 

@@ -13,7 +13,7 @@ Stiffness-proportional damping b K takes b w^2 / 2 off the rate of a mode of fre
 Rounding moves the reaction of a stiff plate that turns slowly (`rounding_noise`): an undamped plate sums it up.
 Positions are rounded at every step, each node by itself: a random displacement of half a unit in the last place of
 the plate's length. It feeds energy into all modes alike, at a rate that goes with the stiffness, and the corner's
-spring has its share of that energy.
+spring has its part of that energy.
 """
 
 from __future__ import annotations
@@ -184,9 +184,9 @@ def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
     f_real = f_imaginary = 0.0
     for mode in range(squares.size):
         distance = squares[mode] + p
-        share = residues[mode] / (distance * distance + q * q)
-        f_real += distance * share
-        f_imaginary -= q * share
+        fraction = residues[mode] / (distance * distance + q * q)
+        f_real += distance * fraction
+        f_imaginary -= q * fraction
     value = complex(f_real, f_imaginary)
     if exact:
         return value * complex(p, q)
@@ -199,7 +199,7 @@ SEEN = 0.3
 
 @dataclass(frozen=True)
 class RoundingNoise:
-    """What rounding feeds into the plate.
+    """Energy that rounding feeds into the plate.
 
     Attributes
     ----------

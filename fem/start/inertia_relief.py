@@ -33,8 +33,8 @@ FOLLOWS = 0.1
 """Lag by damping over the elastic displacement up to which the plate is taken to follow its loads with that lag."""
 
 CORRECTIONS = 2
-"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the deflection ratio's
-share."""
+"""Times that the elastic state is found for the spin that the momentum asks for; each leaves the deflection ratio of
+its error."""
 
 
 class ElasticFields(NamedTuple):
@@ -88,14 +88,14 @@ def relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray
 
     The elastic state goes with the spin that it is to have, and is found again for it.
     """
-    share, turn = model.loop.mass / model.mass, to_global(start.angle)
-    arm = turn @ (body @ share)
+    fraction, turn = model.loop.mass / model.mass, to_global(start.angle)
+    arm = turn @ (body @ fraction)
     wanted = np.array([start.corner_speed - start.omega * arm[1], start.omega * arm[0]])
     kept = start
     for _ in range(CORRECTIONS):
         fields = relieved(model, kept, body)
         elastic, rate, _, gap_rate = fields
-        arm, drift = turn @ ((body + elastic) @ share), turn @ (rate @ share)
+        arm, drift = turn @ ((body + elastic) @ fraction), turn @ (rate @ fraction)
         spin = (wanted[1] - drift[1] - gap_rate) / arm[0]
         kept = RigidStart(start.angle, float(spin), float(wanted[0] - drift[0] + spin * arm[1]))
     return (*fields, kept.omega, kept.corner_speed)
@@ -118,7 +118,7 @@ def _and_rate(
     body: np.ndarray,
     at: Callable[[RigidStart], tuple[np.ndarray, float]],
 ) -> tuple[tuple[np.ndarray, float], tuple[np.ndarray, float]]:
-    """What `at` gives for the start, an array and a number, and the rates of both as the rigid body moves on."""
+    """Values of `at` for the start, an array and a number, and the rates of both as the rigid body moves on."""
     now = rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
     span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
 
@@ -139,7 +139,8 @@ def _displaced(model: PlateModel, load: np.ndarray) -> np.ndarray:
 def _in_equilibrium(
     model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
 ) -> tuple[np.ndarray, float]:
-    """The same in equilibrium on the deformed shape, its best rigid rotation none. Raises TooSoftError."""
+    """Elastic displacement and gap in equilibrium on the deformed shape, without best rigid rotation. Raises
+    TooSoftError."""
     from fem.start.equilibrium import equilibrium
 
     def load_at(place: np.ndarray) -> np.ndarray:
@@ -155,15 +156,15 @@ def _in_equilibrium(
 
 def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndarray:
     """The positions turned about the corner so that the body fits them best without a rotation."""
-    share = model.loop.mass / model.mass
-    x, y = place - (place @ share)[:, None]
-    r_x, r_y = (body - (body @ share)[:, None]) * share
+    fraction = model.loop.mass / model.mass
+    x, y = place - (place @ fraction)[:, None]
+    r_x, r_y = (body - (body @ fraction)[:, None]) * fraction
     turned = np.arctan2((r_x * y - r_y * x).sum(), (r_x * x + r_y * y).sum())
     return to_global(float(turned)) @ place
 
 
 class Statics(NamedTuple):
-    """What the reaction at the start does to the plate.
+    """Effect of the reaction at the start on the plate.
 
     Attributes
     ----------
@@ -178,7 +179,7 @@ class Statics(NamedTuple):
 
 
 def statics(model: PlateModel, start: RigidStart) -> Statics:
-    """What the reaction at the start does to the plate.
+    """Effect of the reaction at the start on the plate.
 
     Parameters
     ----------
@@ -198,12 +199,12 @@ def statics(model: PlateModel, start: RigidStart) -> Statics:
 
 
 def static_deflection(model: PlateModel, start: RigidStart) -> float:
-    """How far [m] the reaction at the start moves the centre of mass towards the wall, by the plate's flexibility."""
+    """Displacement [m] of the centre of mass towards the wall by the reaction at the start."""
     return statics(model, start).deflection
 
 
 def damping_lag(model: PlateModel, start: RigidStart) -> float:
-    """How far [m] the damping of elastic velocities holds back the corner in the slow change of the elastic state."""
+    """Distance [m] by which the damping of elastic velocities holds back the corner in the slow change of the state."""
     behind = lag_by_damping(model, relieved_fields(model, start).rate)
     return float(np.abs(at_corner(model, behind)).max())
 

@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.machine_code.compiled import Told, compile_once, silent
+from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
-from solver.impact.step import STRIKE, SUMS, UNIT, Clock, Train, advance, workspace
+from solver.impact.step import STRIKE, SUMS, UNIT, Timing, Train, advance, workspace
 from solver.impact.strikes import Strike
 from solver.impact.train import CORNERS, ImpactState, ImpactVehicle, WallContact, train_of
 from solver.rules import Array, Gate, Number, RigidBodyError, number
 
 TOLERANCE = 1e-5
-"""Of peaks, impulses and spin of one impact."""
+"""Error of peaks, impulses and spin of one impact by which the step is chosen."""
 
 MANY = 4e-3
-"""The same of many at once."""
+"""Error by which the step of many impacts at once is chosen."""
 
 PHASE, TURN = 0.7, 0.025
 """The step, over the tolerance's root: of the stiffest oscillation's radian, and of that times size over speed."""
@@ -37,7 +37,7 @@ LONGEST_RUN, STEP_COST, POINT_COST = 4.0, 3e-7, 2e-8
 
 MOST_ROWS = 1_000_000
 MOST_STRIKES = 64
-"""Of one impact, at first."""
+"""Strikes of one impact for which there is room at first."""
 
 
 class Trajectories(NamedTuple):
@@ -81,7 +81,7 @@ def solve_trains(
     longest: float = 5.0,
     tolerance: float = TOLERANCE,
     strikes: int = 2,
-    told: Told = silent,
+    on_compile: OnCompile = ignore_compiling,
 ) -> Trajectories:
     """Whole impacts of rigid trains.
 
@@ -104,8 +104,8 @@ def solve_trains(
         Of peaks, impulses and spin, by which the step is chosen [-].
     strikes : int
         For how many there is room.
-    told : callable
-        Told of compiling, see `fem.machine_code.compiled.compile_once`.
+    on_compile : callable
+        Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def solve_trains(
 
     def run(chosen: NDArray[np.int64], h: Array, interval: float | None) -> Trajectories:
         few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
-        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes, told)
+        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes, on_compile)
 
     chosen = np.arange(len(state))
     found = run(chosen, h, interval)
@@ -159,7 +159,7 @@ def _rows(found: Trajectories, chosen: NDArray[np.int64]) -> Trajectories:
 
 
 def _with(found: Trajectories, chosen: NDArray[np.int64], finer: Trajectories) -> Trajectories:
-    """The same with these samples in place of theirs."""
+    """Trajectories with these samples replaced by the finer ones."""
     if len(chosen) == len(found.end):
         return finer
     for old, new in zip(found, finer, strict=True):
@@ -180,7 +180,7 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
 
 def _run(
     train: Train, state: Array, h: Array, end: float | None, interval: float | None,
-    after: float, longest: float, most: int, strikes: int, told: Told,
+    after: float, longest: float, most: int, strikes: int, on_compile: OnCompile,
 ) -> Trajectories:  # fmt: skip
     n, units = state.shape[:2]
     latest = longest if end is None else end
@@ -191,11 +191,13 @@ def _run(
     rows, found = np.empty((n, count, 6 * units + len(SUMS))), np.full((n, strikes, len(STRIKE)), np.nan)
     ends, out = np.full(n, math.inf if end is None else end), np.array(state)
     longest = latest if end is not None else longest
-    clock = Clock(h, stride, ends, after, longest, most, np.full(n, np.nan), np.zeros(n, dtype=np.int64))
+    clock = Timing(h, stride, ends, after, longest, most, np.full(n, np.nan), np.zeros(n, dtype=np.int64))
     given = train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found
-    compile_once(lambda: advance(*given), advance, *given, told=told)
+    compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
     if clock.counted.max() > strikes > 2:
-        return _run(train, state, h, end, interval, after, longest, most, int(clock.counted.max()), told)
+        return _run(
+            train, state, h, end, interval, after, longest, most, int(clock.counted.max()), on_compile
+        )
     return Trajectories(clock.reached, out, found, rows, h * stride, h, np.zeros(n))
 
 
@@ -237,7 +239,7 @@ class ImpactRecord:
     kinetic_energy : ndarray
         [J], shape of t.
     crush_energy_stored, crush_energy_lost : ndarray
-        What unloading would give back, and what it would not, of the energy taken up by the crush [J], shape of t.
+        Energy taken up by the crush that unloading would return, and that it would not [J], shape of t.
     crush_work : ndarray
         Integral of the power of the normal forces on the crush [J], shape of t: stored and lost together.
     friction_work : ndarray
@@ -340,7 +342,7 @@ class ImpactMotion:
                             kinetic, stored, lost, crush, friction)  # fmt: skip
 
     def corner_depths(self, times: ArrayLike) -> Array:
-        """How deep the corners are behind the wall at given instants.
+        """Depths of the corners behind the wall at given instants.
 
         Parameters
         ----------
@@ -357,7 +359,7 @@ class ImpactMotion:
 
 
 def corner_depths(train: Train, y_g: Array, theta: Array) -> Array:
-    """How deep the corners of the first unit of the first train are behind the wall [m], shape (4, ...)."""
+    """Depths of the corners of the first unit of the first train behind the wall [m], shape (4, ...)."""
     along, across = (value[:4, 0].reshape(4, *[1] * np.ndim(theta)) for value in (train.along, train.across))
     return -(y_g + across * np.cos(theta) - along * np.sin(theta))
 
@@ -371,7 +373,7 @@ def solve_impact(
     longest: float = 5.0,
     step: float | None = None,
     tolerance: float = TOLERANCE,
-    told: Told = silent,
+    on_compile: OnCompile = ignore_compiling,
 ) -> ImpactMotion:
     """The whole impact of a rigid vehicle, any number of strikes.
 
@@ -380,7 +382,7 @@ def solve_impact(
     vehicle : ImpactVehicle
         The vehicle.
     contact : WallContact
-        What happens where it touches.
+        Laws of its contact with the wall.
     state : ImpactState
         At the start, outside the wall or touching it.
     end : float or None
@@ -394,8 +396,8 @@ def solve_impact(
         [s]; None: chosen by the tolerance.
     tolerance : float
         Of peaks, impulses and spin, by which the step is chosen [-].
-    told : callable
-        Told of compiling, see `fem.machine_code.compiled.compile_once`.
+    on_compile : callable
+        Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
 
     Returns
     -------
@@ -416,7 +418,7 @@ def solve_impact(
         Gate().demand(rules.INSIDE, value <= 1e-9 * vehicle.length, value, name=name, depth=value)
     found = solve_trains(
         train, start.reshape(1, 1, 6), step=step, end=end, interval=0.0, after_second=after_second,
-        longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, told=told,
+        longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, on_compile=on_compile,
     )  # fmt: skip
     reached, last = float(found.end[0]), ImpactState(*found.state[0, 0].tolist())
     strikes = strikes_of_rows(found.strikes[0], vehicle.front_distance, reached)
@@ -580,7 +582,7 @@ def _mean_forces(found: Trajectories, interval: float | None) -> Array:
 
 
 def _gathered(given: dict[str, Any], centre: Any, inertia: Any) -> tuple[tuple[int, ...], dict[str, Array]]:
-    """The common shape, and flat arrays that have passed the rules."""
+    """The common shape of the arguments, and flat arrays of them that have passed the rules."""
     values = {key: number(key, value) for key, value in given.items()}
     length, width, mass = values["length"], values["width"], values["mass"]
     values["centre"] = 0.5 * length if centre is None else number("centre_of_mass", centre)

@@ -21,7 +21,7 @@ from fem.machine_code.compiled import compiled
 
 SWEEPS = 200
 SETTLED = 1e-13
-"""Of a force: where Gauss-Seidel ends, and its sweeps at most."""
+"""Relative change of a force at which Gauss-Seidel ends; SWEEPS: its most sweeps."""
 
 SHORTEST = 1e-3
 """A corner that is off the wall for less is still in its strike [s]."""
@@ -70,7 +70,7 @@ class Train(NamedTuple):
     load: np.ndarray
 
 
-class Clock(NamedTuple):
+class Timing(NamedTuple):
     """Times of n samples: step [s] and steps a row, shape (n,); end [s], shape (n,), infinite where it is open: then
     `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any more.
 
@@ -125,7 +125,7 @@ before [N]; the step in which it was pressed last."""
 
 
 def workspace(units: int, hinges: int, points: int) -> Work:
-    """Arrays for one sample of such a train."""
+    """Workspace for one sample of a train of this size."""
     size = 3 * units
     return Work(
         np.zeros((points, 15)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
@@ -150,7 +150,7 @@ def advance(train, states, clock, work, rows, strikes):
 
 @compiled
 def _begin(train, i, state, work):
-    """The state at the start, no contact, and the sample's numbers."""
+    """Set the workspace to the start of sample i: its state, its numbers, no contact."""
     points, reach = work.points, work.reach
     points[:], work.sums[:], work.groups[:], work.lightness[:], reach[:] = 0.0, 0.0, -1.0, 0.0, 0.0
     for u in range(state.shape[0]):
@@ -173,7 +173,7 @@ def _begin(train, i, state, work):
 
 @compiled
 def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
-    """One sample: when it ended [s], NaN if the steps did not do, and how many strikes there were."""
+    """Follow one sample; returns its end [s], NaN if the steps did not do, and its number of strikes."""
     points, motion, active, sums = work.points, work.motion, work.active, work.sums
     finish, reached, number, row = min(end, longest), np.nan, 0, 0
     motion[2] -= 0.5 * h * work.load
@@ -207,7 +207,7 @@ def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
 
 @compiled
 def _place(points, whose, motion, h, start):
-    """Arms of all points, and their depths now and a step ago; what was ahead is now before."""
+    """Update arms of all points, and their depths now and a step ago; what was ahead is now before."""
     for j in range(motion.shape[1]):
         motion[1, j] = motion[2, j]
     j, c, s = -1, 1.0, 0.0
@@ -265,7 +265,7 @@ def _tie(motion, masses, joints, lightness, ties, h):
 
 @compiled
 def _press(points, whose, motion, lightness, effect, active, h):
-    """Forces of the wall, and velocities after them: how many points may touch."""
+    """Forces of the wall, and velocities after them: returns the number of contact nodes in reach."""
     v, touching = motion[2], 0
     for p in range(points.shape[0]):
         j = 3 * whose[p, 0]
@@ -302,7 +302,8 @@ def _push(along, across, effect, v):
 
 @compiled
 def _solve_point(point, effect, v, j, w, h):
-    """Forces of a point beside those of the others, j its unit's first velocity, w the turning: whether they stay."""
+    """Forces of a point beside those of the others, j its unit's first velocity, w the turning; True if they stay as
+    they were."""
     x, y = point[X], point[Y]
     inertia = 1.0 / (h * h * (effect[1, j + 1] + x * effect[1, j + 2]))
     ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
@@ -356,7 +357,7 @@ def _part(point, ahead):
 
 @compiled
 def _count(points, whose, motion, active, groups, strikes, number, h, k, left):
-    """Add this step's forces to the strikes: how many there are. left: steps from now to the end, up to 1."""
+    """Add this step's forces to the strikes; returns how many there are. left: steps from now to the end, up to 1."""
     part = min(max(left + 0.5, 0.0), 1.0)
     for p in active:
         if points[p, NORMAL] <= 0.0:
@@ -407,7 +408,7 @@ def _pressed_during(point, h, k):
 
 @compiled
 def _mean_speeds(point, motion, j):
-    """Of a point along and across the wall, the mean of both half steps: with it energy is kept."""
+    """Speeds of a point along and across the wall, means of both half steps: with these energy is conserved."""
     w = motion[1, j + 2] + motion[2, j + 2]
     along, across = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
     return 0.5 * (along - w * point[Y]), 0.5 * (across + w * point[X])
@@ -415,7 +416,7 @@ def _mean_speeds(point, motion, j):
 
 @compiled
 def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
-    """When the motion ends, as far as it can be said now; infinite while nothing can."""
+    """End of the motion [s], as far as it can be said now; infinite while nothing can."""
     if number >= 2:
         for s in range(2):
             group = groups[int(strikes[s, 0])]
@@ -433,7 +434,7 @@ def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
 
 @compiled
 def _leave(h, ahead, motion, state):
-    """The state so long after this instant, into `state`."""
+    """Write the state `ahead` seconds after this instant into `state`."""
     for m in range(motion.shape[1]):
         v, gain = motion[2, m], motion[2, m] - motion[1, m]
         state[m // 3, m % 3] = motion[0, m] + (-ahead if m % 3 == 2 else ahead) * v
@@ -442,7 +443,7 @@ def _leave(h, ahead, motion, state):
 
 @compiled
 def _early(points, active):
-    """Which part of the impulse of this step falls before its instant."""
+    """Part of the impulse of this step that falls before its instant."""
     total, early = 0.0, 0.0
     for p in active:
         part, normal = points[p, PART], points[p, NORMAL]
@@ -453,7 +454,7 @@ def _early(points, active):
 
 @compiled
 def _record(points, whose, motion, active, sums, early, h, row):
-    """The row of this instant."""
+    """Fill the row of this instant."""
     base = 2 * motion.shape[1]
     for m in range(motion.shape[1]):
         row[6 * (m // 3) + m % 3] = motion[0, m]
@@ -498,7 +499,7 @@ def _add(points, whose, motion, active, h, sums):
 
 @compiled
 def _move(points, motion, active, h):
-    """Everything to the end of the step."""
+    """Move points and units to the end of the step."""
     for p in active:
         points[p, DEEPEST] = _deepest(points[p])
     for m in range(motion.shape[1]):

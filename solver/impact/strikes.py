@@ -62,7 +62,7 @@ class Strike:
 
 
 def is_over(start: Any, end: Any, now: Any) -> Any:
-    """Whether a strike that began at `start` and last pressed at `end` is over at `now`, all [s]: the corner has been
+    """True if a strike that began at `start` and last pressed at `end` is over at `now`, all [s]: the corner has been
     off the wall for as long as its strike has lasted. Where it hops, as a plate does, hops are one strike; else a gap
     that a mesh opens or closes would tell how many there are."""
     return now - end >= np.maximum(SHORTEST, end - start)
@@ -123,8 +123,8 @@ def _sampled(corner: str, t: Array, force: Array, run: tuple[int, int], beside: 
     part = slice(*run)
     step = np.diff(t[run[0] : run[1] + 1])
     push = force[part] * step
-    start = t[run[0] + 1] - _share(force[part]) * step[0]
-    end = t[run[1] - 1] + _share(force[part][::-1]) * step[-1]
+    start = t[run[0] + 1] - _pressed_fraction(force[part]) * step[0]
+    end = t[run[1] - 1] + _pressed_fraction(force[part][::-1]) * step[-1]
     tangential, station, position = (
         None if values is None else np.asarray(values)[part] for values in beside
     )
@@ -134,8 +134,8 @@ def _sampled(corner: str, t: Array, force: Array, run: tuple[int, int], beside: 
     return Strike(corner, float(start), float(end), peak, float(push.sum()), along, *means)
 
 
-def _share(force: Array) -> float:
-    """Share of the first interval that is under force: u^2/(2 u + 1) = F1/F2 for a straight rise."""
+def _pressed_fraction(force: Array) -> float:
+    """Fraction of the first interval that is under force: u^2/(2 u + 1) = F1/F2 for a straight rise."""
     if force.size < 2 or force[0] >= force[1] / 3.0:
         return 1.0
     ratio = float(force[0] / force[1])
@@ -143,7 +143,7 @@ def _share(force: Array) -> float:
 
 
 def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
-    """Of the parabola that has the three highest samples' means; the highest sample where there are not three."""
+    """Peak of the parabola that has the three highest samples' means; the highest sample where there are not three."""
     k = run[0] + int(np.argmax(force[slice(*run)]))
     if k <= run[0] or k >= run[1] - 1:
         return float(force[k])

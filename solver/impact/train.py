@@ -63,7 +63,7 @@ class ImpactVehicle:
 
     @property
     def front_distance(self) -> float:
-        """From the front to the centre of mass, a [m]."""
+        """Distance from the front to the centre of mass, a [m]."""
         return 0.5 * self.length if self.centre_of_mass is None else self.centre_of_mass
 
     @property
@@ -74,13 +74,13 @@ class ImpactVehicle:
 
     @property
     def greatest_inertia(self) -> float:
-        """Of any body of that mass, size and centre of mass, m (a (L - a) + B^2/4) [kg m^2]."""
+        """Greatest inertia of any body of that mass, size and centre of mass, m (a (L - a) + B^2/4) [kg m^2]."""
         a = self.front_distance
         return self.mass * (a * (self.length - a) + self.width**2 / 4.0)
 
     @property
     def reach(self) -> float:
-        """From the centre of mass to the farthest corner [m]."""
+        """Distance from the centre of mass to the farthest corner [m]."""
         return math.hypot(max(self.front_distance, self.length - self.front_distance), self.width / 2.0)
 
 
@@ -150,7 +150,7 @@ class CrushLaw:
     """Force over crush, of a corner or per metre of side.
 
     Loading follows the virgin curve F0 + k d. From the greatest crush D the force falls along a straight line which
-    gives back e^2 of the energy taken up, W = F0 D + k D^2/2, and ends at the permanent crush D - 2 e^2 W/F(D);
+    returns e^2 of the energy taken up, W = F0 D + k D^2/2, and ends at the permanent crush D - 2 e^2 W/F(D);
     reloading follows that line up to D and then the virgin curve. The force is never negative.
 
     Parameters
@@ -184,7 +184,7 @@ class CrushLaw:
 
 @dataclass(frozen=True)
 class WallContact:
-    """What happens where the vehicle touches the wall.
+    """Laws of the vehicle's contact with the wall.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ class WallContact:
 
 
 def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Points that may touch: where, the nearest corner of their side, and their part of the law.
+    """Contact nodes of a vehicle: their places, the nearest corner of their side, and their part of the law.
 
     Parameters
     ----------

@@ -137,7 +137,7 @@ def expected_nodes(scene: Scene) -> int:
     plate = scene.plate
     if plate is None or plate.elements is None:
         return 0
-    return math.prod(plate.elements) * (1 if ELEMENT_KINDS[plate.element].richer else 4)
+    return math.prod(plate.elements) * (1 if ELEMENT_KINDS[plate.element].higher_order else 4)
 
 
 def expected_memory(scene: Scene) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, Column
+from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
 from postprocess.report import files
 from tailslap import result
 from tailslap.errors import InputError, Verbatim
@@ -18,16 +18,16 @@ from tailslap.files import manifest
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
 FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv"}
 
-ENERGY_ERROR = Column("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
+ENERGY_ERROR = HistoryColumn("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
 
 
-def corner_columns() -> dict[str, Column]:
+def corner_columns() -> dict[str, HistoryColumn]:
     """Columns of a run with a constrained corner, those from outside the program among them."""
-    t = Column("t", "s", meaning="time since the start of Stage 2")
+    t = HistoryColumn("t", "s", meaning="time since the start of Stage 2")
     return {column.name: column for column in (t, *COLUMNS.values(), ENERGY_ERROR)}
 
 
-def impact_columns() -> dict[str, Column]:
+def impact_columns() -> dict[str, HistoryColumn]:
     """Columns of a whole impact."""
     return IMPACT_COLUMNS | {ENERGY_ERROR.name: ENERGY_ERROR}
 

@@ -99,13 +99,13 @@ def _name(given: object) -> object:
 Name = Annotated[str, BeforeValidator(_name)]
 
 
-class Table(BaseModel):
+class SceneTable(BaseModel):
     """A table of the scene: unknown keys are errors, values do not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-class Vehicle(Table):
+class Vehicle(SceneTable):
     """The rigid body; the last two are of whole impacts, left out: the uniform rectangle's."""
 
     length: Length
@@ -115,7 +115,7 @@ class Vehicle(Table):
     yaw_inertia: Inertia | None = None
 
 
-class Impact(Table):
+class Impact(SceneTable):
     """Stage 1; of a whole impact the first touch, and then friction and restitution feed the paper's method alone."""
 
     speed: Speed
@@ -126,7 +126,7 @@ class Impact(Table):
     test_level: Literal["TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6"] | None = None
 
 
-class Start(Table):
+class StartTable(SceneTable):
     """The state Stage 2 starts from; what is left out comes from Stage 1."""
 
     angle: Angle | None = None
@@ -134,7 +134,7 @@ class Start(Table):
     corner_speed: Speed | None = None
 
 
-class Corner(Table):
+class CornerTable(SceneTable):
     """The constrained corner. Where neither constraint nor spring is given, the program chooses the constraint."""
 
     reaction: Annotated[str, _registered(FRICTION_LAWS)] = "drag"
@@ -160,7 +160,7 @@ class Corner(Table):
         return not self.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
 
 
-class Contact(Table):
+class Contact(SceneTable):
     """A whole impact: where the vehicle touches a wall that only pushes.
 
     stiffness, initial_force, restitution: of the crush law at each corner, F0 + k d, whose unloading gives back e^2 of
@@ -183,13 +183,13 @@ class Contact(Table):
         return self.stiffness is not None
 
 
-class Strike(Table):
+class StrikeTable(SceneTable):
     """Stage 3."""
 
     duration: Duration = 0.1
 
 
-class Plate(Table):
+class Plate(SceneTable):
     """The FE model of the vehicle: its modulus, or the first frequency in its plane that the modulus gives it.
 
     Without elements, or without element, the program chooses them.
@@ -226,13 +226,13 @@ class Plate(Table):
         return start_kinds.START_KINDS[self.start].relieved
 
 
-class Material(Table):
+class MaterialTable(SceneTable):
     """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
 
     law: Annotated[str, _registered(materials.MATERIALS)]
 
 
-class Damping(Table):
+class Damping(SceneTable):
     """Damping of the plate. kind and rate: of its elastic velocities; without kind the program decides.
 
     ratio: stiffness-proportional, to critical at the model's highest frequency. bulk_viscosity: linear.
@@ -244,13 +244,13 @@ class Damping(Table):
     bulk_viscosity: Viscosity | None = None
 
 
-class Verify(Table):
+class Verify(SceneTable):
     """Demands of the scene on its own result: agreement of the five quantities with the rigid motion."""
 
     tolerance: Tolerance
 
 
-class Time(Table):
+class Time(SceneTable):
     """Fraction of the stable time step that is taken; rows of the history; threads of the time loop; end of a whole
     impact, which is left out 0.1 s after the second strike."""
 
@@ -260,15 +260,15 @@ class Time(Table):
     end: EndOfImpact | None = None
 
 
-class Output(Table):
+class Output(SceneTable):
     """Output of a run beside its report. fields: instants of a run at which displacement, velocity and stress of the
     whole plate are kept."""
 
     fields: Annotated[int, Field(ge=1, le=10_000, strict=True)]
 
 
-class Wall(Table):
-    """The wall's mesh; of a whole impact a wall that gives, on a foundation along it. Material left out: the paper's
+class Wall(SceneTable):
+    """The wall's mesh; of a whole impact a deformable wall, on a foundation along it. Material left out: the paper's
     concrete (Table 2)."""
 
     length: Length
@@ -281,18 +281,18 @@ class Wall(Table):
     poissons_ratio: PoissonsRatio = 0.18
 
 
-class Scene(Table):
+class Scene(SceneTable):
     """A whole scene."""
 
     name: Name
     vehicle: Vehicle
     impact: Impact | None = None
-    start: Start | None = None
-    corner: Corner = Corner()
+    start: StartTable | None = None
+    corner: CornerTable = CornerTable()
     contact: Contact | None = None
-    strike: Strike = Strike()
+    strike: StrikeTable = StrikeTable()
     plate: Plate | None = None
-    material: Material | None = None
+    material: MaterialTable | None = None
     damping: Damping | None = None
     verify: Verify | None = None
     time: Time = Time()

@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from fem.laws import materials
 from tailslap.errors import InputError
 from tailslap.scene import meanings
-from tailslap.scene.schema import Plate, Scene, Table
+from tailslap.scene.schema import Plate, Scene, SceneTable
 from tailslap.scene.units import Quantity
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import Source
@@ -97,7 +97,7 @@ def new_scene(name: str) -> str:
 
 
 def _is_table(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, Table)
+    return isinstance(kind, type) and issubclass(kind, SceneTable)
 
 
 def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from fem import COLUMNS, Column
+from fem import COLUMNS, HistoryColumn
 
 
 def height(measures: Any, state: Any, model: Any) -> float:
     return float(state.positions[1].mean())
 
 
-COLUMN = Column("height", "m", height, symbol="y", caption="Mean height of the nodes above the wall")
+COLUMN = HistoryColumn("height", "m", height, symbol="y", caption="Mean height of the nodes above the wall")
 COLUMNS.register(COLUMN)

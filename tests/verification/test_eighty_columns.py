@@ -17,8 +17,7 @@ from postprocess.report.table import Column, Table
 from postprocess.report.terminal import labelled, printed, table_lines
 from tailslap import cli, errors
 from tailslap.scene import meanings, read, write
-from tailslap.scene.schema import Scene
-from tailslap.scene.schema import Table as SceneTable
+from tailslap.scene.schema import Scene, SceneTable
 from tailslap.scene.validate import validate
 
 QUICK = (

@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from fem.laws.constraints import Penalty
-from fem.laws.corner import Corner, add_corner_reaction
+from fem.laws.corner import CornerConstraint, add_corner_reaction
 from fem.laws.friction import Drag, Signed
 from fem.plate.elements import discretise
 from fem.plate.kinds import exact_inertia_masses, row_sum_masses
@@ -143,9 +143,9 @@ def test_highest_frequency_counts_the_penalty_spring(plate_model):
     assert found == pytest.approx(np.sqrt(stiff / mass[node]), rel=1e-4)
 
 
-def one_node(mass: float) -> Corner:
+def one_node(mass: float) -> CornerConstraint:
     """A corner of one node on a spring of 1e6 N/m."""
-    return Corner(np.array([0]), np.array([1.0]), 1.0 / mass, Penalty(1e6))
+    return CornerConstraint(np.array([0]), np.array([1.0]), 1.0 / mass, Penalty(1e6))
 
 
 def slide(law: Any, speed: float, normal: float, steps: int, time_step: float = 1e-3) -> tuple[float, float]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem import lazy
-from fem.explicit.columns import COLUMNS, Column
+from fem.explicit.columns import COLUMNS, HistoryColumn
 from fem.run.corner import Stepper, simulate
 from fem.start.rigid_state import RigidStart
 from tailslap.campaign.table import CIRCUMSTANCES, REUSED, compute_row
@@ -74,7 +74,7 @@ def test_rows_of_compiled_code_are_those_of_single_steps(plate_model):
     """Recorded many at once, or each by itself in Python, as columns from outside need it: the same history."""
     model = plate_model(reaction="drag", elements=(6, 2))
     plain = simulate(model, START, 0.384)
-    COLUMNS.register(Column("twice_theta", "rad", lambda measures, state, model: 2.0 * measures.theta))
+    COLUMNS.register(HistoryColumn("twice_theta", "rad", lambda measures, state, model: 2.0 * measures.theta))
     try:
         single = simulate(model, START, 0.384)
     finally:

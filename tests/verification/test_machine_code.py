@@ -247,7 +247,7 @@ def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(tmp_path, monke
 
     def use(value: float) -> None:
         function = compiled(double)  # as a new process has it
-        compile_once(lambda: function(value), function, value, told=lambda *given: told.append(given))
+        compile_once(lambda: function(value), function, value, on_compile=lambda *given: told.append(given))
 
     use(1.0)
     (expected, before), (spent, after) = told

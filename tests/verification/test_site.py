@@ -17,7 +17,7 @@ import pytest
 import tailslap
 from tailslap.cli import commands, main
 from tailslap.scene.meanings import MEANINGS
-from tailslap.scene.schema import Scene, Table
+from tailslap.scene.schema import Scene, SceneTable
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -91,13 +91,13 @@ def test_a_reference_is_as_the_program_is(name):
     assert (DOCS / "reference" / name).read_text(encoding="utf-8") == PAGES[name], "run docs/generate.py"
 
 
-def keys(model: type[Table], prefix: str = "") -> list[str]:
+def keys(model: type[SceneTable], prefix: str = "") -> list[str]:
     found = []
     for name, field in model.model_fields.items():
         kinds = [
             k for k in (field.annotation, *getattr(field.annotation, "__args__", ())) if inspect.isclass(k)
         ]
-        table = next((k for k in kinds if issubclass(k, Table)), None)
+        table = next((k for k in kinds if issubclass(k, SceneTable)), None)
         found += keys(table, f"{prefix}{name}.") if table else [f"{prefix}{name}"]
     return found
 

@@ -89,3 +89,29 @@ def test_words_in_their_plain_meaning_pass():
         found_in("Numbers hold to rounding; they give the flexibility of all modes; the start is unstressed")
         == []
     )
+
+
+OPENINGS = re.compile(
+    r"(?:What|Whether|Of|The same|Where|How (?:many|far|often|much|long|deep)|Which|Those|As|If|It|When|Not)\b"
+    r"|\w+ alike\b"
+)
+"""Words that a docstring does not begin with: it begins with a verb or the thing itself, and can be read alone."""
+
+
+def docstrings(path):
+    """Docstrings of a module, its classes and functions, and the strings below its constants."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
+                yield str(child.value.value)
+
+
+@pytest.mark.parametrize("package", ["fem", "solver", "meshes"])
+def test_a_docstring_begins_with_a_verb_or_the_thing_itself(package):
+    found = [
+        f"{path.relative_to(ROOT)}: {text.splitlines()[0]}"
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for text in docstrings(path)
+        if OPENINGS.match(text)
+    ]
+    assert found == []

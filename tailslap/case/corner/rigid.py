@@ -27,7 +27,7 @@ from solver import (
 )
 from tailslap.case.case import CORNER, Case
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.schema import Scene, Start
+from tailslap.scene.schema import Scene, StartTable
 from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Changes, varied
 
@@ -148,9 +148,9 @@ class RigidStages(Case):
         scene: Any = self.scene
         for key, value in inputs.items():
             table, _, name = key.partition(".")
-            changed = (getattr(scene, table) or Start()).model_copy(update={name: value})
+            changed = (getattr(scene, table) or StartTable()).model_copy(update={name: value})
             scene = scene.model_copy(update={table: changed})
-        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or Start()
+        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or StartTable()
         body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
         begin: tuple[Any, Any, Any] = (start.angle, start.omega, start.corner_speed)
         if impact is not None:

@@ -108,7 +108,7 @@ def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
         from fem.run.corner import compile_loop
 
         fe_plan = make_corner_plan(case, more_damping)
-    compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, told=compiling)
+    compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling)
     setup = time.perf_counter() - began
     run = _simulated(fe_plan)
     return compare(fe_plan, run, setup + run.setup_s)

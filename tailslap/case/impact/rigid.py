@@ -137,7 +137,7 @@ class RigidImpact(Case):
         """The impact to another end [s]; None: to 0.1 s after the second strike."""
         with refusals(self.scene):
             return solve_impact(
-                self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST, told=compiling
+                self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST, on_compile=compiling
             )
 
     @property

@@ -60,7 +60,7 @@ def attempt(case: RigidImpact) -> ImpactOutcome:
         from fem.run.impact import compile_impact_loop
 
         fe_plan = make_impact_plan(case)
-    compile_impact_loop(fe_plan.model, told=compiling)
+    compile_impact_loop(fe_plan.model, on_compile=compiling)
     setup = time.perf_counter() - began
     return replace(compared(fe_plan, simulated(fe_plan, case.scene.kept_fields)), setup_s=setup)
 
@@ -125,7 +125,7 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
             continue
         from fem.run.impact import compile_impact_loop
 
-        compile_impact_loop(model, told=compiling)
+        compile_impact_loop(model, on_compile=compiling)
         finer = replace(fe_plan, model=model, plate=plate)
         error = differences(outcome.fe, _answer(fe_plan, simulated(finer)))
         frequency = fe_plan.first_frequency / finer.first_frequency - 1.0
@@ -137,7 +137,7 @@ def _higher_order(plate: Plate) -> list[Plate]:
     """The plate with elements of twice the order, half as many each way where that can be; else twice as many."""
     from fem.plate.kinds import ELEMENT_KINDS
 
-    higher = ELEMENT_KINDS[plate.element].richer
+    higher = ELEMENT_KINDS[plate.element].higher_order
     if not higher:
         return [refined(plate)]
     return [refined(plate, 0.5 if min(plate.counts) > 3 else 1.0, higher), refined(plate)]

@@ -383,7 +383,7 @@ def refined_run(case: Any, changes: Changes) -> Any:
 def refinements(scene: Scene, plate: Plate) -> dict[str, Changes]:
     """Models that a difference must survive, by name: twice the elements each way, half the time step, four times the
     corner's spring; with damping enough to keep that from fluttering; quadratic elements. plate: as it was run."""
-    (along, across), higher_order = plate.counts, ELEMENT_KINDS[plate.element].richer
+    (along, across), higher_order = plate.counts, ELEMENT_KINDS[plate.element].higher_order
     finer: Row = {"plate.elements": (2 * along, 2 * across)}
     finer["time.safety_factor"] = 0.5 * scene.time.safety_factor
     if scene.contact:
@@ -406,7 +406,7 @@ def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
     return {
         **dict.fromkeys(("corner.penalty_scale", "corner.damping_ratio")),
         "corner.constraint": "exact",
-        "plate.element": ELEMENT_KINDS[plate.element].richer or plate.element,
+        "plate.element": ELEMENT_KINDS[plate.element].higher_order or plate.element,
         "plate.elements": counts,
     }
 
