@@ -23,7 +23,6 @@ from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import CHECK_FAILED, _status
 from tailslap.scene.read import read_scene
-from tailslap.studies.flexibility import compute
 from tailslap.studies.flexibility.compute import (
     IMPACT_LEVELS,
     NAMES,
@@ -33,12 +32,13 @@ from tailslap.studies.flexibility.compute import (
     define,
     impact_row,
     impact_samples,
-    measure_impact,
     measure_plate,
+    one_run,
     plate_record,
     plate_row,
     samples_of,
     start_samples,
+    strike_record,
     summed_up,
 )
 from tailslap.studies.flexibility.report import WORDS, headline, plates_table, report
@@ -267,7 +267,7 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
             done.append(key)
             journal.add(key, point_record(float(key.split()[0]), rigid))
 
-    monkeypatch.setattr(compute, "run_parts", one_at_a_time)
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
         corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
     found = corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
@@ -282,7 +282,7 @@ def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
             if key not in journal.records:
                 journal.add(key, point_record(5.0, rigid, values={}, failed=["finite numbers"]))
 
-    monkeypatch.setattr(compute, "run_parts", all_fail)
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_fail)
     given = [
         "study",
         "flexibility",
@@ -309,7 +309,7 @@ def impact_plate(frequency: float, why: str = "", size: float | None = None) -> 
     """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
     size = 10.0 / frequency**2 if size is None else size
     groups = {"difference": dict.fromkeys(NAMES, -size), "error": dict.fromkeys(NAMES, 0.01 * size)}
-    return impact_row(frequency, {**groups, "why": why})
+    return impact_row(frequency, {**groups, "failed": [why] if why else []})
 
 
 def test_levels_lie_where_the_difference_of_strikes_crosses_them():
@@ -335,11 +335,11 @@ def test_what_a_plate_s_run_records(monkeypatch, impact):
         return SimpleNamespace(difference={NAMES[0]: 0.5}, mesh_error={}, checks=checks)
 
     monkeypatch.setattr(ImpactCase, "run", run)
-    record = measure_impact(impact.source, {"contact.friction": 0.1})
-    assert (record["difference"][NAMES[0]], record["why"]) == (0.5, "energy balance")
-    assert math.isnan(record["difference"][NAMES[1]])
+    row = impact_row(8.0, one_run(impact.source, {"contact.friction": 0.1}, strike_record))
+    assert (row[f"difference.{NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
+    assert math.isnan(row[f"difference.{NAMES[1]}"])
     refused = {"contact.restitution": 2.0}
-    assert "contact.restitution" in measure_impact(impact.source, refused)["why"]
+    assert "contact.restitution" in impact_row(8.0, one_run(impact.source, refused, strike_record))["failed"]
     assert "contact.restitution" in measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
 
 

@@ -2,50 +2,50 @@
 
 Of a constrained corner three starts and three meshes a plate, the modal model beside them, and at some plates the
 thickness in place of the modulus. Of a whole impact both strikes of each plate, and what is measured of them from 2 Hz
-to rigid. A difference is known where its numerical error is small against it; then it is told down to which first
-frequency it stays below a level.
+to rigid. A difference is known where its numerical error is small against it; then the report says down to which
+first frequency it stays below a level.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem.start.start_kinds import START_KINDS
-from postprocess.comparison.metrics import SAFETY_FACTOR, grid_convergence
+from postprocess.comparison import metrics
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from solver.impact import CORNERS
-from tailslap.campaign.engine import run_parts
+from tailslap.campaign import engine
 from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law
 from tailslap.campaign.records import Journal
-from tailslap.case.case import Case
+from tailslap.case import case_of
 from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.model import MIN_STEPS
+from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.run import CornerOutcome
 from tailslap.case.cost import loop_seconds
 from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes, nearest_corner
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.checks import failed_but_mesh
+from tailslap.case.impact.run import attempt
 from tailslap.case.model import plate_density
 from tailslap.errors import InputError
+from tailslap.modal_analysis.run import modal_run
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import Changes, Source, vary
 
-if TYPE_CHECKING:
-    from tailslap.case.corner.plan import CornerPlan
-    from tailslap.case.corner.run import CornerOutcome
-    from tailslap.case.impact.run import ImpactOutcome
-
 Record = dict[str, Any]
 
-# What --lowest and --highest may be.
+# Values of --lowest and --highest.
 HERTZ = Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
 
 # The softest plate of a constrained corner and of a whole impact.
@@ -60,7 +60,7 @@ STARTS = ("inertia-relief", "inertia-relief-momenta", "unstressed")
 # Velocities that a start may keep: of the centre of mass, of rotation, of the corner along the wall.
 KEPT = ("v_gx", "v_gy", "omega", "v_p")
 
-# What is measured of a plate, and its column.
+# Quantities that are measured of a plate, and their columns.
 MEASURED = {name: f"difference_{name}" for name in KEYS}
 MEASURED |= {"reaction": "reaction_deviation", "stored": "stored_share"}
 
@@ -87,7 +87,7 @@ ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
 # Order of convergence of linear elements and central differences.
 MAX_ORDER = 2.0
 
-# What is compared of a whole impact, as `tailslap.case.impact.answers` names it.
+# Quantities that are compared of a whole impact, as `tailslap.case.impact.answers` names it.
 NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
 
 # First frequencies of the plates whose strikes are measured [Hz].
@@ -118,7 +118,7 @@ class Flexibility:
         Of a whole impact, both strikes from 2 Hz to rigid, as of `measure_plate`, softest first.
     """
 
-    case: Case
+    case: Any
     rows: list[Record]
     levels: Mapping[str, tuple[Reach, ...]]
     own_frequency: float
@@ -130,7 +130,7 @@ class Flexibility:
 
     @property
     def band(self) -> tuple[Reach, ...]:
-        """What holds for each of the series of `levels`."""
+        """Levels that hold for each of the series of `levels`."""
         return tuple(jointly(each) for each in zip(*self.levels.values(), strict=True))
 
 
@@ -160,9 +160,21 @@ def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
     return tuple(np.geomspace(ends[1], ends[0], points).tolist())
 
 
-@dataclass(frozen=True)
-class Sweep:
-    """What is run of a corner. meshes: coarse to fine, each twice the last; support: how the corner is held; own:
+def run_plates(
+    groups: Sequence[tuple[Callable[..., Record], Mapping[str, tuple[Any, ...]], str]],
+    definition: Record,
+    place: Path,
+    workers: int | None,
+) -> list[list[Record]]:
+    """Records of each group: a function, its arguments by key, a label; an interrupted study goes on where it was."""
+    with Journal(place, {"study": "flexibility", **definition}) as journal:
+        for function, parts, label in groups:
+            engine.run_parts(function, parts, journal, f"{definition['scene']['name']}: {label}", workers)
+        return [[journal.records[key] for key in parts] for _, parts, _ in groups]
+
+
+class Sweep(NamedTuple):
+    """Runs of a corner. meshes: coarse to fine, each twice the last; support: how the corner is held; own:
     thickness [m], density [kg/m^3] and modulus [Pa] of the scene's own plate."""
 
     case: CornerCase
@@ -203,7 +215,7 @@ def corner_support(scene: Scene, coarsest: tuple[int, int]) -> Record:
 
 
 def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start: str = STARTS[0]) -> Changes:
-    """What gives the scene this first frequency [Hz], mesh and start, its corner supported as in the study."""
+    """Changes that give the scene this first frequency [Hz], mesh and start, and the study's support of the corner."""
     changes: dict[str, Any] = {
         "wall": None,
         "verify": None,  # plates that differ from the rigid body are the subject, and no failure
@@ -223,13 +235,13 @@ def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start
 
 
 def mesh_changes(sweep: Sweep, frequency: float, start: str) -> list[Changes | None]:
-    """What a start's runs change, coarse to fine; None for one that would take too long."""
+    """Changes of a start's runs, coarse to fine; None for one that would take too long."""
     found: list[Changes | None] = []
+    own = sweep.fe_plan
     for elements in sweep.meshes:
-        finer = elements[0] / sweep.fe_plan.plate.counts[0]
-        steps = sweep.fe_plan.expected_steps * finer * frequency / sweep.fe_plan.first_frequency
-        element = sweep.fe_plan.plate.element
-        expected = loop_seconds(sweep.case.scene, element, elements, max(MIN_STEPS, steps))
+        finer = elements[0] / own.plate.counts[0]
+        steps = max(MIN_STEPS, own.expected_steps * finer * frequency / own.first_frequency)
+        expected = loop_seconds(sweep.case.scene, own.plate.element, elements, steps)
         found.append(run_changes(sweep, frequency, elements, start) if expected <= TOO_LONG else None)
     return found
 
@@ -237,19 +249,16 @@ def mesh_changes(sweep: Sweep, frequency: float, start: str) -> list[Changes | N
 def corner_flexibility(
     case: CornerCase, given: tuple[float, ...], place: Path, workers: int | None
 ) -> Flexibility:
-    """Run every plate; an interrupted study of the same scene goes on from its journal. given: falling [Hz]."""
-    began, sweep = time.perf_counter(), define(case)
-    last = len(given) - 1
-    thin, parts = {round(place * last) for place in THICKNESSES}, {}
+    """Every plate of a constrained corner. given: first frequencies, falling [Hz]."""
+    began, sweep, parts = time.perf_counter(), define(case), {}
+    thin = {round(part * (len(given) - 1)) for part in THICKNESSES}
     for number, frequency in enumerate(given):
         starts = {name: mesh_changes(sweep, frequency, name) for name in STARTS}
         modal = {**run_changes(sweep, frequency, sweep.meshes[-1]), "damping": None}
         own, half = sweep.own if number in thin else None, number == len(given) // 2
         parts[f"{frequency!r} Hz"] = (case.source, starts, modal, own, half)
     definition = {"scene": case.scene.model_dump(), "frequencies": given, "starts": STARTS}
-    with Journal(place, {"study": "flexibility", **definition}) as journal:
-        run_parts(measure, parts, journal, f"{case.scene.name}: {len(parts)} plates", workers)
-        records = [journal.records[key] for key in parts]
+    (records,) = run_plates([(measure, parts, f"{len(parts)} plates")], definition, place, workers)
     rows = [plate_row(f, record, case.tail_slap) for f, record in zip(given, records, strict=True)]
     return summed_up(sweep, rows, time.perf_counter() - began)
 
@@ -259,8 +268,7 @@ def summed_up(sweep: Sweep, rows: list[Record], seconds: float) -> Flexibility:
     starts = {name: _levels(start_samples(rows, name)) for name in STARTS}
     others = {name: _levels(samples_of(rows, name)) for name in MEASURED if name not in ("v_gy", "stored")}
     laws = {name: power_law(samples_of(rows, name)) for name in MEASURED}
-    setup = {"corner": sweep.support, "meshes": sweep.meshes}
-    own = sweep.fe_plan.first_frequency
+    setup, own = {"corner": sweep.support, "meshes": sweep.meshes}, sweep.fe_plan.first_frequency
     return Flexibility(sweep.case, rows, starts, own, setup, seconds, others, laws)
 
 
@@ -270,10 +278,8 @@ def _levels(samples: list[Sample], levels: tuple[float, ...] = LEVELS) -> tuple[
 
 def samples_of(rows: Sequence[Record], name: str) -> list[Sample]:
     """The plates of one of `MEASURED`, at the strike of the first start, as levels and power law take them."""
-    return [
-        Sample(row["first_frequency"], abs(row[MEASURED[name]]), row[f"error_{name}"], row["passed"])
-        for row in rows
-    ]
+    column, error = MEASURED[name], f"error_{name}"
+    return [Sample(row["first_frequency"], abs(row[column]), row[error], row["passed"]) for row in rows]
 
 
 def start_samples(rows: Sequence[Record], start: str) -> list[Sample]:
@@ -296,62 +302,53 @@ def measure(
     own: tuple[float, float, float] | None,
     half: bool,
 ) -> Record:
-    """The record of a plate; starts: by name what its runs change, coarse to fine, None for one that is left out.
+    """The record of a plate.
 
-    modal: of the modal model; own: the scene's section where the first start's middle mesh is run once more by its
-    thickness; half: whether the finest mesh is run once more, held over half the length.
+    Parameters
+    ----------
+    base : Source
+        Of the scene.
+    starts : dict
+        Changes of each start's runs, coarse to fine; None for one that is left out.
+    modal : dict
+        Changes of the modal model.
+    own : tuple of float, optional
+        The scene's section; the first start's middle mesh is then run once more by its thickness.
+    half : bool
+        True if the finest mesh is run once more, held over half the length.
     """
     runs = {name: [one_run(base, changes) for changes in meshes] for name, meshes in starts.items()}
-    record: Record = {"starts": runs, "modal": modal_opinion(base, modal)}
-    _, changes, finest = starts[STARTS[0]]
+    record: Record = {"starts": runs, "modal": one_run(base, modal, modal_record)}
+    _, middle, finest = starts[STARTS[0]]
     if half and finest is not None:
         patch = 0.5 * finest["corner.patch_length"]
         record["half_patch"] = one_run(base, {**finest, "corner.patch_length": patch})
-    middle = runs[STARTS[0]][1]
-    if own is not None and changes is not None and "refused" not in middle:
-        record["thickness"] = one_run(base, thickness_changes(changes, middle["youngs_modulus"], own))
+    modulus = runs[STARTS[0]][1].get("youngs_modulus")
+    if own and middle and modulus:
+        record["thickness"] = one_run(base, thickness_changes(middle, modulus, own))
     return record
 
 
 def thickness_changes(changes: Changes, modulus: float, own: tuple[float, float, float]) -> Changes:
-    """The plate of these changes, whose modulus is this [Pa], with the scene's own modulus and the thickness for it.
+    """Changes to the plate whose modulus is this [Pa], with the scene's own modulus and the thickness for it.
 
     E t stays, and so does density times thickness, which is the mass.
     """
     thickness, density, youngs_modulus = own
     ratio = modulus / youngs_modulus
-    plate = {"thickness": thickness * ratio, "density": density / ratio, "youngs_modulus": youngs_modulus}
-    return {
-        **changes,
-        "plate.first_frequency": None,
-        **{f"plate.{key}": value for key, value in plate.items()},
-    }
+    section = {"plate.thickness": thickness * ratio, "plate.density": density / ratio}
+    return {**changes, "plate.first_frequency": None, **section, "plate.youngs_modulus": youngs_modulus}
 
 
-def one_run(base: Source, changes: Changes | None) -> Record:
-    """Values, failed checks, reaction and stored energy of a finite-element run; `refused` says why there is none."""
-    if changes is None:
-        return {"refused": "left out: its time loop would take too long"}
-    began = time.perf_counter()
-    try:
-        outcome = CornerCase(*vary(base, changes)).run()
-    except InputError as error:
-        return {"refused": str(error)}
-    except Exception as error:  # one plate must not end the study; it is shown as failed
-        return {"refused": f"broke: {type(error).__name__}: {error}"}
-    return _record(outcome) | {"seconds": time.perf_counter() - began}
-
-
-def _record(outcome: CornerOutcome) -> Record:
-    """What the study takes from a run. Its numerical error is kept and no failure: each level is held to it."""
-    fe_plan, error = outcome.fe_plan, outcome.error
-    fe, rigid = outcome.fe_history, outcome.rigid_history
+def fe_record(case: CornerCase) -> Record:
+    """Values, failed checks, reaction, stored energy of a run. Its error is no failure: levels are held to it."""
+    outcome = case.run()
+    fe_plan, error, fe, rigid = outcome.fe_plan, outcome.error, outcome.fe_history, outcome.rigid_history
     known = np.isfinite(rigid["reaction_normal"])
     ours, theirs = (history["reaction_normal"][known] for history in (fe, rigid))
     with np.errstate(all="ignore"):
         reaction = float(np.abs(ours - theirs).max() / np.abs(theirs).max())
     return {
-        "elements": list(fe_plan.plate.elements or ()),
         "youngs_modulus": fe_plan.plate.youngs_modulus,
         "thickness": fe_plan.plate.thickness,
         "damping": getattr(fe_plan.model.loop.elastic_damping, "rate", 0.0),
@@ -378,18 +375,26 @@ def largest_difference(outcome: CornerOutcome) -> float:
     return max(float(before), abs(outcome.difference["v_gy"]))
 
 
-def modal_opinion(base: Source, changes: Changes) -> Record:
-    """The same plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
-    from tailslap.modal_analysis.run import modal_run
-
+def one_run(base: Source, changes: Changes | None, take: Callable[[Any], Record] = fe_record) -> Record:
+    """Record that `take` makes of the changed case; `refused` says why there is none."""
+    if changes is None:
+        return {"refused": "left out: its time loop would take too long"}
     try:
-        found = modal_run(CornerCase(*vary(base, changes)).plan(), tolerance=1.0)
+        return take(case_of(*vary(base, changes)))
     except InputError as error:
         return {"refused": str(error)}
-    except Exception as error:  # as above
+    except Exception as error:  # one plate must not end the study; it is shown as failed
         return {"refused": f"broke: {type(error).__name__}: {error}"}
-    failed = list(failed_names(found.checks))
-    return {"values": found.values, "estimate": found.estimate.total, "failed": failed}
+
+
+def modal_record(case: CornerCase) -> Record:
+    """The plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
+    found = modal_run(case.plan(), tolerance=1.0)
+    return {
+        "values": found.values,
+        "estimate": found.estimate.total,
+        "failed": list(failed_names(found.checks)),
+    }
 
 
 def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> Record:
@@ -397,50 +402,35 @@ def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> R
 
     record: of `measure`; rigid: the five quantities. What is not known is NaN, or None where it was not run.
     """
-    meshes, modal = record["starts"][STARTS[0]], record["modal"]
+    meshes, modal, nan = record["starts"][STARTS[0]], record["modal"], math.nan
     fine, half, thick = meshes[-1], record.get("half_patch", {}), record.get("thickness", {})
-    thick = thick if "thickness" in thick else None
     half = half if half.get("values") and not half["failed"] else {}
-    return {
-        "first_frequency": frequency,
-        "youngs_modulus": fine.get("youngs_modulus", math.nan),
-        "passed": _passed(fine),
-        "why": _why(fine),
-        **{f"difference_{name}": value for name, value in _differences(fine, rigid).items()},
-        "reaction_deviation": fine.get("reaction", math.nan),
-        "stored_share": fine.get("stored", math.nan),
-        **{f"error_{name}": mesh_error(meshes, name) for name in MEASURED},
-        **{f"modal_{name}": value for name, value in _differences(modal, rigid).items()},
-        "modal_estimate": modal.get("estimate", math.nan),
-        "modal_apart": largest_relative(modal.get("values", {}), fine.get("values", {})),
-        "modal_why": _why(modal),
-        "damping_rate": fine.get("damping", 0.0),
-        "deflection_ratio": fine.get("deflection_ratio", math.nan),
-        "steps": fine.get("steps", 0),
-        "half_patch_v_gy": _differences(half, rigid)["v_gy"],
-        "thickness": thick and thick["thickness"],
-        "thickness_apart": thick and largest_relative(thick["values"], meshes[1]["values"]),
-        **{
-            f"{start}:{name}": value
-            for start, runs in record["starts"].items()
-            for name, value in _start_row(runs, rigid).items()
-        },
-    }
+    row: Record = {"first_frequency": frequency, "youngs_modulus": fine.get("youngs_modulus", nan)}
+    row |= {"passed": _passed(fine), "why": _why(fine)}
+    row |= {f"difference_{name}": value for name, value in _differences(fine, rigid).items()}
+    row |= {"reaction_deviation": fine.get("reaction", nan), "stored_share": fine.get("stored", nan)}
+    row |= {f"error_{name}": mesh_error(meshes, name) for name in MEASURED}
+    row |= {f"modal_{name}": value for name, value in _differences(modal, rigid).items()}
+    row |= {"modal_estimate": modal.get("estimate", nan)}
+    row |= {"modal_apart": largest_relative(modal.get("values", {}), fine.get("values", {}))}
+    row |= {"modal_why": _why(modal), "damping_rate": fine.get("damping", 0.0)}
+    row |= {"deflection_ratio": fine.get("deflection_ratio", nan), "steps": fine.get("steps", 0)}
+    row |= {"half_patch_v_gy": _differences(half, rigid)["v_gy"], "thickness": thick.get("thickness")}
+    apart = largest_relative(thick["values"], meshes[1]["values"]) if "thickness" in thick else None
+    row |= {"thickness_apart": apart}
+    for start, runs in record["starts"].items():
+        row |= {f"{start}:{name}": value for name, value in _start_row(runs, rigid).items()}
+    return row
 
 
 def _start_row(runs: list[Record], rigid: Mapping[str, float]) -> Record:
     """A start of a plate: v_GY's difference at the strike, its largest until then, the error of that, t = 0."""
     fine = runs[-1]
     departure = fine.get("departure", dict.fromkeys(KEPT, math.nan))
-    return {
-        "v_gy": _differences(fine, rigid)["v_gy"],
-        "v_gy_largest": fine.get("largest", math.nan),
-        "v_gy_error": mesh_error(runs, "largest") if len(runs) > 1 else fine.get("error", math.nan),
-        **{f"{name}_at_start": departure[name] for name in KEPT},
-        "damping_rate": fine.get("damping", 0.0),
-        "passed": _passed(fine),
-        "why": _why(fine),
-    }
+    error = mesh_error(runs, "largest") if len(runs) > 1 else fine.get("error", math.nan)
+    row = {"v_gy": _differences(fine, rigid)["v_gy"], "v_gy_largest": fine.get("largest", math.nan)}
+    row |= {"v_gy_error": error, **{f"{name}_at_start": departure[name] for name in KEPT}}
+    return row | {"damping_rate": fine.get("damping", 0.0), "passed": _passed(fine), "why": _why(fine)}
 
 
 def _differences(run: Record, rigid: Mapping[str, float]) -> dict[str, float]:
@@ -471,44 +461,33 @@ def mesh_error(meshes: list[Record], name: str) -> float:
 
 def convergence_index(fine: float, medium: float, coarse: float) -> float:
     """Grid convergence index of the fine mesh; an observed order above that of the elements is luck, and not used."""
-    found = grid_convergence((fine, medium, coarse), (2.0, 2.0))
+    found = metrics.grid_convergence((fine, medium, coarse), (2.0, 2.0))
     if found.behaviour != "converging" or found.order <= MAX_ORDER:
         return found.gci_fine
-    return SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
+    return metrics.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
 
 
 def impact_flexibility(
     case: ImpactCase, given: tuple[float, ...], place: Path, workers: int | None
 ) -> Flexibility:
-    """Run every plate; an interrupted study of the same scene goes on from its journal. given: falling [Hz]."""
-    began, own = time.perf_counter(), case.plan()
-    patch = patch_length(case)
+    """Every plate of a whole impact. given: first frequencies, falling [Hz]."""
+    began, own, patch = time.perf_counter(), case.plan(), patch_length(case)
     along, across = own.plate.counts
     fixed: Changes = {"plate.youngs_modulus": None, "contact.patch_length": patch}
-    sweep = {
-        f"{f!r} Hz": (case.source, {**fixed, "plate.elements": (along, across), "plate.first_frequency": f})
-        for f in given
-    }
-    fixed = {**fixed, "time.end": LONGER * case.duration}
-    plates = {
-        f"plate {f!r} Hz": (
-            *(case.source, f),
-            *(
-                {**fixed, "plate.first_frequency": f, "plate.elements": (n * along, n * across)}
-                for n in (1, 2)
-            ),
-        )
-        for f in PLATES
-    }
-    definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": given}
-    with Journal(place, definition) as journal:
-        run_parts(measure_impact, sweep, journal, f"{case.scene.name}: {len(sweep)} plates", workers)
-        run_parts(measure_plate, plates, journal, f"{case.scene.name}: from 2 Hz to rigid", workers)
-        rows = [impact_row(f, journal.records[key]) for f, key in zip(given, sweep, strict=True)]
-        soft = [journal.records[key] for key in plates]
+
+    def plate(frequency: float, finer: int = 1, **more: Any) -> Changes:
+        elements = (finer * along, finer * across)
+        return {**fixed, "plate.elements": elements, "plate.first_frequency": frequency, **more}
+
+    end = {"time.end": LONGER * case.duration}
+    sweep = {f"{f!r} Hz": (case.source, plate(f), strike_record) for f in given}
+    plates = {f"plate {f!r} Hz": (case.source, f, *(plate(f, n, **end) for n in (1, 2))) for f in PLATES}
+    groups = (one_run, sweep, f"{len(sweep)} plates"), (measure_plate, plates, "from 2 Hz to rigid")
+    definition = {"scene": case.scene.model_dump(), "frequencies": given}
+    records, soft = run_plates(groups, definition, place, workers)
+    rows = [impact_row(f, record) for f, record in zip(given, records, strict=True)]
     levels = {name: _levels(impact_samples(rows, name), IMPACT_LEVELS) for name in NAMES}
-    rigid = plate_record(math.inf, both_strikes(case.answer), {}, ())
-    seconds = time.perf_counter() - began
+    rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
     setup = {"patch_length": patch}
     return Flexibility(case, rows, levels, own.first_frequency, setup, seconds, {}, {}, [*soft, rigid])
 
@@ -521,8 +500,10 @@ def patch_length(case: ImpactCase) -> float:
 def impact_row(frequency: float, record: Record) -> Record:
     """A plate as `points.csv` and the summary have it: FE/rigid - 1 and mesh error by `NAMES`, NaN where other corners
     strike; failed: the checks that did, or what refused it."""
-    groups = {f"{group}.{name}": record[group][name] for group in ("difference", "error") for name in NAMES}
-    return {"frequency": frequency, **groups, "failed": record["why"]}
+    row: Record = {"frequency": frequency}
+    for group in ("difference", "error"):
+        row |= {f"{group}.{name}": record.get(group, {}).get(name, math.nan) for name in NAMES}
+    return row | {"failed": _why(record)}
 
 
 def impact_samples(rows: Sequence[Record], name: str) -> list[Sample]:
@@ -534,17 +515,13 @@ def impact_samples(rows: Sequence[Record], name: str) -> list[Sample]:
     return found
 
 
-def measure_impact(source: Source, changes: Changes) -> Record:
-    """A plate's run beside the rigid vehicle's impact."""
-    nothing = dict.fromkeys(NAMES, math.nan)
-    try:
-        outcome = ImpactCase(*vary(source, changes)).run()
-    except InputError as error:
-        return {"difference": nothing, "error": nothing, "why": str(error)}
+def strike_record(case: ImpactCase) -> Record:
+    """A plate's run beside the rigid vehicle's impact. Its mesh error is no failure: levels are held to it."""
+    outcome = case.run()
     return {
-        "difference": nothing | outcome.difference,
-        "error": nothing | outcome.mesh_error,
-        "why": ", ".join(_failed(outcome)),
+        "difference": outcome.difference,
+        "error": outcome.mesh_error,
+        "failed": list(failed_but_mesh(outcome)),
     }
 
 
@@ -553,15 +530,24 @@ def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Chang
 
     errors: finer mesh over the coarser one, less one; failed: checks that did, or what refused the run.
     """
-    try:
-        rough, (values, failed) = (_strikes(ImpactCase(*vary(source, each))) for each in (coarse, fine))
-    except InputError as error:
-        return plate_record(frequency, {}, {}, (str(error),))
-    return plate_record(frequency, values, {n: values[n] / rough[0][n] - 1.0 for n in COLUMNS}, failed)
+    rough, found = (one_run(source, each, both_record) for each in (coarse, fine))
+    if refused := rough.get("refused") or found.get("refused"):
+        return plate_record(frequency, {}, {}, (refused,))
+    values = found["values"]
+    errors = {name: values[name] / rough["values"][name] - 1.0 for name in COLUMNS}
+    return plate_record(frequency, values, errors, found["failed"])
+
+
+def both_record(case: ImpactCase) -> Record:
+    """Values and failed checks of a single run; the filters take the force of the points nearest to each corner."""
+    outcome = attempt(case)
+    corner = nearest_corner(outcome.run.points, case.scene.vehicle.length)
+    forces = {name: outcome.run.normal[:, corner == n].sum(axis=1) for n, name in enumerate(CORNERS)}
+    return {"values": both_strikes(outcome.fe, forces), "failed": failed_but_mesh(outcome)}
 
 
 def plate_record(
-    frequency: float, values: Mapping[str, float], errors: Mapping[str, float], failed: tuple[str, ...]
+    frequency: float, values: Mapping[str, float], errors: Mapping[str, float], failed: Sequence[str]
 ) -> Record:
     """A plate as the summary has it; an infinite frequency is the rigid vehicle's. It passed where every check did, and
     both meshes agree."""
@@ -570,19 +556,3 @@ def plate_record(
     passed = not failed and (math.isinf(frequency) or error <= WORST)
     record: Record = {"frequency": frequency if math.isfinite(frequency) else None, "values": dict(values)}
     return record | {"errors": dict(errors), "failed": list(failed), "error": error, "passed": passed}
-
-
-def _strikes(case: ImpactCase) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Values and failed checks of a single run; the filters take the force of the points nearest to each corner."""
-    from tailslap.case.impact.run import attempt
-
-    outcome = attempt(case)
-    corner = nearest_corner(outcome.run.points, case.scene.vehicle.length)
-    forces = {name: outcome.run.normal[:, corner == n].sum(axis=1) for n, name in enumerate(CORNERS)}
-    return both_strikes(outcome.fe, forces), _failed(outcome)
-
-
-def _failed(outcome: ImpactOutcome) -> tuple[str, ...]:
-    from tailslap.case.impact.checks import failed_but_mesh
-
-    return failed_but_mesh(outcome)

@@ -14,7 +14,7 @@ from postprocess.report.table import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz
-from tailslap.case.impact.answers import COLUMNS
+from tailslap.case.impact.answers import COLUMNS, COMPARED
 from tailslap.case.impact.answers import QUANTITIES as OF_STRIKES
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.flexibility.compute import (
@@ -31,7 +31,7 @@ from tailslap.studies.flexibility.compute import (
 START_NAMES = dict(zip(STARTS, ("inertia relief", "Stage 1's momenta", "unstressed"), strict=True))
 SYMBOLS = {name: quantity.symbol for name, quantity in QUANTITIES.items()}
 SYMBOLS |= {"reaction": "reaction", "stored": "stored energy", "v_p": "v_P"}
-# What the headlines tell.
+# Level and quantity of the headlines.
 MAIN, MAIN_STRIKE = LEVELS.index(1e-2), "strike_2.impulse"
 
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
@@ -40,9 +40,9 @@ F1 = Column("frequency", "f_1", form=hertz)
 FILES = "points.csv, every plate with its numbers in SI; summary.json"
 
 
-def _good(levels: Sequence[float]) -> tuple[Column, ...]:
+def _good(levels: Sequence[float], *more: Column) -> tuple[Column, ...]:
     named = {f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(levels)}
-    return (Column("what", "Off by at most"), *columns(named, form=str))
+    return (Column("what", "Off by at most"), *columns(named, form=str), *more)
 
 
 LAWS = (
@@ -55,24 +55,29 @@ POINTS = [
 ]
 PARTS = {"v_gy": "At the strike", "v_gy_largest": "Largest", "v_gy_error": "Error"}
 STARTED = [
-    Column(f"{start}:{key}", label, form=SIZE, group=group)
+    column
     for start, group in START_NAMES.items()
-    for key, label in PARTS.items()
+    for column in columns({f"{start}:{k}": label for k, label in PARTS.items()}, form=SIZE, group=group)
 ]
 KEPT_BY = [
-    Column(f"{start}:{name}_at_start", SYMBOLS[name], form=DEPARTURE, group=START_NAMES[start])
+    column
     for start in STARTS[:2]
-    for name in KEPT
+    for column in columns(
+        {f"{start}:{k}_at_start": SYMBOLS[k] for k in KEPT}, form=DEPARTURE, group=START_NAMES[start]
+    )
 ]
+STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping_rate", "Damping", "1/s", form=SIZE))
 PLATE_COLUMNS = {
     "deflection_ratio": "Static deflection ratio",
     "half_change": "Half the patch changes v_GY by",
     "thickness_apart": "Thickness for E, apart",
 }
-STIFF = (
-    Column("youngs_modulus", "E", "Pa", form=SIZE),
-    Column("damping_rate", "Damping", "1/s", form=SIZE),
-)
+EVERY_PLATE = {
+    "At the strike, with inertia relief": (Column("checks", "Checks"), *POINTS),
+    "v_GY from each start": STARTED,
+    "What each start departs from at t = 0": KEPT_BY,
+    "The plates": (*STIFF, *columns(PLATE_COLUMNS, form=SIZE)),
+}
 MODAL = {"modal_v_gy": "v_GY", "modal_apart": "Largest of five from FE", "modal_estimate": "Own estimate"}
 READING = (
     "Inertia relief begins in the elastic state of the rigid acceleration, with the rigid body's spin and corner speed "
@@ -82,9 +87,9 @@ READING = (
     "set off failed a check.",
 )
 WORDS = {
-    f"strike_{k}.{name}": f"{which} strike's {word}"
+    f"strike_{k}.{name}": f"{which} strike's {name.removesuffix('_force')}"
     for k, which in ((1, "first"), (2, "second"))
-    for name, word in (("impulse", "impulse"), ("peak_force", "peak"), ("duration", "duration"))
+    for name in COMPARED
 }
 STRIKE_POINTS = [
     Column(f"difference.{name}", WORDS[name], form=SIGNED, below=Column(f"error.{name}", "", form=SIGNED))
@@ -100,6 +105,8 @@ PLATES = (
     "a corner within 50 ms are one strike, filtered by itself. Mesh: the largest difference to a mesh half as fine; "
     "above 5 %, or with a failed check, a plate is not to be relied on."
 )
+# Quantities of the terminal's table.
+SHORT = ("mean_50ms", "impulse", "duration")
 PLATE_PANELS = {"impulse": "impulse", "raw": "peak", "mean_50ms": "50 ms mean", "duration": "duration"}
 
 
@@ -112,36 +119,30 @@ def corner_report(found: Flexibility) -> Report:
     """Of a constrained corner: three starts, the other quantities, the modal model."""
     starts, rows = {**found.levels, "any of the three": found.band}, [_shown(row) for row in found.rows]
     good = [{"what": START_NAMES.get(name, name), "levels": its} for name, its in starts.items()]
-    v_gy = Table(
-        _good(LEVELS), good, "v_GY is good down to a first frequency of", marks={len(STARTS): "marked"}
-    )
+    marked = {len(STARTS): "marked"}
+    v_gy = Table(_good(LEVELS), good, "v_GY is good down to a first frequency of", marks=marked)
     laws = [{"what": SYMBOLS[n], "levels": found.others.get(n), "law": law} for n, law in found.laws.items()]
-    marks = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
+    failed = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
     tables = [
-        Table(
-            (F1, Column("checks", "Checks"), *POINTS), rows, "At the strike, with inertia relief", marks=marks
-        ),
-        Table((F1, *STARTED), rows, "v_GY from each start"),
-        Table((F1, *KEPT_BY), rows, "What each start departs from at t = 0"),
-        Table((F1, *STIFF, *columns(PLATE_COLUMNS, form=SIZE)), rows, "The plates"),
+        Table((F1, *its), rows, title, marks={} if number else failed)
+        for number, (title, its) in enumerate(EVERY_PLATE.items())
     ]
     modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
     three, five, reaction, stored, modes = figures(found)
     said = _modelled(found)
     sections = (
         Section("Three starts", "", (three,), (v_gy,), (said, *READING)),
-        Section("With inertia relief", "", (five,), (Table((*_good(LEVELS), *LAWS), laws),)),
+        Section("With inertia relief", "", (five,), (Table(_good(LEVELS, *LAWS), laws),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("Modal model against finite elements", "", (modes,), (modal,)),
         Section("Every plate", tables=tables),
     )
     numbers = {
-        "rigid": found.case.tail_slap,  # type: ignore[attr-defined]
+        "rigid": found.case.tail_slap,
         "levels_v_gy": found.levels,
         "levels_v_gy_any_start": found.band,
-        "levels": found.others,
-        "power_laws": found.laws,
     }
+    numbers |= {"levels": found.others, "power_laws": found.laws}
     kicker = "Flexibility: how soft the vehicle may be for the rigid-body method to hold"
     return _report(found, kicker, headline(found), sections, numbers, (v_gy, said))
 
@@ -152,19 +153,17 @@ def _report(
     """Page, summary, plates as a file, and what the terminal says."""
     passed = any(row.get("passed", not row.get("failed")) for row in found.rows)
     page = study_page(found.case, kicker, said, sections, FILES, passed)
-    summary = {
-        **study_summary("flexibility", found.case),
-        "passed": passed,
-        "headline": said,
-        "own_frequency": found.own_frequency,
-        **found.setup,
-        **numbers,
-        "points": found.rows,
-        "cost": {"seconds": found.seconds},
-    }
+    head = {**study_summary("flexibility", found.case), "passed": passed, "headline": said}
+    summary = {**head, "own_frequency": found.own_frequency, **found.setup, **numbers}
+    summary |= {"points": found.rows, "cost": {"seconds": found.seconds}}
     plates = len(found.rows) + max(0, len(found.plates) - 1)  # the last is the rigid vehicle
     cost = f"Cost:   {plates} plates in {found.seconds:.0f} s"
     return Report(page, summary, (said, *terminal, cost), {"points.csv": listed(found.rows)})
+
+
+def _failures(rows: Sequence[tuple[float, str]]) -> str:
+    """Frequencies of the plates that failed, and why they did."""
+    return f"Failed: {'; '.join(f'{hertz(frequency)}: {why}' for frequency, why in rows if why) or 'none'}."
 
 
 def _shown(row: Record) -> Record:
@@ -190,89 +189,69 @@ def headline(found: Flexibility) -> str:
 
 
 def _modelled(found: Flexibility) -> str:
-    """How the plates are modelled, and which failed."""
+    """Mesh and support of the corner, and the plates that failed."""
     support, (along, across) = found.setup["corner"], found.setup["meshes"][-1]
-    failed = "; ".join(f"{hertz(r['first_frequency'])}: {r['why']}" for r in found.rows if not r["passed"])
     added = "" if support["own_patch"] else ", which the study adds"
     return (
         f"Numbers are those of {along} x {across} elements, the corner with the {support['constraint']} constraint "
-        f"over {measure(support['patch'], 'm', 'g')}{added}. Failed: {failed or 'none'}."
+        f"over {measure(support['patch'], 'm', 'g')}{added}. "
+        + _failures([(row["first_frequency"], "" if row["passed"] else row["why"]) for row in found.rows])
     )
-
-
-RELATIVE = "size of the relative difference"
-FIGURES = {
-    "starts": ("v_GY from three starts: largest difference from the rigid body", RELATIVE),
-    "difference": (
-        "Time of the strike, velocities of the centre of mass, angular velocity and slide",
-        RELATIVE,
-    ),
-    "reaction": ("Normal reaction of the wall", "largest deviation over the rigid reaction"),
-    "stored": (
-        "Largest elastic energy of the plate over its kinetic energy at the start",
-        "elastic over kinetic energy",
-    ),
-    "modal": ("v_GY by both methods, and how far the methods are apart", RELATIVE),
-}
-# Caption and label of each, and the levels that are marked.
-MARKED = {"starts": LEVELS, "difference": LEVELS, "modal": LEVELS[:2]}
 
 
 def figures(found: Flexibility) -> list[Chart]:
     """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
-    rows = found.rows
-
-    def values(column: str) -> list[float]:
-        return [row[column] for row in rows]
+    values = {name: [row[name] for row in found.rows] for name in found.rows[0]}
+    passed, relative = values["passed"], "size of the relative difference"
+    begun = [[*its] for its in zip(passed, *(values[f"{start}:passed"] for start in STARTS), strict=True)]
 
     def size(name: str) -> SweepLine:
-        return SweepLine(SYMBOLS[name], [abs(x) for x in values(MEASURED[name])], values(f"error_{name}"))
+        return SweepLine(SYMBOLS[name], [abs(x) for x in values[MEASURED[name]]], values[f"error_{name}"])
 
-    lines = {
-        "starts": [
-            SweepLine(
-                *(label, values(f"{start}:v_gy_largest"), values(f"{start}:v_gy_error")),
-                passed=[row[f"{start}:passed"] for row in rows],
-            )
-            for start, label in START_NAMES.items()
-        ],
-        "difference": [size(name) for name in KEYS],
-        "reaction": [size("reaction")],
-        "stored": [size("stored")],
-        "modal": [
-            size("v_gy")._replace(label="v_GY, FE"),
-            SweepLine("v_GY, modal", [abs(x) for x in values("modal_v_gy")], form=RINGS),
-            SweepLine("apart, largest of five", values("modal_apart"), form=DOTS),
-            SweepLine("modal estimate", values("modal_estimate"), form=DOTS),
-        ],
-    }
-    charts = []
-    for name, (caption, label) in FIGURES.items():
-        counted = STARTS if name == "starts" else ()
-        passed = [row["passed"] or any(row[f"{start}:passed"] for start in counted) for row in rows]
-        axis = SweepAxis(values("first_frequency"), passed, found.own_frequency)
-        charts.append(
-            draw_sweep(f"flexibility-{name}", axis, lines[name], label, caption, MARKED.get(name, ()))
-        )
-    return charts
+    def start_line(start: str) -> SweepLine:
+        largest, error = values[f"{start}:v_gy_largest"], values[f"{start}:v_gy_error"]
+        return SweepLine(START_NAMES[start], largest, error, passed=values[f"{start}:passed"])
+
+    def chart(name: str, caption: str, label: str, lines: Sequence[SweepLine], levels: Any = ()) -> Chart:
+        good = [any(its) for its in begun] if name == "starts" else passed
+        axis = SweepAxis(values["first_frequency"], good, found.own_frequency)
+        return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels)
+
+    modal = [
+        size("v_gy")._replace(label="v_GY, FE"),
+        SweepLine("v_GY, modal", [abs(x) for x in values["modal_v_gy"]], form=RINGS),
+        SweepLine("apart, largest of five", values["modal_apart"], form=DOTS),
+        SweepLine("modal estimate", values["modal_estimate"], form=DOTS),
+    ]
+    five = "Time of the strike, velocities of the centre of mass, angular velocity and slide"
+    three = "v_GY from three starts: largest difference from the rigid body"
+    energy = "Largest elastic energy of the plate over its kinetic energy at the start"
+    both = "v_GY by both methods, and how far the methods are apart"
+    return [
+        chart("starts", three, relative, [start_line(start) for start in STARTS], LEVELS),
+        chart("difference", five, relative, [size(name) for name in KEYS], LEVELS),
+        chart(
+            "reaction",
+            "Normal reaction of the wall",
+            "largest deviation over the rigid reaction",
+            [size("reaction")],
+        ),
+        chart("stored", energy, "elastic over kinetic energy", [size("stored")]),
+        chart("modal", both, relative, modal, LEVELS[:2]),
+    ]
 
 
 def impact_report(found: Flexibility) -> Report:
     """Of a whole impact: both strikes of each plate against the rigid vehicle's, and from 2 Hz to rigid."""
-    good = Table(
-        _good(IMPACT_LEVELS),
-        [{"what": WORDS[name], "levels": found.levels[name]} for name in NAMES],
-        "The rigid vehicle is good down to a first frequency of",
-    )
+    rows = [{"what": WORDS[name], "levels": found.levels[name]} for name in NAMES]
+    good = Table(_good(IMPACT_LEVELS), rows, "The rigid vehicle is good down to a first frequency of")
     marks = {i: "failed" for i, row in enumerate(found.rows) if row["failed"]}
     heads = (F1, *STRIKE_POINTS, Column("failed", "Checks failed"))
-    failed = "; ".join(f"{hertz(row['frequency'])}: {row['failed']}" for row in found.rows if row["failed"])
-    said = (
-        f"A corner's crush is spread over {measure(found.setup['patch_length'], 'm', 'g')} of its side. "
-        f"Failed: {failed or 'none'}."
-    )
-    why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]
     points = Table(heads, found.rows, "Differences of the two strikes", marks=marks)
+    patch = measure(found.setup["patch_length"], "m", "g")
+    failures = _failures([(row["frequency"], row["failed"]) for row in found.rows])
+    said = f"A corner's crush is spread over {patch} of its side. {failures}"
+    why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]
     sections = (
         Section("Both strikes", "", (_strikes_figure(found),), (good,), (said, IMPACT_READING)),
         Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
@@ -306,13 +285,17 @@ def _impact_headline(found: Flexibility) -> str:
 
 
 def _strikes_figure(found: Flexibility) -> Chart:
-    rows = found.rows
-    sizes, errors = (
-        {name: [abs(row[f"{group}.{name}"]) for row in rows] for name in NAMES}
-        for group in ("difference", "error")
-    )
-    lines = [SweepLine(WORDS[name], sizes[name], errors[name]) for name in NAMES]
-    own = found.own_frequency if math.isfinite(found.own_frequency) else 0.0
+    rows, own = found.rows, found.own_frequency
+    lines = [
+        SweepLine(
+            *(
+                WORDS[n],
+                [abs(row[f"difference.{n}"]) for row in rows],
+                [abs(row[f"error.{n}"]) for row in rows],
+            )
+        )
+        for n in NAMES
+    ]
     axis = SweepAxis([row["frequency"] for row in rows], [not row["failed"] for row in rows], own)
     caption = "Difference of plate and rigid vehicle in both strikes, over the plate's first frequency"
     return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, IMPACT_LEVELS)
@@ -321,34 +304,37 @@ def _strikes_figure(found: Flexibility) -> Chart:
 def _plate_figures(found: Flexibility) -> list[Chart]:
     """Both strikes against the first frequency; none where no plate has run."""
     soft, rigid = [row for row in found.plates[:-1] if row["values"]], found.plates[-1]["values"]
-    if not soft:
-        return []
     panels: dict[str, dict[int, tuple[list[float], float]]] = {}
     for name, words in PLATE_PANELS.items():
         _, unit, scale = OF_STRIKES[name]
         panels[f"{words} [{unit}]"] = {
-            k: ([row["values"][key] / scale for row in soft], rigid[key] / scale)
-            for k, key in ((k, f"strike_{k}.{name}") for k in (1, 2))
+            k: (
+                [row["values"][f"strike_{k}.{name}"] / scale for row in soft],
+                rigid[f"strike_{k}.{name}"] / scale,
+            )
+            for k in (1, 2)
         }
-    return [draw_plates([row["frequency"] for row in soft], [row["passed"] for row in soft], panels)]
+    frequencies, passed = ([row[key] for row in soft] for key in ("frequency", "passed"))
+    return [draw_plates(frequencies, passed, panels)] if soft else []
 
 
 def plates_table(found: Flexibility, title: str = "", short: bool = False) -> Table:
-    """Both strikes against the first frequency; short: without the raw peaks."""
-    heads, scales = [], {}
-    for column in COLUMNS:
-        strike, name = column.removeprefix("strike_").split(".")
-        label, unit, scale = OF_STRIKES[name]
-        if name in ("mean_50ms", "impulse", "duration") or not short:
-            words = label.replace(" mean", "")
-            heads.append(Column(column, words, unit, form=ONE, group=f"Strike {strike}"))
-            scales[column] = scale
-    rows = [
+    """Both strikes against the first frequency; short: without the raw and CFC 60 peaks."""
+    rows: list[Record] = [
         {"frequency": "rigid" if row["frequency"] is None else f"{row['frequency']:g}", "error": row["error"]}
-        | {column: row["values"].get(column, math.nan) / scale for column, scale in scales.items()}
         for row in found.plates
     ]
-    first = Column("frequency", "f_1", "Hz", form=str)
-    last = Column("error", "Mesh", form=lambda e: percent(e, 1).lstrip("+") if math.isfinite(e) else "–")
+    heads = [Column("frequency", "f_1", "Hz", form=str)]
+    for column in COLUMNS:
+        group, name = column.removeprefix("strike_").split(".")
+        if short and name not in SHORT:
+            continue
+        label, unit, scale = OF_STRIKES[name]
+        heads.append(Column(column, label.replace(" mean", ""), unit, form=ONE, group=f"Strike {group}"))
+        for row, plate in zip(rows, found.plates, strict=True):
+            row[column] = plate["values"].get(column, math.nan) / scale
+    heads.append(
+        Column("error", "Mesh", form=lambda e: percent(e, 1).lstrip("+") if math.isfinite(e) else "–")
+    )
     failed = {n: "failed" for n, row in enumerate(found.plates) if not row["passed"]}
-    return Table((first, *heads, last), rows, title, marks=failed)
+    return Table(tuple(heads), rows, title, marks=failed)
