@@ -217,7 +217,7 @@ def draw_side_force(
         np.stack([times[column], times[column + 1]], axis=-1),
         np.stack([edges[row], edges[row + 1]], axis=-1),
         shades.colours(pressed),
-        [f"{value:.4g} {unit}" for value in pressed],
+        [measure(value, unit, ".4g") for value in pressed],
         [
             f"{time:.4g} s; {measure(place, 'm', '.4g')}"
             for time, place in zip(times[column], distances[row], strict=True)

@@ -17,6 +17,7 @@ from postprocess.comparison import quantities
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Line, Mark, Shades, Swatch, Words, cells_about
 from postprocess.svg.scale import Scale, power_text
+from postprocess.units import measure
 
 Values = NDArray[Any]
 
@@ -160,7 +161,7 @@ def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Va
         return colours, colours, []
     shades = Shades.of(values, is_log)
     colours[known] = shades.colours(values[known])
-    said = np.array([f"{value:.5g} {unit}".rstrip() for value in values], dtype=object)
+    said = np.array([measure(value, unit, ".5g", named=bool(unit)) for value in values], dtype=object)
     return colours, said, shades.keys(unit)
 
 

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.units import SI
+
 Floats = NDArray[np.float64]
 Range = tuple[float, float]
 
@@ -93,8 +95,8 @@ def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12
 
 
 def text_width(text: str, size: float = 12.0) -> float:
-    """About how long a text is, in a wide font such as DejaVu Sans."""
-    return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in text)
+    """Estimate how long a text is, in a wide font such as DejaVu Sans."""
+    return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
 
 
 KNOTS = """

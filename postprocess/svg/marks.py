@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from postprocess.svg import drawing, scale
+from postprocess.units import measure
 
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
 
@@ -307,7 +308,8 @@ class Shades:
     def keys(self, unit: str) -> list[Swatch]:
         """Round values for the legend, in this unit."""
         ticks = scale.Scale(self.low, self.high, is_log=self.is_log).ticks(6)
-        texts = [f"{text} {unit}".rstrip() for text in scale.tick_texts(ticks, self.is_log)]
+        texts = scale.tick_texts(ticks, self.is_log)
+        texts = [measure(tick, unit, "g") for tick in ticks] if unit else texts
         return [Swatch(*pair) for pair in zip(texts, self.colours(np.array(ticks)), strict=True)]
 
 

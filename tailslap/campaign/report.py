@@ -17,7 +17,7 @@ from postprocess.report.page import Page, Section, write_page
 from postprocess.report.report import page_in_units
 from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
-from postprocess.units import SYSTEMS, Units
+from postprocess.units import SYSTEMS, Units, measure
 from tailslap.campaign.definition import Definition, Variation
 from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep, read_columns
 from tailslap.case.report import footer
@@ -243,4 +243,4 @@ def shown(value: float | int | str, unit: str) -> str:
     """A value with its unit, angles in degrees."""
     if isinstance(value, str):
         return value
-    return f"{math.degrees(value):.5g} deg" if unit == "rad" else f"{value:.5g} {unit}".strip()
+    return measure(value, unit, ".5g", named=bool(unit))

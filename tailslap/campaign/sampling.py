@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.units import measure
 from tailslap.case.case import Case
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Scene
@@ -80,9 +81,11 @@ class Range:
 
     def in_words(self) -> tuple[str, str]:
         """The range and the scene's own value, angles in degrees."""
-        factor, unit = (180.0 / math.pi, "deg") if self.unit == "rad" else (1.0, self.unit)
-        own = "–" if self.given is None else f"{self.given * factor:.5g} {unit}".strip()
-        return f"{self.lower * factor:.5g} to {self.upper * factor:.5g} {unit}".strip(), own
+        lower, upper, own = (
+            None if value is None else measure(value, self.unit, ".5g", named=bool(self.unit) and last)
+            for value, last in ((self.lower, False), (self.upper, True), (self.given, True))
+        )
+        return f"{lower} to {upper}", own or "–"
 
 
 def ranges_of(

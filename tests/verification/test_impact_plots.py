@@ -121,7 +121,7 @@ def test_contact_of_one_instant_is_seen():
     assert found('data-label="force" data-values="([^"]*)"', svg) == "300\N{NO-BREAK SPACE}kN"
     time, place = found('data-at="([^"]*)"', svg).replace("\N{NO-BREAK SPACE}", " ").split("; ")
     assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / impact.COLUMNS), "5 m")
-    assert "300 kN" in texts(svg)
+    assert "300\N{NO-BREAK SPACE}kN" in texts(svg)
     assert len(svg) < len(plain) + 1500
 
 

@@ -19,6 +19,7 @@ from postprocess.figures.rows import (
 )
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Shades, Span
+from postprocess.units import SI
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -64,7 +65,7 @@ def test_colours_of_numbers():
     """Ends and middle of viridis; next to no variation is drawn in next to one colour."""
     shades = Shades.of(np.array([1.0, np.nan, 100.0]), is_log=True)
     assert shades.colours(np.array([1.0, 10.0, 100.0])) == ["#440154", "#21918c", "#fde725"]
-    assert [key.label for key in shades.keys("kN")] == [
+    assert [SI.rendered(key.label) for key in shades.keys("kN")] == [
         "1 kN",
         "2 kN",
         "5 kN",
@@ -78,7 +79,7 @@ def test_colours_of_numbers():
 
 def test_a_histogram_says_each_share():
     chart = draw_histogram(np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5)
-    assert said(chart) == {"share": ["25", "75"]}
+    assert said(chart) == {"fraction": ["25", "75"]}
     assert {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"} <= set(words(chart))
     low, high = boxes(chart.svg, "steel")
     assert high[3] - high[1] == pytest.approx(3.0 * (low[3] - low[1]), rel=0.02)

@@ -12,6 +12,7 @@ from postprocess.comparison.quantities import KEYS
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
 from postprocess.report.page import Page, write_page
 from postprocess.svg.chart import Chart
+from postprocess.units import SI
 from tailslap.campaign.definition import Definition, Variation
 from tailslap.campaign.engine import CampaignEffort
 from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
@@ -215,10 +216,10 @@ def test_what_the_terminal_says():
 
 def test_words():
     angle = Variation("impact.angle", "rad", (math.radians(10), math.radians(15)), False)
-    assert values_words(angle) == "10 deg, 15 deg"
+    assert SI.rendered(values_words(angle)) == "10 deg, 15 deg"
     modulus = Variation("e", "Pa", (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
-    assert values_words(modulus) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
-    assert (shown("quad4", ""), shown(0.25, "")) == ("quad4", "0.25")
+    assert SI.rendered(values_words(modulus)) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
+    assert (shown("quad4", ""), SI.rendered(shown(0.25, ""))) == ("quad4", "0.25")
 
 
 def test_rate_and_overhead_by_hand():
