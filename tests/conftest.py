@@ -1,7 +1,5 @@
 """What the tests share: scenes run once a session, and models made from a few numbers."""
 
-from __future__ import annotations
-
 import functools
 import os
 import re

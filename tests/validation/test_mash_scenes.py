@@ -4,8 +4,6 @@ MASH 2016 names a vehicle by its mass in kg, and gives speeds as 31, 44, 62, 56 
 80 km/h. Tests 3-10 and 3-11 as printed in National Academies (2024), doi 10.17226/27896, chapters 12 and 13.
 """
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Verification: what takes long on a terminal says so, counts the seconds, and leaves no line behind."""
 
-from __future__ import annotations
-
 import io
 import re
 import time

@@ -1,7 +1,5 @@
 """Verification: the functions of `import tailslap` do what the commands do, to the bit, and are described."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import inspect
@@ -136,14 +134,10 @@ def test_a_study_has_the_bits_of_the_command(tmp_path, capsys):
     assert tailslap.load(saved).command == "study uncertainty"
 
 
-@pytest.mark.parametrize(
-    ("options", "why"),
-    [
-        ({"samples": 1000.5}, "1000.5 is not a whole number"),
-        ({"samples": 3}, "3 is not in the range"),
-        ({"colour": "red"}, "allowed are samples, range, fix"),
-    ],
-)
+@pytest.mark.parametrize(("options", "why"), [
+    ({"samples": 1000.5}, "1000.5 is not a whole number"), ({"samples": 3}, "3 is not in the range"),
+    ({"colour": "red"}, "allowed are samples, range, fix"),
+])  # fmt: skip
 def test_options_of_a_study_have_the_bounds_of_the_command(options, why):
     with pytest.raises(InputError, match=why):
         tailslap.study("uncertainty", "mash-tl4-sut", **options)

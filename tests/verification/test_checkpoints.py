@@ -1,7 +1,5 @@
 """Verification: a run that goes on from a checkpoint gives the bits and the files of one that was left alone."""
 
-from __future__ import annotations
-
 import functools
 import json
 import signal
@@ -68,12 +66,9 @@ def test_the_loop_goes_on_with_the_same_bits(at):
 
 
 WALL_THAT_GIVES = (
-    "wall.length=36 m",
-    "wall.depth=0.3 m",
-    "wall.height=1 m",
-    "wall.elements=[60,1]",
+    "wall.length=36 m", "wall.depth=0.3 m", "wall.height=1 m", "wall.elements=[60,1]",
     "wall.foundation_stiffness=100 MN/m^2",
-)
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("wall", [(), WALL_THAT_GIVES], ids=["rigid wall", "wall that gives"])

@@ -1,7 +1,5 @@
 """Verification: commands, exit statuses, messages, result folders, and what is not imported."""
 
-from __future__ import annotations
-
 import csv
 import fcntl
 import json
@@ -173,11 +171,8 @@ def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path):
 
 def test_a_run_that_diverges_is_reported_too(tmp_path, besides_compiling):
     changes = (
-        "impact.friction=0.8",
-        "plate.youngs_modulus=20 TPa",
-        "corner.penalty_scale=3",
-        "damping.kind=none",
-    )
+        "impact.friction=0.8", "plate.youngs_modulus=20 TPa", "corner.penalty_scale=3", "damping.kind=none",
+    )  # fmt: skip
     arguments = [part for change in changes for part in ("--set", change)]
     done = run("run", "paper-table-3", *arguments, "--out", "bad", cwd=tmp_path)
     assert (done.returncode, besides_compiling(done.stderr)) == (1, "")
@@ -186,30 +181,25 @@ def test_a_run_that_diverges_is_reported_too(tmp_path, besides_compiling):
     assert {path.name for path in (tmp_path / "bad").iterdir()} == FILES
 
 
-@pytest.mark.parametrize(
-    ("arguments", "key"),
-    [
-        (("run", "nowhere.toml"), "SCENE"),
-        (("run", "paper-table-3", "--set", "plate.elements=[0, 6]"), "plate.elements"),
-        (
-            ("run", "paper-table-3", "--set", "plate.elements=[1, 1]", "--set", "plate.element=quad4"),
-            "plate.elements",
-        ),
-        (("run", "mash-tl4-sut", "--set", "impact.friction=2"), "impact.friction"),
-        (("run", "mash-tl4-sut", "--set", "impact.angle=89 deg"), "impact.angle"),
-        (("run", "paper-table-3", "--set", "wall.length=5 m"), "wall.length"),
-        (("run", "paper-table-3", "--set", "plate.youngs_modulus=1e300"), "plate.youngs_modulus"),
-        (("rigid", "paper-table-3", "--set", "vehicle.mass=nan"), "vehicle.mass"),
-        (("check", "paper-table-3", "--set", "colour=1"), "colour"),
-        (("run", "paper-table-3", "--out", "/proc/nowhere/x"), "--out"),
-        (("run", "paper-table-3", "--out", "file"), "--out"),
-        (("run", "paper-table-3", "--out", "file/x"), "--out"),
-        (("run", "paper-table-3", "--out", "foreign"), "--out"),
-        (("run",), "SCENE"),
-        (("walk",), "walk"),
-        (("run", "paper-table-3", "--fast"), "--fast"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "key"), [
+    (("run", "nowhere.toml"), "SCENE"),
+    (("run", "paper-table-3", "--set", "plate.elements=[0, 6]"), "plate.elements"),
+    (
+        ("run", "paper-table-3", "--set", "plate.elements=[1, 1]", "--set", "plate.element=quad4"),
+        "plate.elements",
+    ),
+    (("run", "mash-tl4-sut", "--set", "impact.friction=2"), "impact.friction"),
+    (("run", "mash-tl4-sut", "--set", "impact.angle=89 deg"), "impact.angle"),
+    (("run", "paper-table-3", "--set", "wall.length=5 m"), "wall.length"),
+    (("run", "paper-table-3", "--set", "plate.youngs_modulus=1e300"), "plate.youngs_modulus"),
+    (("rigid", "paper-table-3", "--set", "vehicle.mass=nan"), "vehicle.mass"),
+    (("check", "paper-table-3", "--set", "colour=1"), "colour"),
+    (("run", "paper-table-3", "--out", "/proc/nowhere/x"), "--out"),
+    (("run", "paper-table-3", "--out", "file"), "--out"),
+    (("run", "paper-table-3", "--out", "file/x"), "--out"),
+    (("run", "paper-table-3", "--out", "foreign"), "--out"), (("run",), "SCENE"), (("walk",), "walk"),
+    (("run", "paper-table-3", "--fast"), "--fast"),
+])  # fmt: skip
 def test_wrong_input_ends_with_two_one_message_and_nothing_written(
     tmp_path, monkeypatch, capsys, arguments, key
 ):

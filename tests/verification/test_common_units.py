@@ -1,7 +1,5 @@
 """Verification: units of scenes against their definitions, and products of them against each other."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -30,13 +28,8 @@ DEFINED = {
     },
 }
 DIMENSIONS = {
-    "psi": "kg/m/s^2",
-    "kip": "kg m/s^2",
-    "mph": "m/s",
-    "kJ": "kg m^2/s^2",
-    "slug": "kg",
-    "Hz": "1/s",
-}
+    "psi": "kg/m/s^2", "kip": "kg m/s^2", "mph": "m/s", "kJ": "kg m^2/s^2", "slug": "kg", "Hz": "1/s",
+}  # fmt: skip
 
 
 def test_every_unit_has_its_defined_factor():
@@ -48,14 +41,11 @@ def test_dimensions_are_those_of_base_units(name, base):
     assert to_si(name)[1] == to_si(base)[1]
 
 
-@pytest.mark.parametrize(
-    ("given", "unit", "factor"),
-    [
-        *(("km/h", "m/s", 1.0 / 3.6), ("ft/s", "m/s", 0.3048), ("lbf/ft^2", "Pa", 47.88025898033584)),
-        *(("lb/ft^3", "kg/m^3", 16.018463373960142), ("kN/mm", "N/m", 1e6), ("MPa", "N/m^2", 1e6)),
-        *(("t m^2", "kg m^2", 1e3), ("kHz", "1/s", 1e3), ("kip/ft", "N/m", 4448.2216152605 / 0.3048)),
-    ],
-)
+@pytest.mark.parametrize(("given", "unit", "factor"), [
+    *(("km/h", "m/s", 1.0 / 3.6), ("ft/s", "m/s", 0.3048), ("lbf/ft^2", "Pa", 47.88025898033584)),
+    *(("lb/ft^3", "kg/m^3", 16.018463373960142), ("kN/mm", "N/m", 1e6), ("MPa", "N/m^2", 1e6)),
+    *(("t m^2", "kg m^2", 1e3), ("kHz", "1/s", 1e3), ("kip/ft", "N/m", 4448.2216152605 / 0.3048)),
+])  # fmt: skip
 def test_products_convert_by_their_factors(given, unit, factor):
     assert converted(12.34, given, unit) == pytest.approx(12.34 * factor, rel=2e-15)
 

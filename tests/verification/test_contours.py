@@ -215,19 +215,10 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch):
         contours.choose_window()
 
 
-@pytest.mark.parametrize(
-    ("low", "high"),
-    [
-        (22.4747, 24.0719),
-        (0.65507, 0.65613),
-        (-6.551, 0.0),
-        (0.6551053, 0.6553),
-        (1e7, 1.1e7),
-        (1e7, 1.002e7),
-        (-3e-9, 2e-9),
-        (0.0, 7.0),
-    ],
-)
+@pytest.mark.parametrize(("low", "high"), [
+    (22.4747, 24.0719), (0.65507, 0.65613), (-6.551, 0.0), (0.6551053, 0.6553), (1e7, 1.1e7), (1e7, 1.002e7),
+    (-3e-9, 2e-9), (0.0, 7.0),
+])  # fmt: skip
 def test_labels_differ_and_are_round(low, high):
     """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
     scale = colour_scale(np.array([low, high]))

@@ -1,7 +1,5 @@
 """Verification: the cost study's errors, fronts and limits; what it notes, goes on from, and says of both questions."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import Any
@@ -46,13 +44,9 @@ def row(
 
 
 ROWS = (
-    row("slow and exact", 1e-8, 10.0),
-    row("beaten", 1e-4, 3.0),
-    row("middle", 1e-5, 2.0),
-    row("quick", 1e-2, 0.1),
-    row("quick but failed", 1e-9, 0.01, failed="mesh"),
-    row("none", math.nan, 0.01),
-)
+    row("slow and exact", 1e-8, 10.0), row("beaten", 1e-4, 3.0), row("middle", 1e-5, 2.0),
+    row("quick", 1e-2, 0.1), row("quick but failed", 1e-9, 0.01, failed="mesh"), row("none", math.nan, 0.01),
+)  # fmt: skip
 
 
 def test_front_holds_what_nothing_beats_neither_the_truth_itself_nor_choices_on_one_mesh():
@@ -235,14 +229,11 @@ def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known
     assert added == sorted(added, reverse=True)
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        (),
-        ("plate.youngs_modulus=", "plate.first_frequency=5 Hz", "corner.patch_length=1", "damping.ratio=0.1"),
-        ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=unstressed"),
-    ],
-)
+@pytest.mark.parametrize("changes", [
+    (),
+    ("plate.youngs_modulus=", "plate.first_frequency=5 Hz", "corner.patch_length=1", "damping.ratio=0.1"),
+    ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=unstressed"),
+])  # fmt: skip
 def test_soft_plate_keeps_what_the_scene_gives(changes):
     """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
     plan = case_of(*read_scene("paper-table-3", changes))

@@ -1,7 +1,5 @@
 """Verification: what the program decides where a scene leaves it open, and that it leaves alone what is given."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace
@@ -173,18 +171,13 @@ def test_what_could_not_be_analysed_is_not_called_harmless():
     assert decisions.suppressing_rate(rings) == 3.0
 
 
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        (("damping.rate=5",), "damping.rate"),
-        (("damping.kind=elastic-velocity",), "damping.rate"),
-        (("damping.kind=none", "damping.ratio=0.1"), "damping.ratio"),
-        (("damping.kind=viscous",), "damping.kind"),
-        (("plate.element=tri6", "plate.lumping=row-sum"), "plate.lumping"),
-        (("verify.tolerance=2",), "verify.tolerance"),
-        (("plate.start=loud",), "plate.start"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "key"), [
+    (("damping.rate=5",), "damping.rate"), (("damping.kind=elastic-velocity",), "damping.rate"),
+    (("damping.kind=none", "damping.ratio=0.1"), "damping.ratio"),
+    (("damping.kind=viscous",), "damping.kind"),
+    (("plate.element=tri6", "plate.lumping=row-sum"), "plate.lumping"),
+    (("verify.tolerance=2",), "verify.tolerance"), (("plate.start=loud",), "plate.start"),
+])  # fmt: skip
 def test_keys_that_exclude_each_other(changes, key):
     with pytest.raises(InputError) as found:
         read_scene("mash-tl4-sut", changes)

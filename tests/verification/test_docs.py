@@ -1,8 +1,9 @@
-"""Verification: links of the documents lead somewhere, the commands they show are accepted, the citation is right."""
-
-from __future__ import annotations
+"""Verification: links of the documents lead somewhere, the commands they show are accepted, the citation is
+right; the examples run, and are notebooks in the percent form.
+"""
 
 import re
+import runpy
 import shlex
 import tomllib
 from pathlib import Path
@@ -161,17 +162,11 @@ def test_every_package_is_typed():
     assert all((ROOT / package / "py.typed").is_file() for package in packages)
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "tailslap walk SCENE",
-        "tailslap run SCENE --quick",
-        "tailslap run SCENE --tolerance SMALL",
-        "tailslap run mash-tl9",
-        "tailslap run mash-tl4-sut --set plate.colour=red",
-        "tailslap study colour SCENE",
-    ],
-)
+@pytest.mark.parametrize("line", [
+    "tailslap walk SCENE", "tailslap run SCENE --quick", "tailslap run SCENE --tolerance SMALL",
+    "tailslap run mash-tl9", "tailslap run mash-tl4-sut --set plate.colour=red",
+    "tailslap study colour SCENE",
+])  # fmt: skip
 def test_wrong_commands_are_noticed(line):
     with pytest.raises((AssertionError, click.ClickException, errors.InputError)):
         accept(line)
@@ -186,3 +181,47 @@ def test_wrong_links_and_files_are_noticed(tmp_path):
     assert missing_files("`fem/machine_code/compiled.py` `compiled.py` `fem/none.py` `text`") == [
         "fem/none.py"
     ]
+
+
+FOLDER = Path(__file__).parents[2] / "examples"
+EXAMPLES = sorted(path.name for path in FOLDER.glob("*.py"))
+LONG = {"own_vehicle_and_law.py"}
+"""A law from outside has the loops compiled anew."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in EXAMPLES]
+)
+def test_it_runs(name, tmp_path, monkeypatch, capsys):
+    """What it claims, it asserts itself; it writes nothing."""
+    monkeypatch.chdir(tmp_path)
+    try:
+        runpy.run_path(str(FOLDER / name), run_name="__main__")
+    finally:
+        from fem import FRICTION_LAWS
+
+        FRICTION_LAWS.pop("fading", None)
+    assert len(capsys.readouterr().out.splitlines()) > 5
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_it_opens_as_a_notebook(name):
+    """Cells of Jupytext's percent form: text in comments alone, code that compiles cell by cell."""
+    head, *cells = (FOLDER / name).read_text(encoding="utf-8").split("\n# %%")
+    assert "format_name: percent" in head
+    kinds = {"text": 0, "code": 0}
+    for cell in cells:
+        title, _, body = cell.partition("\n")
+        if title == " [markdown]":
+            assert all(line.startswith("#") for line in body.splitlines() if line.strip())
+            kinds["text"] += 1
+        else:
+            assert title == ""
+            compile(body, name, "exec")
+            kinds["code"] += 1
+    assert min(kinds.values()) >= 2
+
+
+def test_there_are_three():
+    assert EXAMPLES == ["flexible_plate.py", "own_vehicle_and_law.py", "table_3.py"]

@@ -1,7 +1,5 @@
 """Verification: docstrings of public names are in numpydoc form and agree with the code."""
 
-from __future__ import annotations
-
 import ast
 import dataclasses
 import importlib

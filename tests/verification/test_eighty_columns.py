@@ -1,7 +1,5 @@
 """Verification: what commands print fits 80 columns, no word broken; it is the same as JSON; quiet is quiet."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -21,19 +19,14 @@ from tailslap.scene.schema import Scene, SceneTable
 from tailslap.scene.validate import validate
 
 QUICK = (
-    ("scenes",),
-    ("rigid", "mash-tl4-sut"),
-    ("rigid", "mash-tl4-sut", "--units", "us"),
-    ("rigid", "impact-mash-tl4-sut"),
-    ("check", "mash-tl4-sut"),
-    ("check", "mash-tl5-tractor-van", "--units", "us"),
-    ("check", "impact-mash-tl4-sut"),
-    ("modal", "paper-table-3"),
-    ("modes", "paper-table-3", "--count", "4", "--out", "modes"),
+    ("scenes",), ("rigid", "mash-tl4-sut"), ("rigid", "mash-tl4-sut", "--units", "us"),
+    ("rigid", "impact-mash-tl4-sut"), ("check", "mash-tl4-sut"),
+    ("check", "mash-tl5-tractor-van", "--units", "us"), ("check", "impact-mash-tl4-sut"),
+    ("modal", "paper-table-3"), ("modes", "paper-table-3", "--count", "4", "--out", "modes"),
     ("run", "paper-table-3", "--no-pictures", "--out", "run"),
     ("run", "mash-tl4-sut", "--no-pictures", "--out", "run-us", "--units", "us"),
     ("paper", "--out", "paper"),
-)
+)  # fmt: skip
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
 
 
@@ -103,21 +96,11 @@ def test_paths_are_not_broken(monkeypatch):
     assert printed((place_line("Report:", path),)) == f"Report: {path}"
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("scenes",),
-        ("check", "mash-tl4-sut"),
-        ("check", "impact-mash-tl4-sut"),
-        ("rigid", "mash-tl4-sut"),
-        ("run", "paper-table-3", "--no-pictures"),
-        ("modes", "paper-table-3", "--count", "3"),
-        ("modal", "paper-table-3"),
-        ("completion", "fish"),
-        ("new", "my-truck"),
-    ],
-    ids=" ".join,
-)
+@pytest.mark.parametrize("arguments", [
+    ("scenes",), ("check", "mash-tl4-sut"), ("check", "impact-mash-tl4-sut"), ("rigid", "mash-tl4-sut"),
+    ("run", "paper-table-3", "--no-pictures"), ("modes", "paper-table-3", "--count", "3"),
+    ("modal", "paper-table-3"), ("completion", "fish"), ("new", "my-truck"),
+], ids=" ".join)  # fmt: skip
 def test_every_command_speaks_json_or_not_at_all(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli._status([*arguments, "--json"]) == 0
@@ -220,15 +203,11 @@ def test_a_new_scene_is_not_written_over(tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["my-truck.toml"]
 
 
-@pytest.mark.parametrize(
-    ("change", "hint"),
-    [
-        ("plate.thicknes=1 mm", "did you mean plate.thickness?"),
-        ("contact.stifness=1 MN/m", "did you mean contact.stiffness?"),
-        ("plate.mass=1 kg", "did you mean vehicle.mass?"),
-        ("pltae.thickness=1 mm", "did you mean plate?"),
-    ],
-)
+@pytest.mark.parametrize(("change", "hint"), [
+    ("plate.thicknes=1 mm", "did you mean plate.thickness?"),
+    ("contact.stifness=1 MN/m", "did you mean contact.stiffness?"),
+    ("plate.mass=1 kg", "did you mean vehicle.mass?"), ("pltae.thickness=1 mm", "did you mean plate?"),
+])  # fmt: skip
 def test_did_you_mean(change, hint):
     with pytest.raises(errors.InputError, match="there is no such key") as caught:
         read.read_scene("mash-tl4-sut", (change,))

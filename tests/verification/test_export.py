@@ -1,7 +1,5 @@
 """Verification: what is exported, read again by other libraries, has the run's values."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
@@ -300,15 +298,12 @@ series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) f
 """
 
 
-@pytest.mark.parametrize(
-    ("setup", "count"),
-    [
-        pytest.param(FIELDS, 4, id="25 fields"),
-        pytest.param(FIELDS, 20, marks=pytest.mark.long, id="105 fields"),
-        pytest.param(CONTOURS, 8, id="9 contours"),
-        pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
-    ],
-)
+@pytest.mark.parametrize(("setup", "count"), [
+    pytest.param(FIELDS, 4, id="25 fields"),
+    pytest.param(FIELDS, 20, marks=pytest.mark.long, id="105 fields"),
+    pytest.param(CONTOURS, 8, id="9 contours"),
+    pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
+])  # fmt: skip
 def test_memory_of_many_pictures_is_flat(setup, count, tmp_path):
     """A hundred in one process keep at most 20 MB beyond the third: the second brings 42 MB that VTK keeps."""
     (tmp_path / "tests_series.py").write_text(SERIES)

@@ -1,7 +1,5 @@
 """Verification: what is added from outside the packages, each in one file, goes through a run to the report."""
 
-from __future__ import annotations
-
 import csv
 import importlib.util
 import json
@@ -28,15 +26,11 @@ from tailslap.scene.read import read_scene
 
 FOLDER = Path(__file__).parents[1] / "extensions"
 ADDED: dict[str, tuple[Registry[Any], str]] = {
-    "smoothed_friction": (FRICTION_LAWS, "smoothed"),
-    "cubic_constraint": (CONSTRAINTS, "cubic"),
-    "hardening_material": (MATERIALS, "hardening"),
-    "serendipity_element": (ELEMENT_KINDS, "quad8"),
-    "diagonal_lumping": (LUMPINGS, "diagonal"),
-    "pressed_start": (START_KINDS, "pressed"),
-    "height_column": (COLUMNS, "height"),
-    "rise_check": (CHECKS, "rise"),
-}
+    "smoothed_friction": (FRICTION_LAWS, "smoothed"), "cubic_constraint": (CONSTRAINTS, "cubic"),
+    "hardening_material": (MATERIALS, "hardening"), "serendipity_element": (ELEMENT_KINDS, "quad8"),
+    "diagonal_lumping": (LUMPINGS, "diagonal"), "pressed_start": (START_KINDS, "pressed"),
+    "height_column": (COLUMNS, "height"), "rise_check": (CHECKS, "rise"),
+}  # fmt: skip
 """File, and what it registers under which name."""
 
 SCENE = ("corner.reaction=smoothed", "corner.constraint=cubic", "material.law=hardening")
@@ -178,17 +172,13 @@ def test_two_laws_may_not_share_their_constants(registered):
     assert "another" not in FRICTION_LAWS
 
 
-@pytest.mark.parametrize(
-    ("change", "key", "registry"),
-    [
-        ("corner.reaction=sticky", "corner.reaction", FRICTION_LAWS),
-        ("corner.constraint=sticky", "corner.constraint", CONSTRAINTS),
-        ("material.law=sticky", "material.law", MATERIALS),
-        ("plate.element=sticky", "plate.element", ELEMENT_KINDS),
-        ("plate.lumping=sticky", "plate.lumping", LUMPINGS),
-        ("plate.start=sticky", "plate.start", START_KINDS),
-    ],
-)
+@pytest.mark.parametrize(("change", "key", "registry"), [
+    ("corner.reaction=sticky", "corner.reaction", FRICTION_LAWS),
+    ("corner.constraint=sticky", "corner.constraint", CONSTRAINTS),
+    ("material.law=sticky", "material.law", MATERIALS),
+    ("plate.element=sticky", "plate.element", ELEMENT_KINDS),
+    ("plate.lumping=sticky", "plate.lumping", LUMPINGS), ("plate.start=sticky", "plate.start", START_KINDS),
+])  # fmt: skip
 def test_a_scene_names_what_is_registered_and_nothing_else(registered, change, key, registry):
     with pytest.raises(InputError) as caught:
         read_scene("paper-table-3", (change,))

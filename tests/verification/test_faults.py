@@ -1,6 +1,6 @@
-"""Verification: faults of the machine and of processes leave a folder complete or absent, and one message."""
-
-from __future__ import annotations
+"""Verification: faults of the machine and of processes leave a folder complete or absent, and one message; the
+processes of a sweep or study take orders from us alone: no other user of this machine can reach them.
+"""
 
 import errno
 import os
@@ -10,10 +10,12 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
+from tailslap.campaign import pools
 from tailslap.files.folder import result_folder
 
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
@@ -123,3 +125,17 @@ def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path, besides_compil
         assert done.returncode in (0, 2), done.stderr
         assert "Traceback" not in done.stderr
         assert "bootstrap" not in done.stderr
+
+
+def test_processes_of_this_machine_open_no_port():
+    """Neither they nor this process listen to the network; what they say goes through pipes and own sockets."""
+    before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
+    with pools.local(2) as pool:
+        assert pool.submit(pow, 2, 10).result() == 1024
+        worker = pool.submit(os.getpid).result()
+        here = psutil.Process()
+        family = {process.pid: process for process in (here, *here.children(recursive=True))}
+        assert worker in family
+        sockets = [socket for process in family.values() for socket in process.net_connections(kind="inet")]
+        assert {socket.laddr for socket in sockets} == before
+    assert not psutil.pid_exists(worker) or psutil.Process(worker).status() == psutil.STATUS_ZOMBIE

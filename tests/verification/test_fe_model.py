@@ -1,7 +1,5 @@
 """Verification: masses, frequencies, time step and friction against exact answers."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Verification: whole runs against the exact rigid motion, conservation laws and orders of convergence."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

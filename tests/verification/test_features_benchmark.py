@@ -1,8 +1,6 @@
 """Verification: benchmarks/features.py: its bare loop computes what the program's does and has no code for a part; its
 verdicts on made-up times, whose ratios are known; its counts of instructions and sums of imports."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path
@@ -100,17 +98,10 @@ def test_the_bare_loop_computes_what_the_program_s_does(plate_model, kind):
     assert np.abs(other.positions - later.positions).max() > 1e-8
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"reaction": "drag"},
-        {"corner": {"constraint": "exact"}},
-        {"corner": {"damping_ratio": 0.2}},
-        {"corner": {"patch_length": 3.0}},
-        {"damping_ratio": 0.02},
-        {"plate": {"element": "quad4-reduced"}},
-    ],
-)
+@pytest.mark.parametrize("changes", [
+    {"reaction": "drag"}, {"corner": {"constraint": "exact"}}, {"corner": {"damping_ratio": 0.2}},
+    {"corner": {"patch_length": 3.0}}, {"damping_ratio": 0.02}, {"plate": {"element": "quad4-reduced"}},
+])  # fmt: skip
 def test_the_bare_loop_refuses_what_it_has_no_code_for(plate_model, changes):
     with pytest.raises(ValueError, match="bare loop"):
         benchmark.bare_parameters(plate_model((8, 4), **changes).loop)
@@ -168,17 +159,10 @@ def noisy(factor: float, noise: float, seed: int) -> np.ndarray:
     return factor * np.exp(noise * np.random.default_rng(seed).normal(size=40))
 
 
-@pytest.mark.parametrize(
-    ("factor", "noise", "expected"),
-    [
-        (1.00, 0.005, "free"),
-        (1.03, 0.005, "free"),
-        (1.08, 0.005, "costs"),
-        (1.30, 0.1, "costs"),
-        (1.00, 0.8, "unsettled"),
-        (1.00, 0.02, "free"),
-    ],
-)
+@pytest.mark.parametrize(("factor", "noise", "expected"), [
+    (1.00, 0.005, "free"), (1.03, 0.005, "free"), (1.08, 0.005, "costs"), (1.30, 0.1, "costs"),
+    (1.00, 0.8, "unsettled"), (1.00, 0.02, "free"),
+])  # fmt: skip
 def test_verdicts_on_made_up_times(factor, noise, expected):
     plain, again, bare = noisy(factor, noise, 1), noisy(factor, noise, 2), noisy(1.0, noise, 3)
     assert benchmark.verdict(plain, again, bare) == expected

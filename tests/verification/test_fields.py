@@ -1,7 +1,5 @@
 """Verification: fields of a run: they agree with its history, cost nothing where none are asked for, survive a stop."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from typing import Any

@@ -1,15 +1,23 @@
-"""Verification: the flexibility study's levels, power laws and numerical error against exact laws, its runs against E t
-and the square of the first frequency; what it runs, and the command."""
-
-from __future__ import annotations
+"""Verification: the flexibility study's levels, power laws and numerical error against exact laws, its runs
+against E t and the square of the first frequency; what it runs, and the command; the flexibility study's rows
+out of records of runs, what it says of them, and its pages.
+"""
 
 import json
 import math
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from postprocess.comparison.quantities import largest_relative, relative_difference
+from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
+from postprocess.report.report import report_text, write_report
+from solver.impact import Strike
 from tailslap import cli, errors
 from tailslap.campaign.levels import (
     ABOVE_ALL,
@@ -23,9 +31,31 @@ from tailslap.campaign.levels import (
     power_law,
 )
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
+from tailslap.case.impact.case import ImpactCase
+from tailslap.cli import CHECK_FAILED, _status
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility import compute
+from tailslap.studies.flexibility.compute import (
+    IMPACT_LEVELS,
+    NAMES,
+    STARTS,
+    Flexibility,
+    corner_flexibility,
+    define,
+    impact_row,
+    impact_samples,
+    measure_plate,
+    one_run,
+    plate_record,
+    plate_row,
+    samples_of,
+    start_samples,
+    strike_record,
+    summed_up,
+)
+from tailslap.studies.flexibility.report import WORDS, headline, plates_table, report
 
 SMALL = ("plate.elements=[8,4]",)
 
@@ -59,15 +89,12 @@ def level(kind: str, frequency: float) -> Reach:
     return Reach(0.01, kind, frequency)
 
 
-@pytest.mark.parametrize(
-    ("levels", "joint"),
-    [
-        ([level(CROSSED, 4.0), level(NOT_REACHED, 0.1), level(CROSSED, 2.0)], level(CROSSED, 4.0)),
-        ([level(CROSSED, 0.2), level(NOT_REACHED, 0.3)], level(NOT_REACHED, 0.3)),
-        ([level(CROSSED, 4.0), level(UNKNOWN, 1.0)], level(UNKNOWN, 1.0)),
-        ([level(ABOVE_ALL, 1e3), level(UNKNOWN, 1.0), level(CROSSED, 2.0)], level(ABOVE_ALL, 1e3)),
-    ],
-)
+@pytest.mark.parametrize(("levels", "joint"), [
+    ([level(CROSSED, 4.0), level(NOT_REACHED, 0.1), level(CROSSED, 2.0)], level(CROSSED, 4.0)),
+    ([level(CROSSED, 0.2), level(NOT_REACHED, 0.3)], level(NOT_REACHED, 0.3)),
+    ([level(CROSSED, 4.0), level(UNKNOWN, 1.0)], level(UNKNOWN, 1.0)),
+    ([level(ABOVE_ALL, 1e3), level(UNKNOWN, 1.0), level(CROSSED, 2.0)], level(ABOVE_ALL, 1e3)),
+])  # fmt: skip
 def test_what_holds_for_every_start(levels, joint):
     assert jointly(levels) == jointly(levels[::-1]) == joint
     assert math.isnan(jointly([level(CROSSED, 2.0), level(UNKNOWN, math.nan)]).frequency)
@@ -280,3 +307,337 @@ def test_command(tmp_path, capsys):
     )  # what holds on less gives more
     assert cli._status([*given, "--lowest", "50 Hz"]) == cli.WRONG_INPUT
     assert cli._status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == cli.WRONG_INPUT
+
+
+def mesh_record(difference: float, rigid: Mapping[str, float], **changes: Any) -> dict[str, Any]:
+    record = {
+        "elements": [8, 4], "youngs_modulus": 1e9, "thickness": 0.1, "damping": 0.0,
+        "values": {name: value * (1.0 + difference) for name, value in rigid.items()}, "failed": [],
+        "departure": {"v_gx": 0.0, "v_gy": 0.9 * difference, "omega": -0.8 * difference, "v_p": 0.0},
+        "largest": abs(difference), "reaction": 10.0 * difference, "stored": 0.1 * difference,
+        "deflection_ratio": difference, "error": 1e-3 * abs(difference), "unseen": 0.0, "steps": 1000,
+    }  # fmt: skip
+    return record | changes
+
+
+def point_record(hertz: float, rigid: Mapping[str, float], **changes: Any) -> dict[str, Any]:
+    """Differences of 0.04 (f1 / 1 Hz)^-2 on fine meshes, with an error of second order in the element's size; 0.36
+    of it for the second start, and 0.04 f1^-1 for the third."""
+
+    def meshes(factor: float) -> list[dict[str, Any]]:
+        sizes = [factor * 0.04 / hertz**2 * (1.0 - 1e-3 * h**2) for h in (4, 2, 1)]
+        return [mesh_record(size, rigid, **changes) for size in sizes]
+
+    runs = (meshes(1.0), meshes(0.36), [mesh_record(-0.04 / hertz, rigid, **changes)])
+    modal = {"values": runs[0][-1]["values"], "estimate": 1e-6, "failed": []}
+    return {"starts": dict(zip(STARTS, runs, strict=True)), "modal": modal}
+
+
+def main_meshes(record: dict[str, Any]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = record["starts"][STARTS[0]]
+    return found
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return CornerCase(*read_scene("paper-table-3", SMALL))
+
+
+@pytest.fixture(scope="module")
+def synthetic(plan):
+    """The campaign of a synthetic power law; changes: records by the place of the point."""
+    sweep = define(plan)
+
+    def build(changes: Mapping[int, dict[str, Any]] = {}) -> Flexibility:
+        rigid = plan.tail_slap
+        records = [point_record(f, rigid) for f in SWEEP]
+        rows = [
+            plate_row(f, changes.get(i, record), rigid)
+            for i, (f, record) in enumerate(zip(SWEEP, records, strict=True))
+        ]
+        return replace(summed_up(sweep, rows, 1.0), own_frequency=100.0)
+
+    return build
+
+
+def test_points_carry_difference_and_error(synthetic):
+    for row in synthetic().rows:
+        whole = 0.04 / row["first_frequency"] ** 2
+        assert row["difference_v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
+        left = whole / (1.0 + whole)
+        assert row["error_v_gy"] == pytest.approx(1.25e-3 * left, rel=0.01)
+        assert row["error_reaction"] == pytest.approx(1.25e-2 * whole, rel=1e-6)
+        assert row["inertia-relief:v_gy_error"] == pytest.approx(1.25e-3 * whole, rel=1e-6)
+        assert row["unstressed:v_gy_error"] == pytest.approx(4e-5 / row["first_frequency"], rel=1e-6)
+        assert row["passed"]
+
+
+def test_what_meshes_do_not_show_is_added_to_the_error(plan):
+    rigid = plan.tail_slap
+    plain, damped = (plate_row(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
+    for name in ("error_v_gy", "error_reaction", "inertia-relief:v_gy_error"):
+        assert damped[name] - plain[name] == pytest.approx(1e-4, rel=1e-6)
+
+
+def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
+    rigid = synthetic().case.tail_slap
+    record = point_record(SWEEP[5], rigid)
+    record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
+    sizes = [sample.difference for sample in start_samples(synthetic({5: record}).rows, "unstressed")]
+    assert sizes[5] == sizes[4] == pytest.approx(0.04 / SWEEP[4])
+    assert sizes == sorted(sizes)
+
+
+def said(found: Flexibility, tmp_path: Path) -> tuple[str, str]:
+    """Terminal and page, with plain spaces."""
+    made = report(found)
+    write_report(made, tmp_path)
+    page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
+    return " ".join(report_text(made, tmp_path).split()), page
+
+
+@pytest.mark.long
+def test_what_half_the_patch_changes_is_said(synthetic, tmp_path):
+    rigid = synthetic().case.tail_slap
+    record = point_record(SWEEP[4], rigid)
+    longer = main_meshes(record)[-1]["values"]
+    half = {name: rigid[name] + 1.1 * (longer[name] - rigid[name]) for name in rigid}
+    found = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half)}})
+    assert ">0.100</td>" in said(found, tmp_path)[1]
+    failed = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half, failed=["mesh"])}})
+    assert math.isnan(failed.rows[4]["half_patch_v_gy"])
+    assert ">0.100</td>" not in said(failed, tmp_path)[1]
+
+
+def test_headline(synthetic):
+    assert headline(synthetic()).replace("\N{NO-BREAK SPACE}", " ") == (
+        "Rigid-body v_GY is good to 1 %, at the strike and before, down to a first frequency of 2 Hz (inertia relief), "
+        "1.2 Hz (Stage 1's momenta), 4 Hz (unstressed); from any of the three starts, 4 Hz. The scene's own plate has "
+        "100 Hz."
+    )
+
+
+@pytest.mark.long
+def test_levels_of_any_start_and_the_power_law_are_said(synthetic, tmp_path):
+    terminal, page = said(synthetic(), tmp_path)
+    assert "any of the three 40 Hz 4 Hz 0.894 Hz 0.632 Hz" in terminal
+    assert "inertia relief 6.32 Hz 2 Hz" in terminal
+    law = '<td class="n">\N{MINUS SIGN}2.000</td><td class="n">1 kHz</td><td class="n">0.1 Hz</td>'
+    assert page.replace("\N{NO-BREAK SPACE}", " ").count(law) >= 2
+
+
+@pytest.mark.long
+def test_what_the_starts_depart_from_is_said(synthetic, tmp_path):
+    """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
+    rigid = synthetic().case.tail_slap
+    found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
+    page = said(found, tmp_path)[1]
+    rows = page[page.index("What each start departs from") :].split("<tr>")
+    assert [number(cell) for cell in cells(rows, "0.316 Hz")] == pytest.approx(
+        [0.0, 0.36, -0.32, 0.0, 0.0, 0.1296, -0.1152, 0.0], rel=5e-3
+    )
+    assert set(cells(rows, "0.1 Hz")) == {"–"}
+    kept = found.rows[7]["inertia-relief:v_gy_at_start"] / found.rows[7]["inertia-relief:v_gy"]
+    assert kept == pytest.approx(0.9, rel=1e-3)
+
+
+def number(shown: str) -> float:
+    """With the minus of print."""
+    return float(shown.replace("\N{MINUS SIGN}", "-"))
+
+
+def cells(rows: list[str], first: str) -> list[str]:
+    """Of the row that begins like this, all others."""
+    row = next(row for row in rows if f">{first}<" in row)
+    return re.findall(r"<td[^>]*>([^<]*)</td>", row)
+
+
+def test_headline_of_what_is_not_known(synthetic):
+    refused = {"refused": "plate: no"}
+    runs = {name: 3 * [refused] for name in STARTS}
+    nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
+    assert "no run passed its checks" in headline(nothing)
+    rigid = nothing.case.tail_slap
+
+    def words(found: Flexibility) -> str:
+        return headline(found).replace("\N{NO-BREAK SPACE}", " ")
+
+    soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
+    assert "frequency of > 1 kHz (inertia relief)" in soft
+    stiff = words(synthetic({i: point_record(500.0, rigid) for i in range(9)}))
+    assert "from any of the three starts, < 0.1 Hz." in stiff
+    rough = {i: point_record(f, rigid) for i, f in enumerate(SWEEP)}
+    for record in rough.values():
+        record["starts"]["unstressed"][0]["error"] = 0.01
+    found = synthetic(rough)
+    known = "2 Hz (inertia relief), 1.2 Hz (Stage 1's momenta), not known (unstressed)"
+    assert known in words(found)
+    assert "from any of the three starts, not known" in words(found)
+    assert found.band[1].frequency == pytest.approx(1000.0)
+    assert found.band[2].text.endswith("Hz")
+
+
+def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
+    rigid = synthetic().case.tail_slap
+    fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
+    lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
+    refused = point_record(SWEEP[0], rigid)
+    main_meshes(refused)[-1] = {"refused": "left out: its time loop would take too long"}
+    found = synthetic({0: refused, 2: fails, 8: lost})
+    assert [row["passed"] for row in found.rows] == [i not in (0, 2, 8) for i in range(9)]
+    assert not samples_of(found.rows, "t")[2].passed
+    terminal, page = said(found, tmp_path)
+    assert "Failed: 1 kHz: left out" in terminal
+    assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
+    assert page.count("<svg") == 5
+    assert "failed: energy balance" in page
+    assert "none: left out" in page
+    assert "failed a check" in page
+    assert "NaN" not in page
+    assert "nan" not in page
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["headline"] == headline(found)
+    assert summary["points"][8]["difference_v_gy"] is None
+    assert summary["points"][2]["why"] == "energy balance"
+    assert summary["levels_v_gy"][STARTS[0]][1]["frequency"] == pytest.approx(2.0, rel=1e-3)
+    assert summary["levels_v_gy_any_start"][1]["frequency"] == pytest.approx(4.0, rel=1e-3)
+    assert summary["points"][4]["unstressed:v_gy"] == pytest.approx(-0.004, rel=1e-9)
+    assert summary["points"][4]["inertia-relief:v_gy_at_start"] == pytest.approx(3.6e-4, rel=2e-3)
+    assert set(summary["power_laws"]) == {*KEYS, "reaction", "stored"}
+    assert len((tmp_path / "points.csv").read_text().splitlines()) == 10
+
+
+def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
+    rigid, done = plan.tail_slap, []
+
+    def one_at_a_time(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        for key in parts:
+            if key in journal.records:
+                continue
+            if len(done) == 3:
+                done.append("interrupt")
+                raise KeyboardInterrupt
+            done.append(key)
+            journal.add(key, point_record(float(key.split()[0]), rigid))
+
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
+    with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
+        corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    found = corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    assert len(done) - 1 == len(set(done)) - 1 == len(found.rows) == 9
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
+    def all_fail(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        rigid = plan.tail_slap
+        for key in parts:
+            if key not in journal.records:
+                journal.add(key, point_record(5.0, rigid, values={}, failed=["finite numbers"]))
+
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_fail)
+    given = [
+        "study", "flexibility", "paper-abaqus", "--set", "plate.elements=[8,4]", "--out",
+        str(tmp_path / "out"),
+    ]  # fmt: skip
+    assert _status(given) == CHECK_FAILED
+    assert "no run passed its checks" in " ".join(capsys.readouterr().out.split())
+    assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
+
+
+FREQUENCIES = (256.0, 128.0, 64.0, 32.0, 16.0, 8.0)
+
+
+@pytest.fixture(scope="module")
+def impact():
+    return ImpactCase(*read_scene("impact-mash-tl4-sut"))
+
+
+def impact_plate(frequency: float, why: str = "", size: float | None = None) -> dict[str, Any]:
+    """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
+    size = 10.0 / frequency**2 if size is None else size
+    groups = {"difference": dict.fromkeys(NAMES, -size), "error": dict.fromkeys(NAMES, 0.01 * size)}
+    return impact_row(frequency, {**groups, "failed": [why] if why else []})
+
+
+def test_levels_lie_where_the_difference_of_strikes_crosses_them():
+    samples = impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
+    levels = [lowest_frequency(samples, level) for level in IMPACT_LEVELS]
+    assert [level.kind for level in levels] == ["crossed"] * 3
+    assert [level.frequency for level in levels] == pytest.approx(
+        [math.sqrt(10.0 / x) for x in (0.01, 0.05, 0.1)]
+    )
+
+
+def test_a_plate_that_strikes_with_other_corners_tells_no_level():
+    rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, size=math.nan)]
+    level = lowest_frequency(impact_samples(rows, "strike_1.impulse"), IMPACT_LEVELS[-1])
+    assert (level.kind, level.frequency) == ("not reached", 16.0)
+
+
+def test_what_a_plate_s_run_records(monkeypatch, impact):
+    """The mesh's check is left to the levels; what is not compared is not a number; a refusal is its reason."""
+
+    def run(case: Any) -> Any:
+        checks = [SimpleNamespace(name=name, passed=False) for name in ("mesh", "energy balance")]
+        return SimpleNamespace(difference={NAMES[0]: 0.5}, mesh_error={}, checks=checks)
+
+    monkeypatch.setattr(ImpactCase, "run", run)
+    row = impact_row(8.0, one_run(impact.source, {"contact.friction": 0.1}, strike_record))
+    assert (row[f"difference.{NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
+    assert math.isnan(row[f"difference.{NAMES[1]}"])
+    refused = {"contact.restitution": 2.0}
+    assert "contact.restitution" in impact_row(8.0, one_run(impact.source, refused, strike_record))["failed"]
+    assert "contact.restitution" in measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
+
+
+def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
+    rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
+    samples = {name: impact_samples(rows, name) for name in NAMES}
+    levels = {
+        name: tuple(lowest_frequency(its, level) for level in IMPACT_LEVELS) for name, its in samples.items()
+    }
+    values = dict.fromkeys(COLUMNS, 3e3)
+    plates = [
+        plate_record(2.0, {}, {}, ("contact: no",)),
+        plate_record(4.0, values, dict.fromkeys(COLUMNS, -0.06), ()),
+        plate_record(8.0, values, dict.fromkeys(COLUMNS, 0.04), ()),
+        plate_record(math.inf, dict.fromkeys(COLUMNS, 2e3), {}, ()),
+    ]
+    assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
+    found = Flexibility(impact, rows, levels, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
+    assert plates_table(found).marks == {0: "failed", 1: "failed"}
+    terminal, page = said(found, tmp_path)
+    assert "to 1 % down to 31.6 Hz" in page
+    assert all(word in page for word in WORDS.values())
+    assert "8 Hz: energy balance" in page
+    assert "2 Hz: contact: no." in page
+    assert "A plate of 8 Hz changes the second strike's impulse by +50 %" in terminal
+    assert page.count("<svg") == 2
+    lines = (tmp_path / "points.csv").read_text().splitlines()
+    assert len(lines) == 1 + len(rows)
+    assert np.isclose(float(lines[1].split(",")[1]), -10.0 / 256.0**2)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [plate["frequency"] for plate in summary["plates"]] == [2.0, 4.0, 8.0, None]
+    assert summary["levels"]["strike_2.impulse"][0]["kind"] == "crossed"
+
+
+def test_contacts_of_a_corner_that_are_close_are_one_strike():
+    contacts = [
+        Strike("front", start, end, 1.0, 1.0) for start, end in ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
+    ]
+    assert first_strike(contacts) == contacts[:2]
+    assert first_strike([]) == []
+
+
+@pytest.mark.long
+def test_a_stiff_plate_is_the_rigid_vehicle(impact):
+    changes = {"plate.youngs_modulus": None, "plate.first_frequency": 200.0, "contact.patch_length": 1.0}
+    meshes = [
+        {**changes, "plate.elements": (10 * n, 4 * n), "time.end": 2.0 * impact.duration} for n in (1, 2)
+    ]
+    rigid, plate = both_strikes(impact.answer), measure_plate(impact.source, 200.0, *meshes)
+    assert plate["failed"] == []
+    assert plate["error"] < 1e-2
+    for name, value in plate["values"].items():
+        assert value == pytest.approx(rigid[name], rel=1e-2), name

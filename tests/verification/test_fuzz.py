@@ -1,26 +1,35 @@
-"""Verification: scenes, changes and command lines made at random end with 0, 1 or 2, one message, in bounded time.
-
-Scenes are made by their structure: shipped ones with keys at the ends of what is allowed, just beyond, or of another
-kind.
-`benchmarks/fuzz.py` is the long job of the same inputs.
+"""Verification: scenes, changes and command lines made at random end with 0, 1 or 2, one message, in bounded
+time. Scenes are made by their structure: shipped ones with keys at the ends of what is allowed, just beyond,
+or of another kind. `benchmarks/fuzz.py` is the long job of the same inputs; whatever comes in ends at once
+with the key, what was given and what is allowed, status 2, no files.
 """
-
-from __future__ import annotations
 
 import contextlib
 import io
 import json
 import math
+import os
+import resource
 import signal
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tailslap.cli import _status
+from tailslap.cli import _status, commands
+from tailslap.errors import InputError, escaped
+from tailslap.options import Folder, Real, Text, Whole
 from tailslap.scene import read, schema, units
+from tailslap.scene.read import read_scene, source_of_text
+from tailslap.scene.schema import Scene
+from tailslap.scene.units import Factor, Quantity, converted, unit_factors
 
 MAX_S = 10.0
 """Seconds of processor time that reading an input may take: a guard, whatever else the machine does."""
@@ -237,3 +246,209 @@ def test_the_keys_are_those_of_the_scenes():
         "time.end",
     } <= KEYS.keys()
     assert set(SCENES) <= read.shipped_scenes().keys()
+
+
+RIGID, SWEEP = ("rigid", "mash-tl4-sut"), ("sweep", "mash-tl4-sut", "--vary")
+SPREAD = ("study", "uncertainty", "mash-tl4-sut")
+DEEP = "[" * 900 + "]" * 900
+DIGITS = "9" * 5000
+SECONDS = 5.0
+"""Within which an input is refused: a guard; unloaded it is a tenth of that."""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        *(
+            ((*RIGID, "--set", f"vehicle.length={unit}"), "the unit does not fit")
+            for unit in ("7 m**(9**9**9)", "7 m*9**9**9", "7 m**99", "7 m^2.5", "7 m m^-", "7 m//s", "7 m 2")
+        ),
+        ((*RIGID, "--set", "vehicle.length=7 " + "m " * 100_000), "a length from"),
+        ((*RIGID, "--set", "strike.duration=1e-320"), "strike.duration"),
+        ((*RIGID, "--set", "vehicle.length=1e308"), "vehicle.length"),
+        ((*RIGID, "--set", "impact.speed=1e9"), "impact.speed"),
+        ((*RIGID, "--set", "impact.speed=1e-300"), "impact.speed"),
+        ((*RIGID, "--set", "plate.thickness=1e-300"), "plate.thickness"),
+        ((*RIGID, "--set", "plate.thickness=1e300"), "plate.thickness"),
+        ((*RIGID, "--set", "plate.density=1e300"), "plate.density"),
+        ((*RIGID, "--set", "corner.penalty_scale=1e300"), "corner.penalty_scale"),
+        ((*RIGID, "--set", f"vehicle.length={DEEP}"), "vehicle.length"),
+        ((*RIGID, "--set", f"vehicle.length={DIGITS}"), "vehicle.length"),
+        ((*RIGID, "--set", ".".join("a" * 5000) + "=1"), "KEY=VALUE"),
+        ((*RIGID, "--set", "a" * 100_000 + "=1"), "KEY=VALUE"),
+        ((*RIGID, "--set", "plate.thickness=1\nfoo=2"), "plate.thickness"),
+        ((*RIGID, "--set", "plate.thickness=1 # inch"), "plate.thickness"),
+        ((*RIGID, "--set", 'impact.friction="0.47"'), "a plain number"),
+        ((*RIGID, "--set", "vehicle.length=\uff11\uff10 m"), "vehicle.length"),
+        ((*RIGID, "--set", "vehicle.length=1\r0"), "vehicle.length"),
+        (("check", "paper-table-3", "--set", "time.threads=256"), "time.threads"),
+        (("check", "paper-table-3", "--set", "plate.elements=[1500,1500]"), "--allow-large"),
+        (("check", "mash-tl4-sut", "--set", "impact.speed=1e-5"), "impact.speed"),
+        (("check", "paper-table-3", "--set", "time.safety_factor=1e-6"), "time.safety_factor"),
+        (("modal", "mash-tl4-sut", "--tolerance", "nan"), "--tolerance"),
+        (("modal", "mash-tl4-sut", "--modes", "0"), "--modes"),
+        (("modal", "mash-tl4-sut", "--modes", "\uff14"), "--modes"),
+        (("run", "mash-tl4-sut", "--tolerance", "nan"), "--tolerance"),
+        (("run", "mash-tl4-sut", "--out", ""), "--out"),
+        ((*SWEEP, "name=a,b"), "--vary"),
+        ((*SWEEP, "corner.friction=0.1,0.2", "--cluster", ""), "--cluster"),
+        ((*SWEEP, "corner.friction=0.1,0.2", "--vary", "corner.friction=0.3"), "varied twice"),
+        ((*SWEEP, "corner.friction=0.1:0.2:\uff13"), "corner.friction"),
+        ((*SPREAD, "--fix", "impact.speed", "--range", "impact.speed=1:2"), "--fix"),
+        ((*SPREAD, "--range", "impact.speed=1:2", "--range", "impact.speed=1:3"), "--range"),
+        (("rigid", "/dev/zero"), "no regular file"),
+        (("rigid", "/dev/urandom"), "no regular file"),
+        (("rigid", "/"), "no regular file"),
+        (("rigid", "fifo.toml"), "no regular file"),
+        (("rigid", "large.toml"), "too large"),
+        (("rigid", "deep.toml"), "deep.toml"),
+        (("rigid", "dotted.toml"), "long line"),
+        (("rigid", "digits.toml"), "digits.toml"),
+        (("rigid", "return.toml"), "not TOML"),
+        (("rigid", "x" * 5000), "SCENE"),
+        (("rigid", "x" * 300 + ".toml"), "SCENE"),
+        (("rigid", "mash-tl4-sut", "--\x1b[31m"), "\\x1b[31m"),
+        ((*RIGID, "--set", "\x1b]0;mine\x07=1"), "\\x1b]0;mine\\x07"),
+        ((*RIGID, "--set", "vehicle.length=\x1b[2J"), "\\x1b[2J"),
+    ],
+)
+def test_it_is_refused_at_once(tmp_path, monkeypatch, capsys, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    write_files(tmp_path)
+    before, began = sorted(tmp_path.iterdir()), time.monotonic()
+    assert _status(list(arguments)) == 2
+    out, err = capsys.readouterr()
+    assert (out, time.monotonic() - began < SECONDS) == ("", True)
+    assert said in err
+    assert len(err) < 1000
+    assert [letter for letter in err if not (letter.isprintable() or letter == "\n")] == []
+    assert "fault of the program" not in err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def write_files(folder: Path) -> None:
+    os.mkfifo(folder / "fifo.toml")
+    (folder / "large.toml").write_text("# large\n" * 100_000)
+    (folder / "deep.toml").write_text(f"a = {DEEP}")
+    (folder / "dotted.toml").write_text(".".join("a" * 100_000) + " = 1")
+    (folder / "digits.toml").write_text(f"a = {DIGITS}")
+    (folder / "return.toml").write_bytes(b'name = "a"\r[vehicle]\r')
+
+
+def test_a_number_that_lacks_its_unit_is_remarked_upon(capsys):
+    assert _status([*RIGID, "--set", "impact.speed=45"]) == 0
+    assert "impact.speed = 45 without a unit is 45 m/s, 162 km/h" in capsys.readouterr().err
+    assert _status([*RIGID, "--set", "impact.speed=162 km/h"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_angles_are_told_in_degrees_too(capsys):
+    assert _status([*RIGID, "--set", "impact.angle=80 deg"]) == 2
+    assert "rad (80 deg)" in capsys.readouterr().err
+
+
+def test_units_are_products_of_names():
+    assert unit_factors("kg m^2/s**2") == (Factor("kg", 1), Factor("m", 2), Factor("s", -2))
+    assert unit_factors("1 / s") == (Factor("s", -1),)
+    assert unit_factors("N*m^-9") == (Factor("N", 1), Factor("m", -9))
+    assert converted(7.8, "g / cm**3", "kg/m^3") == pytest.approx(7800.0, rel=1e-15)
+    for text in ("", "1", "(m)", "m^10", "m***2", "m*", "*m", "m^0", "2 m", "m\u00b2", "m" * 81):
+        with pytest.raises(ValueError, match=r"a unit|product|too long"):
+            unit_factors(text)
+
+
+def test_numbers_without_a_digit_on_one_side():
+    assert read_scene("mash-tl4-sut", ("impact.friction=.47",))[0].corner_friction == 0.47
+    assert read_scene("mash-tl4-sut", ("vehicle.length=10.",))[0].vehicle.length == 10.0
+
+
+def quantities(model: type) -> list[Quantity]:
+    """The marks of all numbers below a table."""
+    found = []
+    for field in model.model_fields.values():  # type: ignore[attr-defined]
+        kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
+        marks = [*field.metadata, *(mark for kind in kinds for mark in getattr(kind, "__metadata__", ()))]
+        found += [mark for mark in marks if isinstance(mark, Quantity)]
+        for kind in kinds:
+            found += quantities(kind) if hasattr(kind, "model_fields") else []
+    return found
+
+
+def test_every_number_of_a_scene_has_bounds_on_both_sides():
+    marks = quantities(Scene)
+    assert len(marks) > 25
+    lower = [mark.least for mark in marks]
+    upper = [min(mark.most, mark.below) for mark in marks]
+    assert min(lower) >= -1.0
+    assert max(upper) <= 1e18
+    assert all(low == 0.0 or abs(low) >= 1e-15 for low in lower)
+
+
+def parameters(command: click.Command) -> list[click.Parameter]:
+    below = command.commands.values() if isinstance(command, click.Group) else ()
+    studies = (
+        [
+            command.get_command(click.Context(command), name)
+            for name in command.list_commands(click.Context(command))
+        ]
+        if isinstance(command, click.Group)
+        else []
+    )
+    found = list(command.params)
+    for inner in {id(each): each for each in (*below, *studies) if each}.values():
+        found += parameters(inner)
+    return found
+
+
+def test_every_option_has_a_type_that_refuses_what_is_odd():
+    kinds = [parameter.type for parameter in parameters(commands)]
+    assert len(kinds) > 40
+    plain = (click.types.IntParamType, click.types.FloatParamType, click.Path)
+    assert [
+        kind for kind in kinds if isinstance(kind, plain) and not isinstance(kind, Whole | Real | Folder)
+    ] == []
+    assert any(isinstance(kind, Text) for kind in kinds)
+
+
+def test_a_deep_table_is_refused():
+    with pytest.raises(InputError, match="8 levels"):
+        source_of_text("a." * 20 + "b = 1")
+
+
+def test_what_a_terminal_would_obey_is_escaped():
+    assert escaped("a\x1b[2J\u202e\x00b\u00fc\n") == "a\\x1b[2J\\u202e\\x00b\u00fc\n"
+
+
+def command(*arguments: str, **more: object) -> subprocess.CompletedProcess[bytes]:
+    line = [sys.executable, "-m", "tailslap.cli", *arguments]
+    return subprocess.run(line, timeout=60, **more)  # type: ignore[call-overload, no-any-return]
+
+
+def test_streams_that_nobody_reads(tmp_path):
+    read, write = os.pipe()
+    os.close(read)
+    for arguments in (("--help",), ("scenes",)):
+        done = command(*arguments, stdout=write, stderr=subprocess.PIPE)
+        assert (done.returncode, done.stderr) == (0, b"")
+    os.close(write)
+    done = command("scenes", stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
+    assert (done.returncode, done.stderr) == (0, b"")
+    with open("/dev/full", "w") as full:
+        done = command("scenes", stdout=full, stderr=subprocess.PIPE)
+    assert (done.returncode, done.stderr) == (3, b"tailslap: No space left on device\n")
+
+
+def test_too_little_memory_is_told_with_the_estimate():
+    """Within a limit of the process's own, as in a small container."""
+    limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2_000_000_000, 2_000_000_000))  # noqa: E731
+    arguments = ("check", "paper-table-3", "--set", "plate.elements=[600, 600]")
+    done = command(*arguments, capture_output=True, preexec_fn=limit)
+    assert done.returncode == 2
+    assert b"GB of memory" in done.stderr
+
+
+def test_a_large_mesh_is_estimated_and_not_made(capsys):
+    began = time.monotonic()
+    assert _status(["check", "paper-table-3", "--set", "plate.elements=[2000, 2000]", "--allow-large"]) == 0
+    assert "about 4000000 nodes" in capsys.readouterr().out
+    assert time.monotonic() - began < SECONDS

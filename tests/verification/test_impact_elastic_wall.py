@@ -1,8 +1,6 @@
 """A wall that gives, against Hetenyi's beam on an elastic foundation (Beams on Elastic Foundation, 1946), against its
 own motion on the foundation, and in the whole impact: momentum, energy, and the rigid wall as its limit."""
 
-from __future__ import annotations
-
 import copy
 import functools
 import math

@@ -1,8 +1,6 @@
 """Unilateral contact of the FE plate against exact answers: bars that strike a wall (Doyen, Ern and Piperno, SIAM J.
 Sci. Comput. 33, 2011; Code_Aster's SDNV100), a sliding block, conservation. Body forces act in the tests only."""
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Any, NamedTuple

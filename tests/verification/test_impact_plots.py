@@ -1,7 +1,5 @@
 """Verification: figures of an impact show what they are given, peaks and loops to the last digit that is drawn."""
 
-from __future__ import annotations
-
 import math
 import re
 

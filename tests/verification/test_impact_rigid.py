@@ -1,6 +1,6 @@
-"""Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, trains, refusals."""
-
-from __future__ import annotations
+"""Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, trains,
+refusals; strikes from sampled forces, by the rule of the rigid impact.
+"""
 
 import math
 from collections.abc import Callable
@@ -23,9 +23,11 @@ from solver.impact import (
     solve_impact,
     solve_impacts,
     solve_trains,
+    strikes_of,
     train_of,
 )
 from solver.impact.solve import COLUMNS
+from solver.rules import Array
 
 TRUCK = ImpactVehicle(10.0, 2.438, 9979.0)
 SPEED, ANGLE, MU = 56 * 0.44704, math.radians(15.0), 0.47
@@ -531,23 +533,14 @@ def test_numbers_and_arrays_broadcast():
     assert np.all(np.diff(grid.peak_force[0], axis=0) > 0.0)
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "allowed"),
-    [
-        ("length", -1.0, "positive"),
-        ("mass", 0.0, "positive"),
-        ("speed", math.inf, "positive"),
-        ("angle", 0.0, "between 0 and pi/2"),
-        ("stiffness", [1e6, -1.0], "at index 1"),
-        ("restitution", 1.5, "from 0 to 1"),
-        ("friction", -0.1, "0 or more"),
-        ("initial_force", -1.0, "0 or more"),
-        ("centre_of_mass", 11.0, "between 0 and the length"),
-        ("centre_of_mass", 0.2, "nearer to the middle"),
-        ("yaw_inertia", 1e7, "at most m (a (L - a)"),
-        ("yaw_inertia", 1.0, "from a thousandth of m (a (L - a)"),
-    ],
-)
+@pytest.mark.parametrize(("key", "value", "allowed"), [
+    ("length", -1.0, "positive"), ("mass", 0.0, "positive"), ("speed", math.inf, "positive"),
+    ("angle", 0.0, "between 0 and pi/2"), ("stiffness", [1e6, -1.0], "at index 1"),
+    ("restitution", 1.5, "from 0 to 1"), ("friction", -0.1, "0 or more"),
+    ("initial_force", -1.0, "0 or more"), ("centre_of_mass", 11.0, "between 0 and the length"),
+    ("centre_of_mass", 0.2, "nearer to the middle"), ("yaw_inertia", 1e7, "at most m (a (L - a)"),
+    ("yaw_inertia", 1.0, "from a thousandth of m (a (L - a)"),
+])  # fmt: skip
 def test_what_cannot_be_among_many_is_refused(key, value, allowed):
     with pytest.raises(RigidBodyError) as caught:
         solve_impacts(**{**GIVEN, key: value})
@@ -683,3 +676,101 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
 
 def test_the_columns_of_rows_are_named():
     assert len(COLUMNS) == impact(end=0.01).rows.shape[1]
+
+
+def half_sine(t: Array, start: float, duration: float, peak: float) -> Array:
+    """Means of a half sine over the intervals between the instants."""
+    phase = np.clip((t - start) / duration, 0.0, 1.0)
+    impulse = peak * duration / math.pi * (1.0 - np.cos(math.pi * phase))
+    return np.diff(impulse) / np.diff(t)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.77])
+def test_a_half_sine(shift):
+    """Impulse exact; start and end far below a sample; the peak of the third order."""
+    dt = 1e-3
+    t = np.arange(0.0, 0.3, dt)
+    start, duration = 0.05 + shift * dt, 0.08
+    (strike,) = strikes_of(t, {"rear": half_sine(t, start, duration, 5e5)})
+    assert strike.corner == "rear"
+    assert strike.impulse == pytest.approx(2.0 / math.pi * 5e5 * duration, rel=1e-12)
+    assert strike.start == pytest.approx(start, abs=1e-6)
+    assert strike.duration == pytest.approx(duration, abs=2e-6)
+    assert strike.peak_force == pytest.approx(5e5, rel=1e-6)
+    assert math.isnan(strike.point_of_attack)
+    assert math.isnan(strike.impulse_tangential)
+
+
+def test_a_jump_is_found_within_a_sample():
+    t = np.linspace(0.0, 0.1, 101)
+    force = np.where((t[:-1] > 0.0205) & (t[:-1] < 0.0595), 3e5, 0.0)
+    (strike,) = strikes_of(t, {"front": force})
+    assert (strike.start, strike.end) == pytest.approx((0.021, 0.060), abs=1e-9)
+    assert strike.peak_force == pytest.approx(3e5)
+
+
+def test_a_strike_is_over_when_the_corner_has_been_off_the_wall_for_as_long():
+    """A strike of 20 ms; 19 ms later it is the same one, 21 ms later the next."""
+    t = np.arange(0.0, 0.1, 2e-4)
+    force = np.zeros(t.size - 1)
+    force[100:200] = force[295:320] = 1e5
+    assert [strike.impulse for strike in strikes_of(t, {"front": force})] == [pytest.approx(125 * 20.0)]
+    force[295:305] = 0.0
+    assert len(strikes_of(t, {"front": force})) == 2
+
+
+def test_what_touches_shortly_is_off_for_a_millisecond():
+    t = np.arange(0.0, 0.01, 1e-4)
+    force = np.zeros(t.size - 1)
+    force[10:12] = force[20:22] = 1e5  # 0.2 ms each, 0.8 ms apart
+    assert len(strikes_of(t, {"front": force})) == 1
+    force[20] = force[13] = 0.0
+    force[22:24] = 1e5
+    assert len(strikes_of(t, {"front": force})) == 1
+    force[20:24] = 0.0
+    force[23:25] = 1e5  # 1.1 ms
+    assert len(strikes_of(t, {"front": force})) == 2
+
+
+def test_uneven_samples_and_means_beside_the_force():
+    t = np.sort(np.random.default_rng(1).uniform(0.0, 0.2, 400))
+    force = half_sine(t, 0.02, 0.1, 2e5)
+    station = np.linspace(0.0, 10.0, force.size)
+    strikes = strikes_of(
+        t,
+        {"front": force, "rear": 0.0 * force},
+        {"front": -0.4 * force},
+        {"front": station},
+        {"front": t[1:]},
+    )
+    (strike,) = strikes
+    push = force * np.diff(t)
+    assert strike.impulse_tangential == pytest.approx(-0.4 * strike.impulse)
+    assert strike.point_of_attack == pytest.approx(station @ push / push.sum())
+    assert strike.position == pytest.approx(t[1:] @ push / push.sum())
+
+
+def test_one_sample_alone():
+    (strike,) = strikes_of(np.array([0.0, 1.0, 2.0, 3.0]), {"rear": np.array([0.0, 7.0, 0.0])})
+    assert (strike.start, strike.end, strike.impulse, strike.peak_force) == (1.0, 2.0, 7.0, 7.0)
+
+
+def truck() -> ImpactMotion:
+    vehicle = ImpactVehicle(10.0, 2.438, 9979.0)
+    state = first_touch(vehicle, math.radians(15.0), 56 * 0.44704)
+    return solve_impact(vehicle, WallContact(CrushLaw(2e6, 0.0, 0.22), 0.47), state)
+
+
+def test_the_rigid_impact_sampled():
+    """Means of the forces over half a millisecond give the strikes that the steps have counted."""
+    motion = truck()
+    t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)
+    mean = np.diff(motion.at(t).impulse_normal) / np.diff(t)
+    rear = (t[1:] > motion.strikes[1].start) & (t[:-1] < motion.strikes[1].end)  # the corners strike in turn
+    sampled = strikes_of(t, {"front": np.where(rear, 0.0, mean), "rear": np.where(rear, mean, 0.0)})
+    assert [strike.corner for strike in sampled] == [strike.corner for strike in motion.strikes]
+    for one, exact in zip(sampled[:2], motion.strikes[:2], strict=True):
+        assert one.impulse == pytest.approx(exact.impulse, rel=1e-5)
+        assert one.start == pytest.approx(exact.start, abs=1e-5)
+        assert one.duration == pytest.approx(exact.duration, abs=2e-5)
+        assert one.peak_force == pytest.approx(exact.peak_force, rel=2e-3)  # the peak is a kink

@@ -1,7 +1,5 @@
 """Verification: a sweep of whole impacts; a row is what the scene's calculation gives, the page shows the strikes."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

@@ -1,0 +1,545 @@
+"""Verification: internal forces, masses and energies against exact answers; one-point elements with an assumed
+strain bend as beams do, and their forces are those of an energy; elements, materials, holds, damping, patch,
+threads and flutter against exact answers.
+"""
+
+import decimal
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg
+
+from fem.explicit import measures, simd_blocks
+from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
+from fem.explicit.measures import energy_of_hourglass, energy_of_strain
+from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
+from fem.model.plate_model import corner_weights
+from fem.plate import elements
+from fem.plate.elements import ElementTable, discretise, hourglass_control
+from fem.plate.kinds import ELEMENT_KINDS
+from fem.run.corner import simulate
+from fem.stability.deformed import deformed_frequency
+from fem.start.rigid_state import RigidStart, to_global
+from meshes import distorted, plate_mesh
+
+MATERIAL = st_venant_kirchhoff(200e9, 0.3)
+THICKNESS = 0.053
+
+
+def internal_forces(
+    table: ElementTable, positions: np.ndarray, velocities: Any = None, viscosity: Any = None
+) -> Any:
+    force = np.zeros_like(positions)
+    velocities = np.zeros_like(positions) if velocities is None else velocities
+    power = subtract_internal_forces(
+        positions, velocities, viscosity, None, force, table, MATERIAL, scratch_for(table)
+    )
+    return -force, power
+
+
+def viscosity(time: float) -> Viscosity:
+    """Stiffness-proportional: the material's constants times a time [s]."""
+    return Viscosity(*(time * constant for constant in MATERIAL))
+
+
+@pytest.fixture(params=["congruent", "distorted"])
+def discretisation(request, distorted_mesh):
+    mesh = plate_mesh(10.0, 2.438, (20, 6)) if request.param == "congruent" else distorted_mesh
+    return discretise(mesh, THICKNESS)
+
+
+def test_congruent_elements_share_one_column_and_distorted_ones_do_not(distorted_mesh):
+    assert discretise(plate_mesh(10.0, 2.438, (20, 6)), THICKNESS).table.gradients.shape == (32, 1)
+    assert discretise(distorted_mesh, THICKNESS).table.gradients.shape == (32, 32)
+
+
+@pytest.mark.parametrize("kind", ["quad4", "quad9", "tri6"])
+def test_mapped_elements_are_those_of_the_gradients(kind, distorted_mesh):
+    """The same forces to rounding from the nodes of each element as from scikit-fem's gradients."""
+    triangles = distorted(plate_mesh(10.0, 2.438, (8, 4), "triangle"), 0.2, (8, 4))
+    made = discretise(triangles if kind == "tri6" else distorted_mesh, THICKNESS, kind)
+    assert made.table.mapping
+    rng = np.random.default_rng(3)
+    positions = made.positions + 1e-3 * rng.normal(size=made.positions.shape)
+    velocities = rng.normal(size=positions.shape)
+    stored = made.table._replace(mapping=None)
+    for damped in (None, viscosity(1e-4)):
+        forces, power = internal_forces(made.table, positions, velocities, damped)
+        expected, expected_power = internal_forces(stored, positions, velocities, damped)
+        assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
+        assert power == pytest.approx(expected_power, rel=1e-12)
+
+
+def test_rigid_motion_gives_no_force(discretisation):
+    """Zero to rounding: against E t, the force that a strain of one would give."""
+    for angle, shift in ((0.0, 0.0), (0.26, 0.0), (2.0, 0.0), (-0.9, 10.0)):
+        positions = to_global(angle) @ discretisation.positions + shift
+        forces, _ = internal_forces(discretisation.table, positions)
+        assert np.abs(forces).max() < 2e-14 * 200e9 * THICKNESS * 10.0
+
+
+def test_patch_of_constant_strain(discretisation):
+    """Affine deformation, large rotation included: inner nodes are in balance, boundary nodes carry F S N."""
+    gradient = to_global(0.7) @ np.array([[1.02, 0.013], [0.004, 0.97]])
+    positions = gradient @ discretisation.positions + np.array([[3.0], [-1.0]])
+    forces, _ = internal_forces(discretisation.table, positions)
+    strain = 0.5 * (gradient.T @ gradient - np.eye(2))
+    stress = 200e9 / (1 - 0.09) * (0.7 * strain + 0.3 * np.trace(strain) * np.eye(2))
+    traction = gradient @ stress * THICKNESS
+    x, y = discretisation.positions
+    inner = (x > -9.99) & (x < -0.01) & (y > 0.01) & (y < 2.43)
+    scale = np.abs(traction).max() * 2.438
+    assert inner.sum() > 10
+    assert np.abs(forces[:, inner]).max() < 1e-13 * scale
+    # The end's two corners also carry half an edge of the sides beside them; these shares cancel.
+    np.testing.assert_allclose(
+        forces[:, x > -0.01].sum(axis=1), traction[:, 0] * 2.438, atol=1e-12 * scale, rtol=0.0
+    )
+
+
+def test_energy_of_constant_strain(discretisation):
+    gradient = to_global(-0.3) @ np.array([[1.01, 0.02], [0.0, 0.995]])
+    strain = 0.5 * (gradient.T @ gradient - np.eye(2))
+    density = 0.5 * 200e9 / (1 - 0.09) * (0.7 * np.sum(strain**2) + 0.3 * np.trace(strain) ** 2)
+    energy = measures.energy_of_strain(gradient @ discretisation.positions, discretisation.table, MATERIAL)
+    assert energy == pytest.approx(density * 10.0 * 2.438 * THICKNESS, rel=1e-12)
+
+
+def test_forces_are_the_gradient_of_the_energy(discretisation):
+    random = np.random.default_rng(3)
+    positions = to_global(0.4) @ discretisation.positions + random.normal(
+        0.0, 0.01, discretisation.positions.shape
+    )
+    forces, _ = internal_forces(discretisation.table, positions)
+    direction = random.normal(size=positions.shape)
+    step = 1e-2
+    energy = {
+        k: measures.energy_of_strain(positions + k * step * direction, discretisation.table, MATERIAL)
+        for k in (-2, -1, 1, 2)
+    }
+    slope = (8.0 * (energy[1] - energy[-1]) - (energy[2] - energy[-2])) / (12.0 * step)  # exact for a quartic
+    assert np.sum(forces * direction) == pytest.approx(slope, rel=1e-10)
+
+
+def test_a_partly_filled_block_gives_what_full_blocks_give():
+    """Two full blocks and five elements beside: stretched alike, every element carries what one alone carries."""
+    count = 2 * simd_blocks.BLOCK_SIZE + 5
+    many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (count, 1))
+    stretch = np.diag([1.001, 1.0])
+    ends = [
+        internal_forces(d.table, stretch @ d.positions)[0][0][d.positions[0] > -0.01] for d in (many, one)
+    ]
+    np.testing.assert_allclose(np.sort(ends[0]), np.sort(ends[1]), rtol=1e-10)
+
+
+def test_every_block_counts():
+    """A distorted mesh of two full blocks and a rest: its forces are the sum of those of each element alone."""
+    mesh = distorted(plate_mesh(10.0, 2.438, (19, 7)), 0.2, (19, 7))
+    d = discretise(mesh, THICKNESS)
+    assert d.table.connectivity.shape[1] == 2 * simd_blocks.BLOCK_SIZE + 5
+    positions = d.positions + np.random.default_rng(7).normal(0.0, 1e-3, d.positions.shape)
+    forces, _ = internal_forces(d.table, positions)
+    expected = np.zeros_like(forces)
+    for element in range(d.table.connectivity.shape[1]):
+        alone = d.table._replace(
+            connectivity=np.ascontiguousarray(d.table.connectivity[:, element : element + 1]),
+            gradients=np.ascontiguousarray(d.table.gradients[:, element : element + 1]),
+            weights=np.ascontiguousarray(d.table.weights[:, element : element + 1]),
+        )
+        expected += internal_forces(alone, positions)[0]
+    np.testing.assert_allclose(forces, expected, atol=1e-12 * np.abs(forces).max(), rtol=0.0)
+
+
+def test_rigid_rotation_dissipates_nothing(discretisation):
+    positions = to_global(0.26) @ discretisation.positions
+    spin = 0.7 * np.array([-positions[1], positions[0]]) + 25.0
+    forces, power = internal_forces(discretisation.table, positions, spin, viscosity(1e-3))
+    assert abs(power) < 1e-20 * 200e9
+    assert np.abs(forces).max() < 1e-13 * 200e9 * THICKNESS * 10.0
+
+
+def test_viscous_power_is_the_power_of_the_viscous_forces(discretisation):
+    random = np.random.default_rng(5)
+    positions = to_global(0.26) @ discretisation.positions
+    velocities = random.normal(size=positions.shape)
+    elastic, _ = internal_forces(discretisation.table, positions)
+    both, power = internal_forces(discretisation.table, positions, velocities, viscosity(2e-6))
+    assert power > 0.0
+    assert np.sum((both - elastic) * velocities) == pytest.approx(power, rel=1e-9)
+
+
+ELEMENTS = (20, 6)
+
+
+def shuffled(table: ElementTable, number: np.ndarray) -> ElementTable:
+    """The same elements on renumbered nodes."""
+    connectivity = np.ascontiguousarray(number[table.connectivity], dtype=np.int32)
+    if table.mapping is None:
+        return table._replace(connectivity=connectivity)
+    reference = np.ascontiguousarray(table.mapping.reference[:, np.argsort(number)])
+    return table._replace(connectivity=connectivity, mapping=table.mapping._replace(reference=reference))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2])
+@pytest.mark.parametrize("kind", ["quad4", pytest.param("quad4-reduced", marks=pytest.mark.long)])
+def test_forces_do_not_depend_on_the_numbering(kind, share):
+    mesh = plate_mesh(10.0, 2.438, ELEMENTS)
+    d = discretise(distorted(mesh, share, ELEMENTS) if share else mesh, 0.05, kind)
+    hourglass = hourglass_control(d, 0.05, MATERIAL) if kind == "quad4-reduced" else None
+    rng = np.random.default_rng(1)
+    number = rng.permutation(d.positions.shape[1])
+    back = np.argsort(number)
+    positions, velocities = (
+        d.positions + rng.normal(0.0, 1e-3, d.positions.shape),
+        rng.normal(size=d.positions.shape),
+    )
+    results = []
+    for table, at, rate in (
+        (d.table, positions, velocities),
+        (shuffled(d.table, number), positions[:, back], velocities[:, back]),
+    ):
+        force, viscosity = np.zeros_like(at), Viscosity(1e3, 3e2, 4e2)
+        at, rate = np.ascontiguousarray(at), np.ascontiguousarray(rate)
+        power = subtract_internal_forces(
+            at, rate, viscosity, hourglass, force, table, MATERIAL, scratch_for(table, hourglass)
+        )
+        results.append((force, power))
+    (force, power), (other, other_power) = results
+    np.testing.assert_allclose(other[:, number], force, rtol=0.0, atol=1e-12 * np.abs(force).max())
+    assert other_power == pytest.approx(power, rel=1e-12)
+
+
+def test_a_plate_is_a_lattice_with_one_idle_slot_between_rows():
+    lattice = simd_blocks.find_lattice(discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table.connectivity)
+    assert lattice is not None
+    assert lattice.element.size == 6 * 21 - 1
+    assert (lattice.element < 0).sum() == lattice.idle.size == 5
+
+
+def test_triangles_and_shuffled_nodes_are_no_lattice():
+    table = discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table
+    number = np.random.default_rng(1).permutation(147)
+    assert simd_blocks.find_lattice(shuffled(table, number).connectivity) is None
+    triangles = discretise(plate_mesh(10.0, 2.438, ELEMENTS, "triangle"), 0.05, "tri3").table
+    assert simd_blocks.find_lattice(triangles.connectivity) is None
+
+
+E, NU, T = 2e11, 0.3, 0.05
+MODULI = st_venant_kirchhoff(E, NU)
+
+
+def stiffness(d: elements.Discretisation, kind: str) -> Any:
+    matrix = elements.stiffness_matrix(d.scalar, T, MODULI)
+    if kind == "quad4-reduced":
+        matrix = matrix + elements.hourglass_matrix(
+            d.table, elements.hourglass_control(d, T, MODULI), d.positions.shape[1]
+        )
+    return matrix
+
+
+def tip_deflection(length: float, width: float, counts: tuple[int, int], kind: str) -> float:
+    """Of a cantilever, over that of Timoshenko's beam, P L^3/3EI + 6/5 P L/GA; its load as the parabola of shear."""
+    d = elements.discretise(plate_mesh(length, width, counts), T, kind)
+    x, y = d.positions
+    held = np.isclose(x, x.max())
+    free = np.isclose(x, x.min())
+    eta = (y - y.min()) / width
+    share = np.where(free, 6.0 * eta * (1.0 - eta) if counts[1] > 1 else 1.0, 0.0)
+    load = np.concatenate([np.zeros(x.size), share / share.sum()])
+    moves = ~np.concatenate([held, held & np.isclose(eta, eta[held].min())])
+    matrix = stiffness(d, kind).tocsc()[moves][:, moves]
+    found = np.zeros(2 * x.size)
+    found[moves] = scipy.sparse.linalg.spsolve(matrix, load[moves])
+    inertia, shear = T * width**3 / 12.0, E / (2.0 * (1.0 + NU))
+    exact = length**3 / (3.0 * E * inertia) + 1.2 * length / (shear * T * width)
+    return float(found @ load / exact)
+
+
+@pytest.mark.parametrize("slenderness", [0.02, 0.1, 0.25])
+def test_a_cantilever_of_one_element_across_bends_as_a_beam(slenderness):
+    """Within 2 % of Timoshenko's beam, by 20 elements along; ordinary quad4 locks, and has less than half."""
+    assert tip_deflection(10.0, 10.0 * slenderness, (20, 1), "quad4-reduced") == pytest.approx(1.0, abs=0.02)
+    if slenderness == 0.02:
+        assert tip_deflection(10.0, 0.2, (20, 1), "quad4") < 0.5
+
+
+def test_refined_along_the_slender_beam_it_converges():
+    """Second order: a quarter of each change is the next; the width over the length is left of the error."""
+    found = [tip_deflection(10.0, 0.2, (n, 1), "quad4-reduced") for n in (5, 10, 20, 40)]
+    changes = np.diff(found)
+    assert changes[:2] / changes[1:] == pytest.approx(4.0, rel=0.05)
+    assert found[-1] == pytest.approx(1.0, abs=5e-4)
+
+
+def test_a_rectangle_in_pure_bending_stores_what_the_beam_does():
+    """Plane stress, curvature k: u = k x y, v = -k (x^2 + nu y^2)/2 at the nodes of an element that is its middle."""
+    length, width, k = 3.0, 0.8, 1e-6
+    d = elements.discretise(plate_mesh(length, width, (1, 1)), T, "quad4-reduced")
+    x, y = d.positions - d.positions.mean(axis=1, keepdims=True)
+    u = np.concatenate([k * x * y, -0.5 * k * (x**2 + NU * y**2)])
+    energy = 0.5 * u @ (stiffness(d, "quad4-reduced") @ u)
+    assert energy == pytest.approx(0.5 * E * T * width**3 / 12.0 * k**2 * length, rel=1e-9)
+
+
+def test_forces_are_the_slope_of_the_energy_in_any_position():
+    """Distorted elements, turned and strained; by differences of the energy along a direction."""
+    mesh = distorted(plate_mesh(2.0, 1.0, (3, 2)), 0.2, (3, 2))
+    d = elements.discretise(mesh, T, "quad4-reduced")
+    control = elements.hourglass_control(d, T, MODULI)
+    random = np.random.default_rng(1)
+    turned = np.array([[0.3, -1.1], [0.9, 0.2]]) @ d.positions
+    positions = turned + random.normal(0.0, 0.02, d.positions.shape)
+    direction = random.normal(size=positions.shape)
+
+    def energy(step: float) -> float:
+        at = positions + step * 1e-4 * direction
+        return float(energy_of_strain(at, d.table, MODULI) + energy_of_hourglass(at, d.table, control))
+
+    slope = (8.0 * (energy(1) - energy(-1)) - (energy(2) - energy(-2))) / 12e-4
+    force, scratch = np.zeros_like(positions), scratch_for(d.table, control)
+    subtract_internal_forces(
+        positions, np.zeros_like(positions), None, control, force, d.table, MODULI, scratch
+    )
+    assert -np.sum(force * direction) == pytest.approx(slope, rel=1e-8)
+    assert np.abs(force.sum(axis=1)).max() < 1e-9 * np.abs(force).max()
+    moment = positions[0] * force[1] - positions[1] * force[0]
+    assert abs(moment.sum()) < 1e-9 * np.abs(moment).max()
+
+
+def test_at_rest_the_forces_are_the_stiffness():
+    mesh = distorted(plate_mesh(2.0, 1.0, (3, 2)), 0.2, (3, 2))
+    d = elements.discretise(mesh, T, "quad4-reduced")
+    control = elements.hourglass_control(d, T, MODULI)
+    u = 1e-7 * np.random.default_rng(2).normal(size=d.positions.shape)
+    force, scratch = np.zeros_like(u), scratch_for(d.table, control)
+    subtract_internal_forces(
+        d.positions + u, np.zeros_like(u), None, control, force, d.table, MODULI, scratch
+    )
+    linear = (stiffness(d, "quad4-reduced") @ u.ravel()).reshape(2, -1)
+    np.testing.assert_allclose(-force, linear, atol=1e-5 * np.abs(linear).max(), rtol=0.0)
+
+
+START = RigidStart(0.26, 0.707, 25.053)
+KINDS = sorted(ELEMENT_KINDS)
+
+
+def worst(result: Any) -> float:
+    assert result.passed, [check for check in result.checks if not check.passed]
+    return max(map(abs, result.difference.values()))
+
+
+def forces_of(d: Any, positions: np.ndarray, material: Any, hourglass: Any = None) -> np.ndarray:
+    force = np.zeros_like(positions)
+    still = np.zeros_like(positions)
+    subtract_internal_forces(
+        positions, still, None, hourglass, force, d.table, material, scratch_for(d.table, hourglass)
+    )
+    return -force
+
+
+@pytest.mark.parametrize(
+    ("kind", "law"),
+    [*((kind, "st-venant-kirchhoff") for kind in KINDS), ("quad4", "neo-hookean"), ("tri3", "neo-hookean")],
+)
+def test_patch_of_constant_strain_on_distorted_elements(kind, law):
+    """Every element and material: inner nodes in balance, the boundary's forces as F S N asks, energy V W."""
+    mesh = distorted(plate_mesh(10.0, 2.438, (8, 4), ELEMENT_KINDS[kind].cells), 0.2, (8, 4))
+    d, material = discretise(mesh, THICKNESS, kind), MATERIALS[law].make(200e9, 0.3)
+    moduli = st_venant_kirchhoff(200e9, 0.3)
+    hourglass = hourglass_control(d, THICKNESS, moduli) if ELEMENT_KINDS[kind].hourglass else None
+    gradient = to_global(0.7) @ np.array([[1.02, 0.013], [0.004, 0.97]])
+    forces = forces_of(d, gradient @ d.positions, material, hourglass)
+    x, y = d.positions
+    inner = (x > -9.999) & (x < -0.001) & (y > 0.001) & (y < 2.437)
+    scale = 0.02 * 200e9 * THICKNESS * 2.438
+    assert inner.sum() > 10
+    assert np.abs(forces[:, inner]).max() < 1e-11 * scale
+    stress = second_piola_kirchhoff(gradient, law)
+    end = forces[:, x > -0.001].sum(axis=1)
+    np.testing.assert_allclose(
+        end, (gradient @ stress * THICKNESS)[:, 0] * 2.438, atol=1e-10 * scale, rtol=0.0
+    )
+
+
+def second_piola_kirchhoff(gradient: np.ndarray, law: str) -> np.ndarray:
+    """S in the plane by the textbook formulas, the thickness stretch by bisection of S_33 = 0."""
+    strain = 0.5 * (gradient.T @ gradient - np.eye(2))
+    if law == "st-venant-kirchhoff":
+        return 200e9 / (1 - 0.09) * (0.7 * strain + 0.3 * np.trace(strain) * np.eye(2))
+    shear, lame = 200e9 / 2.6, 200e9 * 0.3 / 1.3 / 0.4
+    area = np.linalg.det(gradient)
+    low, high = 0.5, 2.0
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        value = shear * (middle**2 - 1.0) + lame * np.log(area * middle)
+        low, high = (low, middle) if value > 0.0 else (middle, high)
+    inverse = np.linalg.inv(gradient.T @ gradient)
+    return shear * (np.eye(2) - inverse) + lame * np.log(area * low) * inverse
+
+
+@pytest.mark.parametrize("law", sorted(MATERIALS))
+def test_stress_is_the_slope_of_the_energy(law):
+    """At large strains, by differences of the energy along random directions."""
+    d, material = discretise(plate_mesh(1.0, 1.0, (2, 2)), 1.0), MATERIALS[law].make(1e6, 0.3)
+    random = np.random.default_rng(1)
+    positions = np.array([[1.3, 0.2], [0.1, 0.8]]) @ d.positions + random.normal(0.0, 0.02, d.positions.shape)
+    direction = random.normal(size=positions.shape)
+    energies = [energy_of_strain(positions + k * 1e-4 * direction, d.table, material) for k in (-2, -1, 1, 2)]
+    slope = (8.0 * (energies[2] - energies[1]) - (energies[3] - energies[0])) / 12e-4
+    assert np.sum(forces_of(d, positions, material) * direction) == pytest.approx(slope, rel=1e-8)
+
+
+def test_materials_agree_at_small_strain():
+    d = discretise(plate_mesh(1.0, 1.0, (3, 3)), 1.0)
+    positions = d.positions + 1e-7 * np.random.default_rng(2).normal(size=d.positions.shape)
+    first, second = (forces_of(d, positions, law(1e9, 0.3)) for law in (st_venant_kirchhoff, neo_hookean))
+    np.testing.assert_allclose(first, second, atol=1e-5 * np.abs(first).max(), rtol=0.0)
+
+
+def test_hourglass_control_sees_only_what_one_point_does_not():
+    mesh = distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4))
+    d = discretise(mesh, THICKNESS, "quad4-reduced")
+    control = hourglass_control(d, THICKNESS, st_venant_kirchhoff(2e11, 0.3))
+    affine = np.array([[1.4, 0.3], [-0.2, 0.9]]) @ d.positions + 5.0
+    assert energy_of_hourglass(affine, d.table, control) < 1e-18 * 2e11
+    bent = d.positions + 1e-3 * np.array([d.positions[0] * d.positions[1], np.zeros(d.positions.shape[1])])
+    assert energy_of_hourglass(bent, d.table, control) > 1.0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ("plate.distortion=0.2",),
+        ("corner.constraint=exact",),
+        ("corner.patch_length=1",),
+        *(
+            pytest.param(each, marks=pytest.mark.long)
+            for each in (
+                ("plate.element=tri3",),
+                ("plate.element=tri6",),
+                ("plate.element=quad9", "plate.elements=[8, 3]"),
+                ("plate.element=quad4-reduced", "damping.ratio=0.05"),
+                ("material.law=neo-hookean",),
+                ("corner.damping_ratio=0.2",),
+                ("damping.bulk_viscosity=0.06",),
+                ("damping.ratio=0.05", "damping.bulk_viscosity=0.06", "corner.damping_ratio=0.3"),
+                ("plate.element=tri3", "plate.distortion=0.2", "corner.reaction=none"),
+            )
+        ),
+    ],
+)
+def test_every_feature_gives_the_rigid_answer(outcome, changes):
+    assert worst(outcome("paper-table-3", *changes)) < 5e-6
+
+
+def test_a_distorted_mesh_and_triangles_are_told_apart(outcome):
+    """They are other meshes, not the same one by another name."""
+    plain = outcome("paper-table-3").fe_plan.model
+    moved = outcome("paper-table-3", "plate.distortion=0.2").fe_plan.model
+    cut = outcome("paper-table-3", "plate.element=tri3").fe_plan.model
+    assert np.abs(plain.discretisation.positions - moved.discretisation.positions).max() > 0.05
+    assert cut.loop.table.connectivity.shape == (3, 240)
+
+
+def test_the_exact_constraint_holds_the_corner_on_the_wall(outcome):
+    result = outcome("paper-table-3", "corner.constraint=exact")
+    assert np.abs(result.fe_history["gap"]).max() < 1e-14
+    assert (result.fe_history["contact_energy"] == 0.0).all()
+    assert np.abs(outcome("paper-table-3").fe_history["gap"]).max() > 1e-8
+
+
+def test_the_penalty_tends_to_the_exact_constraint(outcome):
+    """The gap is N / k: its part of the difference falls with 1 / k."""
+    exact = outcome("paper-table-3", "corner.reaction=none", "corner.constraint=exact").fe["t"]
+    errors = [
+        outcome("paper-table-3", "corner.reaction=none", f"corner.penalty_scale={scale}").fe["t"] - exact
+        for scale in (0.1, 1.0, 10.0)
+    ]
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 10.0, rtol=0.05)
+
+
+@pytest.mark.long
+def test_a_dashpot_and_bulk_viscosity_take_energy_out(outcome):
+    for change in ("corner.damping_ratio=0.2", "damping.bulk_viscosity=0.3"):
+        result = outcome("paper-table-3", "corner.reaction=none", "plate.start=unstressed", change)
+        assert result.fe_history["damping_work"][-1] < -1e-3
+        assert np.abs(result.fe_history["energy_error"]).max() < 1e-9 * result.fe_history["kinetic_energy"][0]
+
+
+@pytest.mark.parametrize("length", [0.25, 0.8, 1.0, 9.999])
+def test_the_patch_s_weighted_mean_is_the_corner_itself(length):
+    """Resultant 1, no moment about P, for lengths that end on a node or within an element."""
+    d = discretise(plate_mesh(10.0, 2.438, (40, 4)), THICKNESS)
+    nodes, weights = corner_weights(d, length)
+    assert weights.sum() == pytest.approx(1.0, rel=1e-13)
+    assert d.positions[:, nodes] @ weights == pytest.approx((0.0, 0.0), abs=1e-13)
+    assert d.positions[0, nodes].min() <= -length * (1.0 - 1e-9)
+
+
+def test_a_point_deflects_without_bound_and_a_patch_converges(outcome):
+    """A point load's deflection grows by the same amount with each halving of the mesh, a patch's stops growing."""
+    ratios: dict[str, list[float]] = {"point": [], "patch": []}
+    for n in (10, 20, 40, 80):
+        for name, change in (("point", ()), ("patch", ("corner.patch_length=2",))):
+            elements = f"plate.elements=[{n}, {3 * n // 10}]"
+            changes = ("corner.reaction=none", "corner.constraint=exact", "plate.start=unstressed", elements)
+            ratios[name].append(ratio_of(*changes, *change))
+    point, patch = np.diff(ratios["point"]), np.diff(ratios["patch"])
+    assert point[2] == pytest.approx(point[1], rel=0.1)
+    assert (np.abs(patch[1:] / patch[:-1]) < 0.45).all()
+    assert abs(patch[2]) < 0.05 * point[2]
+
+
+def ratio_of(*changes: str) -> float:
+    """Give of a model that is only built."""
+    from tailslap.case.corner.case import CornerCase
+    from tailslap.scene.read import read_scene
+
+    return CornerCase(*read_scene("paper-table-3", changes)).plan().deflection_ratio
+
+
+@pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.long)])
+def test_threads_give_the_same_answer_and_repeat_to_the_bit(plate_model, threads):
+    model = plate_model(reaction="drag", elements=(40, 12))
+    alone = simulate(model, START, 0.384)
+    first, second = (simulate(model, START, 0.384, threads=threads) for _ in range(2))
+    assert alone.strike is not None
+    assert first.strike is not None
+    for name, column in first.history.items():
+        np.testing.assert_array_equal(column, second.history[name])
+    for name in ("t", "v_gx", "v_gy", "omega", "slide"):
+        assert first.strike.values[name] == pytest.approx(alone.strike.values[name], rel=1e-8)
+
+
+def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model):
+    for plate in ({}, {"element": "tri6"}, {"element": "quad4-reduced"}):
+        model = plate_model(elements=(6, 3), plate=plate)
+        found = max(
+            deformed_frequency(model, to_global(angle) @ model.discretisation.positions)
+            for angle in (0.26, 0.13, 0.0)
+        )
+        assert found == pytest.approx(model.highest_frequency, rel=1e-4)
+
+
+def test_a_stretched_plate_has_a_higher_frequency(plate_model):
+    """St. Venant-Kirchhoff stiffens in tension: stretched by 10 % both ways, by (3 L^2 - 1) / 2, a third."""
+    model = plate_model(elements=(6, 3), plate={"poissons_ratio": 0.0})
+    positions = 1.1 * model.discretisation.positions
+    assert deformed_frequency(model, positions) > 1.05 * model.highest_frequency
+
+
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.1, 0.3, 0.499])
+@pytest.mark.parametrize("area", [-0.8, -0.3, -1e-2, -1e-5, -1e-12, 1e-9, 1e-4, 3e-2, 0.5, 19.0])
+def test_the_stretch_of_the_thickness_to_fifty_digits(poissons_ratio, area):
+    """2 mu (C_33 - 1) + lambda ln(det C C_33) = 0, against Newton's method in decimals."""
+    material = neo_hookean(1.0, poissons_ratio)
+    with decimal.localcontext(prec=50):
+        lame, shear, plane = (*map(Decimal, material), (1 + Decimal(area)).ln())
+        exact = -lame / (lame + 2 * shear) * plane
+        for _ in range(20):
+            residual = 2 * shear * (exact.exp() - 1) + lame * (plane + exact)
+            exact -= residual / (2 * shear * exact.exp() + lame)
+    found = _logarithms(material.lame, material.shear, area)
+    assert found == pytest.approx((float(plane), float(exact)), rel=1e-15, abs=0.0)
