@@ -8,8 +8,6 @@ from typing import Any
 
 import pytest
 
-from tailslap.case.corner import case, run
-
 # As the command line does, before NumPy is loaded: the tests' processes have the cores for themselves.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -17,6 +15,8 @@ from fem.laws.friction import Drag, Signed
 from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS, CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
+from tailslap.case.corner import case, run
+from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
@@ -48,6 +48,18 @@ def outcome():
 
 
 @pytest.fixture(scope="session")
+def refused():
+    """Key of the wrong input that a call ends with."""
+
+    def key(function: Any, *given: Any) -> str:
+        with pytest.raises(InputError) as caught:
+            function(*given)
+        return caught.value.key
+
+    return key
+
+
+@pytest.fixture(scope="session")
 def besides_compiling():
     """Standard error without what is said where a loop is compiled first: that depends on what has run before."""
     return lambda said: re.sub(r"tailslap: compil.* s\n", "", said)
@@ -58,13 +70,9 @@ def plate_model():
     """Model of the paper's steel plate, or of one that differs in what is given."""
 
     def build(
-        elements: tuple[int, int] = (20, 6),
-        reaction: str = "none",
-        mesh: Any = None,
-        plate: dict[str, Any] | None = None,
-        corner: dict[str, Any] | None = None,
-        **step: float,
-    ) -> PlateModel:
+        elements: tuple[int, int] = (20, 6), reaction: str = "none", mesh: Any = None,
+        plate: dict[str, Any] | None = None, corner: dict[str, Any] | None = None, **step: float,
+    ) -> PlateModel:  # fmt: skip
         properties = PlateProperties(**{**STEEL, **(plate or {})})
         cells = ELEMENT_KINDS[properties.element].cells
         mesh = mesh or plate_mesh(10.0, 2.438, elements, cells)

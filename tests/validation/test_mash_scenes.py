@@ -13,16 +13,12 @@ from tailslap.scene.read import read_scene, shipped_scenes, title
 
 POUND, MILE, FOOT, KIP = 0.45359237, 1609.344, 0.3048, 4448.2216152605
 TESTS = {  # pounds, the kilograms of the vehicle's name, mph, km/h, degrees
-    "mash-tl1-car": (2420, 1100, 31, 50, 25),
-    "mash-tl1-pickup": (5000, 2270, 31, 50, 25),
-    "mash-tl2-car": (2420, 1100, 44, 70, 25),
-    "mash-tl2-pickup": (5000, 2270, 44, 70, 25),
-    "mash-tl3-car": (2420, 1100, 62, 100, 25),
-    "mash-tl3-pickup": (5000, 2270, 62, 100, 25),
-    "mash-tl4-sut": (22000, 10000, 56, 90, 15),
-    "mash-tl5-tractor-van": (79300, 36000, 50, 80, 15),
+    "mash-tl1-car": (2420, 1100, 31, 50, 25), "mash-tl1-pickup": (5000, 2270, 31, 50, 25),
+    "mash-tl2-car": (2420, 1100, 44, 70, 25), "mash-tl2-pickup": (5000, 2270, 44, 70, 25),
+    "mash-tl3-car": (2420, 1100, 62, 100, 25), "mash-tl3-pickup": (5000, 2270, 62, 100, 25),
+    "mash-tl4-sut": (22000, 10000, 56, 90, 15), "mash-tl5-tractor-van": (79300, 36000, 50, 80, 15),
     "mash-tl6-tractor-tank": (79300, 36000, 50, 80, 15),
-}
+}  # fmt: skip
 NEW = sorted(set(TESTS) - {"mash-tl4-sut"})
 
 

@@ -20,21 +20,14 @@ from tailslap.cli import _status
 
 ANALYTICAL = {"t": 0.383, "v_gy": -3.274, "v_gx": 23.270, "omega": 0.65, "slide": 9.420}  # Table 3
 FORCES = {  # kN: 50 ms, peak for e = 0.22 and e = 0; then Table 5's three; Tables 4 and 5
-    "a": ((680, 707, 898.5), (904, 707, 898.5)),
-    "b": ((595, 680, 872), (791, 680, 872)),
-    "c": ((415, 609, 783), (552, 609, 783)),
-    "d": ((351, 765, 978), (467, 765, 978)),
-    "e": ((360, 614, 796), (479, 614, 796)),
-    "f": ((375, 351, 440), (500, 396, 494)),
-}
+    "a": ((680, 707, 898.5), (904, 707, 898.5)), "b": ((595, 680, 872), (791, 680, 872)),
+    "c": ((415, 609, 783), (552, 609, 783)), "d": ((351, 765, 978), (467, 765, 978)),
+    "e": ((360, 614, 796), (479, 614, 796)), "f": ((375, 351, 440), (500, 396, 494)),
+}  # fmt: skip
 FACTORS = {  # phi_a for e = 0.22 and e = 0, Table 4, then Table 5
-    "a": ((1.04, 1.32), (0.78, 0.99)),
-    "b": ((1.14, 1.46), (0.86, 1.1)),
-    "c": ((1.47, 1.89), (1.1, 1.42)),
-    "d": ((2.17, 2.78), (1.64, 2.09)),
-    "e": ((1.7, 2.21), (1.28, 1.66)),
-    "f": ((0.94, 1.17), (0.79, 0.99)),
-}
+    "a": ((1.04, 1.32), (0.78, 0.99)), "b": ((1.14, 1.46), (0.86, 1.1)), "c": ((1.47, 1.89), (1.1, 1.42)),
+    "d": ((2.17, 2.78), (1.64, 2.09)), "e": ((1.7, 2.21), (1.28, 1.66)), "f": ((0.94, 1.17), (0.79, 0.99)),
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +54,7 @@ def test_the_start_is_that_of_56_mph(said):
     mph, metric = (said["table_1"]["starts"][words] for words in ("56 mph", "90 km/h"))
     assert mph["omega"]["computed"] == pytest.approx(0.707, abs=5e-4)
     assert mph["corner_speed"]["computed"] == pytest.approx(25.053, abs=1e-3)
-    assert abs(metric["omega"]["computed"] - 0.707) > 5e-4
+    assert abs(metric["omega"]["computed"] - 0.707) > 8e-4
     assert abs(metric["corner_speed"]["computed"] - 25.053) > 0.03
     assert said["table_1"]["implied_speed"] / 0.44704 == pytest.approx(56.0, abs=2e-3)
 
@@ -143,16 +136,6 @@ MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6
 START = (0.26, 0.707, 25.053)  # section 3.1.1: theta_0, omega_0, v_P0
 
 
-def test_stage_1_from_56_miles_per_hour():
-    """omega_0 = 0.707 rad/s and v_P0 = 25,053 mm/s are those of 56 mph, not of the 90 km/h of Table 1."""
-    result = corner_impulse(TRUCK, 56.0 * MPH, ANGLE, FRICTION, RESTITUTION)
-    assert result.omega == pytest.approx(0.707, abs=0.0005)
-    assert result.corner_speed == pytest.approx(25.053, abs=0.001)
-    metric = corner_impulse(TRUCK, 90.0 * KM_PER_HOUR, ANGLE, FRICTION, RESTITUTION)
-    assert abs(metric.corner_speed - 25.053) > 0.03
-    assert abs(metric.omega - 0.707) > 0.0008
-
-
 @pytest.mark.parametrize(("name", "printed", "unit"), [
     ("t", 0.383, 0.001), ("v_gy", -3.274, 0.002), ("v_gx", 23.270, 0.01), ("omega", 0.65, 0.01),
     ("slide", 9.420, 0.01),
@@ -172,12 +155,6 @@ def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike()
     assert state.v_gy == pytest.approx(-3.289, abs=0.01)
     assert state.omega == pytest.approx(0.66, abs=0.005)
     assert abs(drag.at(t).v_gx - 23.305) > 3.0 * abs(state.v_gx - 23.305)
-
-
-def test_the_peak_force_from_the_analytical_column():
-    """654 kN for a pulse of 0.1 s, Eqs 72-73: 2 x 9979 kg x 3.2755 m/s / 0.1 s."""
-    force = strike_force(9979.0, plane_motion(TRUCK, *START, FRICTION).strike.v_gy, 0.1)
-    assert force.peak_force == pytest.approx(654e3, abs=0.5e3)
 
 
 def test_the_factor_between_restitutions_is_that_of_row_b():

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from fem.run import corner, impact, observers
 from tailslap import cli, errors
@@ -40,12 +41,10 @@ class Stopping:
 
 def same(a: Any, b: Any) -> None:
     """All numbers of two runs, bit for bit, but for the times that they took."""
-    for name in set(vars(a)) - {"setup_s", "time_loop_s", "strike"}:
+    for name in set(vars(a)) - {"setup_s", "time_loop_s", "strike", "snapshots"}:
         mine, its = getattr(a, name), getattr(b, name)
         for key in mine if isinstance(mine, dict) else [()]:
-            np.testing.assert_array_equal(
-                np.asarray(mine[key] if key else mine), np.asarray(its[key] if key else its)
-            )
+            assert_array_equal(np.asarray(mine[key] if key else mine), np.asarray(its[key] if key else its))
 
 
 @pytest.mark.parametrize("at", [1, 20, 45])
@@ -54,15 +53,18 @@ def test_the_loop_goes_on_with_the_same_bits(at):
 
     def run(keeper: Any) -> Any:
         duration = fe_plan.case.motion.strike.t
-        return corner.simulate(fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper)
+        return corner.simulate(
+            fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper, snapshots=6
+        )
 
     stopping = Stopping(at)
     with pytest.raises(KeyboardInterrupt):
         run(stopping)
     resumed, whole = run(Stopping(0, stopping.kept)), run(None)
     same(resumed, whole)
+    same(resumed.snapshots, whole.snapshots)
     assert resumed.strike.values == whole.strike.values
-    np.testing.assert_array_equal(resumed.strike.velocities, whole.strike.velocities)
+    assert_array_equal(resumed.strike.velocities, whole.strike.velocities)
 
 
 WALL_THAT_GIVES = (

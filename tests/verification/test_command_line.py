@@ -181,41 +181,6 @@ def test_a_run_that_diverges_is_reported_too(tmp_path, besides_compiling):
     assert {path.name for path in (tmp_path / "bad").iterdir()} == FILES
 
 
-@pytest.mark.parametrize(("arguments", "key"), [
-    (("run", "nowhere.toml"), "SCENE"),
-    (("run", "paper-table-3", "--set", "plate.elements=[0, 6]"), "plate.elements"),
-    (
-        ("run", "paper-table-3", "--set", "plate.elements=[1, 1]", "--set", "plate.element=quad4"),
-        "plate.elements",
-    ),
-    (("run", "mash-tl4-sut", "--set", "impact.friction=2"), "impact.friction"),
-    (("run", "mash-tl4-sut", "--set", "impact.angle=89 deg"), "impact.angle"),
-    (("run", "paper-table-3", "--set", "wall.length=5 m"), "wall.length"),
-    (("run", "paper-table-3", "--set", "plate.youngs_modulus=1e300"), "plate.youngs_modulus"),
-    (("rigid", "paper-table-3", "--set", "vehicle.mass=nan"), "vehicle.mass"),
-    (("check", "paper-table-3", "--set", "colour=1"), "colour"),
-    (("run", "paper-table-3", "--out", "/proc/nowhere/x"), "--out"),
-    (("run", "paper-table-3", "--out", "file"), "--out"),
-    (("run", "paper-table-3", "--out", "file/x"), "--out"),
-    (("run", "paper-table-3", "--out", "foreign"), "--out"), (("run",), "SCENE"), (("walk",), "walk"),
-    (("run", "paper-table-3", "--fast"), "--fast"),
-])  # fmt: skip
-def test_wrong_input_ends_with_two_one_message_and_nothing_written(
-    tmp_path, monkeypatch, capsys, arguments, key
-):
-    (tmp_path / "file").write_text("mine")
-    (tmp_path / "foreign").mkdir()
-    (tmp_path / "foreign" / "thesis.tex").write_text("mine")
-    before = sorted(tmp_path.rglob("*"))
-    monkeypatch.chdir(tmp_path)
-    assert _status(list(arguments)) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert key in err
-    assert "Traceback" not in err
-    assert sorted(tmp_path.rglob("*")) == before
-
-
 def test_a_run_without_a_plate_is_refused_and_rigid_does_without(tmp_path, capsys):
     scene = tmp_path / "scene.toml"
     scene.write_text(

@@ -25,12 +25,9 @@ TODO = [*study.settings(STUDIED.scene), *study.soft_settings(STUDIED.scene)]
 def record(values: dict[str, float], failed: tuple[str, ...] = (), steps: int = 9) -> dict[str, Any]:
     """As a measurement notes it."""
     return {
-        "values": values,
-        "setup": [0.2, 0.1],
-        "loop": [0.5, 0.3, 0.4],
-        "steps": steps,
+        "values": values, "setup": [0.2, 0.1], "loop": [0.5, 0.3, 0.4], "steps": steps,
         "failed": list(failed),
-    }
+    }  # fmt: skip
 
 
 def row(

@@ -206,12 +206,9 @@ def test_verdict_tells_flexibility_from_numerical_error(outcome):
     assert 0.9 < float(found[1]) < 1.1
     assert float(found[2]) < 1e-3
     demanded = outcome(
-        "mash-tl4-sut",
-        "wall=",
-        "plate.youngs_modulus=30 MPa",
-        "corner.patch_length=1",
+        "mash-tl4-sut", "wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1",
         "verify.tolerance=1e-3",
-    )
+    )  # fmt: skip
     assert [check.name for check in demanded.checks if not check.passed] == ["agreement with rigid"]
 
 

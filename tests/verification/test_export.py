@@ -310,12 +310,9 @@ def test_memory_of_many_pictures_is_flat(setup, count, tmp_path):
     code = MEMORY.format(setup=setup, count=count)
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
     run = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True,
         env=os.environ | {"PYTHONPATH": path},
-    )
+    )  # fmt: skip
     assert float(run.stdout) < 20.0
 
 

@@ -47,17 +47,16 @@ def test_units(given, hertz):
 
 
 @pytest.mark.parametrize("given", ["8 rad/s", "480 rpm", "8 deg/s", "0 Hz", "-8 Hz", "8 s", "8 GPa"])
-def test_radians_are_no_cycles(given):
-    with pytest.raises(errors.InputError) as caught:
-        read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))
-    assert caught.value.key == "plate.first_frequency"
+def test_radians_are_no_cycles(given, refused):
+    assert (
+        refused(read_scene, "paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))
+        == "plate.first_frequency"
+    )
 
 
 @pytest.mark.parametrize("given", ["0.7 Hz", "0.7 1/s", "0.7 m/s"])
-def test_cycles_are_no_radians(given):
-    with pytest.raises(errors.InputError) as caught:
-        read_scene("paper-table-3", (f"start.omega={given}",))
-    assert caught.value.key == "start.omega"
+def test_cycles_are_no_radians(given, refused):
+    assert refused(read_scene, "paper-table-3", (f"start.omega={given}",)) == "start.omega"
 
 
 def test_exactly_one_of_the_two():
@@ -69,10 +68,8 @@ def test_exactly_one_of_the_two():
     assert caught.value.key == "plate.youngs_modulus"
 
 
-def test_nothing_to_take_out():
-    with pytest.raises(errors.InputError) as caught:
-        read_scene("paper-table-3", ("plate.first_frequency=",))
-    assert caught.value.key == "--set"
+def test_nothing_to_take_out(refused):
+    assert refused(read_scene, "paper-table-3", ("plate.first_frequency=",)) == "--set"
 
 
 def test_same_run_as_with_the_modulus(outcome):
@@ -109,11 +106,14 @@ def test_inputs_of_a_scene_with_its_modulus_are_as_before():
     assert "plate.first_frequency" not in rows
 
 
-def test_too_stiff_names_the_key():
+def test_too_stiff_names_the_key(refused):
     plan = CornerCase(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e9")))
-    with pytest.raises(errors.InputError) as caught:
-        plan.plan()
-    assert caught.value.key == "plate.first_frequency"
+    assert (
+        refused(
+            plan.plan,
+        )
+        == "plate.first_frequency"
+    )
 
 
 def test_rigid_method_needs_no_modulus_to_be_resolved():

@@ -1,10 +1,8 @@
 """A wall that gives, against Hetenyi's beam on an elastic foundation (Beams on Elastic Foundation, 1946), against its
 own motion on the foundation, and in the whole impact: momentum, energy, and the rigid wall as its limit."""
 
-import copy
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +14,6 @@ from fem.model.impact_model import build_impact_model
 from fem.model.plate_model import PlateModel
 from fem.plate.kinds import ContactProperties, ModelError, PlateProperties, StepProperties, WallProperties
 from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
-from fem.run.observers import Arrays
 from meshes import plate_mesh, wall_mesh
 
 DEPTH, MODULUS = 0.3, 24.82e9
@@ -39,12 +36,9 @@ def wave_number(foundation: float) -> float:
 
 
 def truck_model(
-    wall: WallProperties | None,
-    law: str = "crush",
-    longest: float = 1e-4,
-    modulus: float = 200e9,
+    wall: WallProperties | None, law: str = "crush", longest: float = 1e-4, modulus: float = 200e9,
     **contact: float,
-) -> PlateModel:
+) -> PlateModel:  # fmt: skip
     """Table 1's truck."""
     plate = PlateProperties(0.053, TRUCK_MASS / (10.0 * 2.438 * 0.053), modulus, 0.3)
     given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
@@ -219,28 +213,6 @@ def test_figures_of_a_concrete_parapet():
     assert foundation.max() / force.max() == pytest.approx(1.78, abs=0.05)
     # It goes on swinging: the impulse still in it is at most a percent or two of what it took.
     assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.03)
-
-
-class Kept:
-    """The last checkpoint of a run."""
-
-    def __init__(self) -> None:
-        self.arrays: Arrays | None = None
-
-    def load(self) -> Arrays | None:
-        return self.arrays
-
-    def save(self, arrays: Callable[[], Arrays]) -> None:
-        self.arrays = copy.deepcopy(arrays())
-
-
-def test_a_resumed_run_goes_on_with_the_wall_as_it_was():
-    model, kept = truck_model(concrete(1e8)), Kept()
-    whole = simulate_impact(model, touch(), 2e-4, 0.15)
-    simulate_impact(model, touch(), 2e-4, 0.06, checkpoint=kept)
-    resumed = simulate_impact(model, touch(), 2e-4, 0.15, checkpoint=kept)
-    for name in ("wall_energy", "wall_deflection", "force_foundation", "force_normal"):
-        assert (resumed.history[name] == whole.history[name]).all()
 
 
 def test_a_rigid_wall_has_no_part_in_the_record():

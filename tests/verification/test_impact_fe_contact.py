@@ -163,14 +163,9 @@ def test_sdnv100_at_full_speed_follows_the_simple_wave_of_its_material():
 
 
 def truck(
-    law: str = "crush",
-    elements: tuple[int, int] = (20, 6),
-    friction: float = 0.47,
-    modulus: float = 200e9,
-    inertia: Inertia | None = None,
-    longest: float = 1e-4,
-    **contact: float,
-) -> tuple[PlateModel, ImpactRun]:
+    law: str = "crush", elements: tuple[int, int] = (20, 6), friction: float = 0.47, modulus: float = 200e9,
+    inertia: Inertia | None = None, longest: float = 1e-4, **contact: float,
+) -> tuple[PlateModel, ImpactRun]:  # fmt: skip
     """Table 1's truck from its first touch."""
     plate = PlateProperties(0.053, 9979.0 / (10.0 * 2.438 * 0.053), modulus, 0.3, inertia=inertia)
     law_given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact

@@ -168,18 +168,14 @@ def test_a_slow_vehicle_brings_the_impulse_of_its_effective_mass(speed):
 
 TABLE = {  # corner, start, duration, peak, impulse, as of an explicit trial run
     1e6: (
-        ("front", 0.0, 0.1143, 390.7e3, 28.40e3),
-        ("rear", 0.2998, 0.0938, 447.0e3, 26.74e3),
-        ("front", 0.4613, 0.0481, 435.6e3, 16.47e3),
-        396.8e3,
+        ("front", 0.0, 0.1143, 390.7e3, 28.40e3), ("rear", 0.2998, 0.0938, 447.0e3, 26.74e3),
+        ("front", 0.4613, 0.0481, 435.6e3, 16.47e3), 396.8e3,
     ),
     2e6: (
-        ("front", 0.0, 0.0812, 553.4e3, 28.58e3),
-        ("rear", 0.2944, 0.0664, 630.6e3, 26.68e3),
-        ("front", 0.4460, 0.0339, 615.8e3, 16.41e3),
-        493.7e3,
+        ("front", 0.0, 0.0812, 553.4e3, 28.58e3), ("rear", 0.2944, 0.0664, 630.6e3, 26.68e3),
+        ("front", 0.4460, 0.0339, 615.8e3, 16.41e3), 493.7e3,
     ),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("k", TABLE)
@@ -556,12 +552,9 @@ HITCH, KINGPIN = 5.6, 0.9
 
 
 def train_run(
-    vehicles: list[ImpactVehicle],
-    hinges: list[tuple[float, float]],
-    k: float,
-    speed: float = 22.35,
+    vehicles: list[ImpactVehicle], hinges: list[tuple[float, float]], k: float, speed: float = 22.35,
     **more: Any,
-) -> Trajectories:
+) -> Trajectories:  # fmt: skip
     """A straight train in its first touch; all units have the same width or the first sticks out."""
     train = train_of(vehicles, WallContact(CrushLaw(k, 0.0, 0.22), MU), hinges)
     first = first_touch(vehicles[0], ANGLE, speed)
@@ -575,20 +568,16 @@ def train_run(
 
 TRAIN = {  # unit and corner, start, duration, peak, impulse, as of a trial by another scheme
     1e6: [
-        (0, "front", 0.0, 0.1268, 390.5e3, 31.43e3),
-        (1, "front", 0.1958, 0.1590, 531.2e3, 52.34e3),
-        (0, "rear", 0.2490, 0.0944, 304.0e3, 18.59e3),
-        (0, "front", 0.4190, 0.0447, 405.2e3, 13.29e3),
+        (0, "front", 0.0, 0.1268, 390.5e3, 31.43e3), (1, "front", 0.1958, 0.1590, 531.2e3, 52.34e3),
+        (0, "rear", 0.2490, 0.0944, 304.0e3, 18.59e3), (0, "front", 0.4190, 0.0447, 405.2e3, 13.29e3),
         (1, "rear", 0.7058, 0.1721, 704.0e3, 77.16e3),
     ],
     2e6: [
-        (0, "front", 0.0, 0.0904, 554.0e3, 31.82e3),
-        (1, "front", 0.1958, 0.1204, 797.5e3, 59.50e3),
-        (0, "rear", 0.2452, 0.0616, 348.8e3, 13.99e3),
-        (0, "front", 0.4414, 0.0297, 561.3e3, 11.46e3),
+        (0, "front", 0.0, 0.0904, 554.0e3, 31.82e3), (1, "front", 0.1958, 0.1204, 797.5e3, 59.50e3),
+        (0, "rear", 0.2452, 0.0616, 348.8e3, 13.99e3), (0, "front", 0.4414, 0.0297, 561.3e3, 11.46e3),
         (1, "rear", 0.6983, 0.1217, 996.6e3, 77.23e3),
     ],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("k", TRAIN)
@@ -662,14 +651,11 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
     """Its inertia plays no part while nothing touches it."""
     runs = [
         train_run(
-            [TRACTOR, ImpactVehicle(4.0, 0.5, 27770.0, 2.0, inertia)],
-            [(HITCH, 2.0)],
-            2e6,
-            end=0.12,
+            [TRACTOR, ImpactVehicle(4.0, 0.5, 27770.0, 2.0, inertia)], [(HITCH, 2.0)], 2e6, end=0.12,
             step=2e-5,
         )
         for inertia in (3e4, 1e5)
-    ]
+    ]  # fmt: skip
     assert runs[0].strikes[0, 0] == pytest.approx(runs[1].strikes[0, 0], rel=1e-9, abs=1e-9)
     assert runs[0].state[0, 0] == pytest.approx(runs[1].state[0, 0], rel=1e-9)
 
@@ -737,12 +723,9 @@ def test_uneven_samples_and_means_beside_the_force():
     force = half_sine(t, 0.02, 0.1, 2e5)
     station = np.linspace(0.0, 10.0, force.size)
     strikes = strikes_of(
-        t,
-        {"front": force, "rear": 0.0 * force},
-        {"front": -0.4 * force},
-        {"front": station},
+        t, {"front": force, "rear": 0.0 * force}, {"front": -0.4 * force}, {"front": station},
         {"front": t[1:]},
-    )
+    )  # fmt: skip
     (strike,) = strikes
     push = force * np.diff(t)
     assert strike.impulse_tangential == pytest.approx(-0.4 * strike.impulse)
