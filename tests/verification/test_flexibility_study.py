@@ -19,17 +19,7 @@ from postprocess.comparison.quantities import KEYS, largest_relative, relative_d
 from postprocess.report.report import report_text, write_report
 from solver.impact import Strike
 from tailslap import cli
-from tailslap.campaign.levels import (
-    ABOVE_ALL,
-    CROSSED,
-    NOT_REACHED,
-    UNKNOWN,
-    Reach,
-    Sample,
-    jointly,
-    lowest_frequency,
-    power_law,
-)
+from tailslap.campaign import levels
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
@@ -37,32 +27,14 @@ from tailslap.cli import CHECK_FAILED, _status
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility import compute
-from tailslap.studies.flexibility.compute import (
-    IMPACT_LEVELS,
-    NAMES,
-    STARTS,
-    Flexibility,
-    corner_flexibility,
-    define,
-    impact_row,
-    impact_samples,
-    measure_plate,
-    one_run,
-    plate_record,
-    plate_row,
-    samples_of,
-    start_samples,
-    strike_record,
-    summed_up,
-)
 from tailslap.studies.flexibility.report import WORDS, headline, plates_table, report
 
 SMALL = ("plate.elements=[8,4]",)
 
 
-def power(frequency: float, error: float = 1e-3, passed: bool = True) -> Sample:
+def power(frequency: float, error: float = 1e-3, passed: bool = True) -> levels.Sample:
     """A point of 0.04 (f1 / 1 Hz)^-2, with an error that is a fraction of that."""
-    return Sample(frequency, 0.04 / frequency**2, error * 0.04 / frequency**2, passed)
+    return levels.Sample(frequency, 0.04 / frequency**2, error * 0.04 / frequency**2, passed)
 
 
 SWEEP = tuple(np.geomspace(1000.0, 0.1, 9).tolist())
@@ -70,73 +42,79 @@ SWEEP = tuple(np.geomspace(1000.0, 0.1, 9).tolist())
 
 @pytest.mark.parametrize(("level", "hertz"), [(0.0004, 10.0), (0.01, 2.0), (0.04, 1.0), (0.16, 0.5)])
 def test_levels_of_a_power_law_are_exact(level, hertz):
-    found = lowest_frequency([power(f) for f in SWEEP], level)
-    assert (found.kind, found.frequency) == (CROSSED, pytest.approx(hertz, rel=1e-12))
+    found = levels.lowest_frequency([power(f) for f in SWEEP], level)
+    assert (found.kind, found.frequency) == (levels.CROSSED, pytest.approx(hertz, rel=1e-12))
 
 
 def test_levels_that_are_not_crossed():
     points = [power(f) for f in SWEEP]
-    all_below = lowest_frequency(points[:4], 0.01)
-    assert (all_below.kind, all_below.frequency) == (NOT_REACHED, SWEEP[3])
-    above = lowest_frequency(points, 1e-12)
-    assert (above.kind, above.frequency) == (ABOVE_ALL, SWEEP[0])
-    none = lowest_frequency([point._replace(passed=False) for point in points], 0.01)
-    assert none.kind == UNKNOWN
+    all_below = levels.lowest_frequency(points[:4], 0.01)
+    assert (all_below.kind, all_below.frequency) == (levels.NOT_REACHED, SWEEP[3])
+    above = levels.lowest_frequency(points, 1e-12)
+    assert (above.kind, above.frequency) == (levels.ABOVE_ALL, SWEEP[0])
+    none = levels.lowest_frequency([point._replace(passed=False) for point in points], 0.01)
+    assert none.kind == levels.UNKNOWN
     assert math.isnan(none.frequency)
 
 
-def level(kind: str, frequency: float) -> Reach:
-    return Reach(0.01, kind, frequency)
+def level(kind: str, frequency: float) -> levels.Reach:
+    return levels.Reach(0.01, kind, frequency)
 
 
-@pytest.mark.parametrize(("levels", "joint"), [
-    ([level(CROSSED, 4.0), level(NOT_REACHED, 0.1), level(CROSSED, 2.0)], level(CROSSED, 4.0)),
-    ([level(CROSSED, 0.2), level(NOT_REACHED, 0.3)], level(NOT_REACHED, 0.3)),
-    ([level(CROSSED, 4.0), level(UNKNOWN, 1.0)], level(UNKNOWN, 1.0)),
-    ([level(ABOVE_ALL, 1e3), level(UNKNOWN, 1.0), level(CROSSED, 2.0)], level(ABOVE_ALL, 1e3)),
+AT_4, AT_2, LOST = level(levels.CROSSED, 4.0), level(levels.CROSSED, 2.0), level(levels.UNKNOWN, 1.0)
+ABOVE, NOT_DOWN_TO = level(levels.ABOVE_ALL, 1e3), level(levels.NOT_REACHED, 0.3)
+
+
+@pytest.mark.parametrize(("reaches", "joint"), [
+    ([AT_4, level(levels.NOT_REACHED, 0.1), AT_2], AT_4),
+    ([level(levels.CROSSED, 0.2), NOT_DOWN_TO], NOT_DOWN_TO), ([AT_4, LOST], LOST), ([ABOVE, LOST, AT_2], ABOVE),
 ])  # fmt: skip
-def test_what_holds_for_every_start(levels, joint):
-    assert jointly(levels) == jointly(levels[::-1]) == joint
-    assert math.isnan(jointly([level(CROSSED, 2.0), level(UNKNOWN, math.nan)]).frequency)
+def test_what_holds_for_every_start(reaches, joint):
+    assert levels.jointly(reaches) == levels.jointly(reaches[::-1]) == joint
+    assert math.isnan(levels.jointly([level(levels.CROSSED, 2.0), level(levels.UNKNOWN, math.nan)]).frequency)
 
 
-@pytest.mark.parametrize(("share", "kind"), [(0.333, CROSSED), (0.334, UNKNOWN), (math.nan, UNKNOWN)])
+@pytest.mark.parametrize(
+    ("share", "kind"), [(0.333, levels.CROSSED), (0.334, levels.UNKNOWN), (math.nan, levels.UNKNOWN)]
+)
 def test_a_level_is_known_up_to_a_third_of_it_in_error(share, kind):
-    assert lowest_frequency([power(f, share) for f in SWEEP], 0.01).kind == kind
+    assert levels.lowest_frequency([power(f, share) for f in SWEEP], 0.01).kind == kind
 
 
 def test_points_below_a_level_must_be_known_to_lie_below_it():
     points = [power(f) for f in SWEEP]
     points[2] = points[2]._replace(error=0.01)
-    unknown = lowest_frequency(points, 0.01)
-    assert (unknown.kind, unknown.frequency) == (UNKNOWN, SWEEP[2])
+    unknown = levels.lowest_frequency(points, 0.01)
+    assert (unknown.kind, unknown.frequency) == (levels.UNKNOWN, SWEEP[2])
     points[2] = points[2]._replace(error=0.0033)
-    assert lowest_frequency(points, 0.01).kind == CROSSED
+    assert levels.lowest_frequency(points, 0.01).kind == levels.CROSSED
 
 
 def test_failed_points_say_nothing_of_a_level():
     points = [power(f) for f in SWEEP]
     points[0] = points[0]._replace(passed=False, difference=9.0)
     points[-1] = points[-1]._replace(passed=False, difference=0.0)
-    found = lowest_frequency(points, 0.01)
-    assert (found.kind, found.frequency) == (CROSSED, pytest.approx(2.0, rel=1e-12))
+    found = levels.lowest_frequency(points, 0.01)
+    assert (found.kind, found.frequency) == (levels.CROSSED, pytest.approx(2.0, rel=1e-12))
     below = next(i for i, f in enumerate(SWEEP) if f < 2.0)
     points[below] = points[below]._replace(passed=False)
-    assert lowest_frequency(points, 0.01).kind == UNKNOWN  # the crossing lies beside a point that failed
+    assert (
+        levels.lowest_frequency(points, 0.01).kind == levels.UNKNOWN
+    )  # the crossing lies beside a point that failed
 
 
 def test_a_power_law_is_followed_to_its_end():
     points = [power(f) for f in SWEEP]
-    law = power_law(points)
+    law = levels.power_law(points)
     assert law
     assert (law.exponent, law.factor) == (pytest.approx(-2.0, abs=1e-12), pytest.approx(0.04, rel=1e-12))
     assert (law.highest, law.lowest) == (SWEEP[0], SWEEP[-1])
     bent = [*points[:6], *(p._replace(difference=3.0 * p.difference) for p in points[6:])]
-    law = power_law(bent)
+    law = levels.power_law(bent)
     assert law
     assert law.lowest == SWEEP[5]
     assert law.exponent == pytest.approx(-2.0, abs=1e-12)
-    assert power_law([power(f, error=0.5) for f in SWEEP]) is None
+    assert levels.power_law([power(f, error=0.5) for f in SWEEP]) is None
 
 
 def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
@@ -149,14 +127,14 @@ def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
     )  # to and fro: three times the change
 
 
-@pytest.mark.parametrize(("error", "kind"), [(0.9e-3, CROSSED), (1.0e-3, UNKNOWN)])
+@pytest.mark.parametrize(("error", "kind"), [(0.9e-3, levels.CROSSED), (1.0e-3, levels.UNKNOWN)])
 def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error, kind):
     """The stiff end, where the error is most of the level and the difference next to nothing."""
-    stiff = Sample(1000.0, 0.05e-3, error, True)
-    rest = [Sample(frequency, 0.1 / frequency, 1e-6, True) for frequency in (200.0, 80.0)]
-    found = lowest_frequency([stiff, *rest], 1e-3)
+    stiff = levels.Sample(1000.0, 0.05e-3, error, True)
+    rest = [levels.Sample(frequency, 0.1 / frequency, 1e-6, True) for frequency in (200.0, 80.0)]
+    found = levels.lowest_frequency([stiff, *rest], 1e-3)
     assert found.kind == kind
-    if kind == CROSSED:
+    if kind == levels.CROSSED:
         assert found.frequency == pytest.approx(100.0)
 
 
@@ -328,11 +306,11 @@ def point_record(hertz: float, rigid: Mapping[str, float], **changes: Any) -> di
 
     runs = (meshes(1.0), meshes(0.36), [mesh_record(-0.04 / hertz, rigid, **changes)])
     modal = {"values": runs[0][-1]["values"], "estimate": 1e-6, "failed": []}
-    return {"starts": dict(zip(STARTS, runs, strict=True)), "modal": modal}
+    return {"starts": dict(zip(compute.STARTS, runs, strict=True)), "modal": modal}
 
 
 def main_meshes(record: dict[str, Any]) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = record["starts"][STARTS[0]]
+    found: list[dict[str, Any]] = record["starts"][compute.STARTS[0]]
     return found
 
 
@@ -344,16 +322,16 @@ def plan():
 @pytest.fixture(scope="module")
 def synthetic(plan):
     """The campaign of a synthetic power law; changes: records by the place of the point."""
-    sweep = define(plan)
+    sweep = compute.define(plan)
 
-    def build(changes: Mapping[int, dict[str, Any]] = {}) -> Flexibility:
+    def build(changes: Mapping[int, dict[str, Any]] = {}) -> compute.Flexibility:
         rigid = plan.tail_slap
         records = [point_record(f, rigid) for f in SWEEP]
         rows = [
-            plate_row(f, changes.get(i, record), rigid)
+            compute.plate_row(f, changes.get(i, record), rigid)
             for i, (f, record) in enumerate(zip(SWEEP, records, strict=True))
         ]
-        return replace(summed_up(sweep, rows, 1.0), own_frequency=100.0)
+        return replace(compute.summed_up(sweep, rows, 1.0), own_frequency=100.0)
 
     return build
 
@@ -372,7 +350,7 @@ def test_points_carry_difference_and_error(synthetic):
 
 def test_what_meshes_do_not_show_is_added_to_the_error(plan):
     rigid = plan.tail_slap
-    plain, damped = (plate_row(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
+    plain, damped = (compute.plate_row(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
     for name in ("error_v_gy", "error_reaction", "inertia-relief:v_gy_error"):
         assert damped[name] - plain[name] == pytest.approx(1e-4, rel=1e-6)
 
@@ -381,12 +359,12 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
-    sizes = [sample.difference for sample in start_samples(synthetic({5: record}).rows, "unstressed")]
+    sizes = [sample.difference for sample in compute.start_samples(synthetic({5: record}).rows, "unstressed")]
     assert sizes[5] == sizes[4] == pytest.approx(0.04 / SWEEP[4])
     assert sizes == sorted(sizes)
 
 
-def said(found: Flexibility, tmp_path: Path) -> tuple[str, str]:
+def said(found: compute.Flexibility, tmp_path: Path) -> tuple[str, str]:
     """Terminal and page, with plain spaces."""
     made = report(found)
     write_report(made, tmp_path)
@@ -452,12 +430,12 @@ def cells(rows: list[str], first: str) -> list[str]:
 
 def test_headline_of_what_is_not_known(synthetic):
     refused = {"refused": "plate: no"}
-    runs = {name: 3 * [refused] for name in STARTS}
+    runs = {name: 3 * [refused] for name in compute.STARTS}
     nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
     assert "no run passed its checks" in headline(nothing)
     rigid = nothing.case.tail_slap
 
-    def words(found: Flexibility) -> str:
+    def words(found: compute.Flexibility) -> str:
         return headline(found).replace("\N{NO-BREAK SPACE}", " ")
 
     soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
@@ -483,7 +461,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     main_meshes(refused)[-1] = {"refused": "left out: its time loop would take too long"}
     found = synthetic({0: refused, 2: fails, 8: lost})
     assert [row["passed"] for row in found.rows] == [i not in (0, 2, 8) for i in range(9)]
-    assert not samples_of(found.rows, "t")[2].passed
+    assert not compute.samples_of(found.rows, "t")[2].passed
     terminal, page = said(found, tmp_path)
     assert "Failed: 1 kHz: left out" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
@@ -497,7 +475,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     assert summary["headline"] == headline(found)
     assert summary["points"][8]["difference_v_gy"] is None
     assert summary["points"][2]["why"] == "energy balance"
-    assert summary["levels_v_gy"][STARTS[0]][1]["frequency"] == pytest.approx(2.0, rel=1e-3)
+    assert summary["levels_v_gy"][compute.STARTS[0]][1]["frequency"] == pytest.approx(2.0, rel=1e-3)
     assert summary["levels_v_gy_any_start"][1]["frequency"] == pytest.approx(4.0, rel=1e-3)
     assert summary["points"][4]["unstressed:v_gy"] == pytest.approx(-0.004, rel=1e-9)
     assert summary["points"][4]["inertia-relief:v_gy_at_start"] == pytest.approx(3.6e-4, rel=2e-3)
@@ -520,8 +498,8 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
-        corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
-    found = corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+        compute.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    found = compute.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
     assert len(done) - 1 == len(set(done)) - 1 == len(found.rows) == 9
     assert list(tmp_path.iterdir()) == []
 
@@ -554,56 +532,67 @@ def impact():
 def impact_plate(frequency: float, why: str = "", size: float | None = None) -> dict[str, Any]:
     """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
     size = 10.0 / frequency**2 if size is None else size
-    groups = {"difference": dict.fromkeys(NAMES, -size), "error": dict.fromkeys(NAMES, 0.01 * size)}
-    return impact_row(frequency, {**groups, "failed": [why] if why else []})
+    groups = {
+        "difference": dict.fromkeys(compute.NAMES, -size),
+        "error": dict.fromkeys(compute.NAMES, 0.01 * size),
+    }
+    return compute.impact_row(frequency, {**groups, "failed": [why] if why else []})
 
 
 def test_levels_lie_where_the_difference_of_strikes_crosses_them():
-    samples = impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
-    levels = [lowest_frequency(samples, level) for level in IMPACT_LEVELS]
-    assert [level.kind for level in levels] == ["crossed"] * 3
-    assert [level.frequency for level in levels] == pytest.approx(
+    samples = compute.impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
+    reaches = [levels.lowest_frequency(samples, level) for level in compute.IMPACT_LEVELS]
+    assert [level.kind for level in reaches] == ["crossed"] * 3
+    assert [level.frequency for level in reaches] == pytest.approx(
         [math.sqrt(10.0 / x) for x in (0.01, 0.05, 0.1)]
     )
 
 
 def test_a_plate_that_strikes_with_other_corners_tells_no_level():
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, size=math.nan)]
-    level = lowest_frequency(impact_samples(rows, "strike_1.impulse"), IMPACT_LEVELS[-1])
+    level = levels.lowest_frequency(
+        compute.impact_samples(rows, "strike_1.impulse"), compute.IMPACT_LEVELS[-1]
+    )
     assert (level.kind, level.frequency) == ("not reached", 16.0)
 
 
 def test_what_a_plate_s_run_records(monkeypatch, impact):
-    """The mesh's check is left to the levels; what is not compared is not a number; a refusal is its reason."""
+    """The mesh's check is left to the reaches; what is not compared is not a number; a refusal is its reason."""
 
     def run(case: Any) -> Any:
         checks = [SimpleNamespace(name=name, passed=False) for name in ("mesh", "energy balance")]
-        return SimpleNamespace(difference={NAMES[0]: 0.5}, mesh_error={}, checks=checks)
+        return SimpleNamespace(difference={compute.NAMES[0]: 0.5}, mesh_error={}, checks=checks)
 
     monkeypatch.setattr(ImpactCase, "run", run)
-    row = impact_row(8.0, one_run(impact.source, {"contact.friction": 0.1}, strike_record))
-    assert (row[f"difference.{NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
-    assert math.isnan(row[f"difference.{NAMES[1]}"])
+    row = compute.impact_row(
+        8.0, compute.one_run(impact.source, {"contact.friction": 0.1}, compute.strike_record)
+    )
+    assert (row[f"difference.{compute.NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
+    assert math.isnan(row[f"difference.{compute.NAMES[1]}"])
     refused = {"contact.restitution": 2.0}
-    assert "contact.restitution" in impact_row(8.0, one_run(impact.source, refused, strike_record))["failed"]
-    assert "contact.restitution" in measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
+    assert (
+        "contact.restitution"
+        in compute.impact_row(8.0, compute.one_run(impact.source, refused, compute.strike_record))["failed"]
+    )
+    assert "contact.restitution" in compute.measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
 
 
 def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
-    samples = {name: impact_samples(rows, name) for name in NAMES}
-    levels = {
-        name: tuple(lowest_frequency(its, level) for level in IMPACT_LEVELS) for name, its in samples.items()
+    samples = {name: compute.impact_samples(rows, name) for name in compute.NAMES}
+    reaches = {
+        name: tuple(levels.lowest_frequency(its, level) for level in compute.IMPACT_LEVELS)
+        for name, its in samples.items()
     }
     values = dict.fromkeys(COLUMNS, 3e3)
     plates = [
-        plate_record(2.0, {}, {}, ("contact: no",)),
-        plate_record(4.0, values, dict.fromkeys(COLUMNS, -0.06), ()),
-        plate_record(8.0, values, dict.fromkeys(COLUMNS, 0.04), ()),
-        plate_record(math.inf, dict.fromkeys(COLUMNS, 2e3), {}, ()),
+        compute.plate_record(2.0, {}, {}, ("contact: no",)),
+        compute.plate_record(4.0, values, dict.fromkeys(COLUMNS, -0.06), ()),
+        compute.plate_record(8.0, values, dict.fromkeys(COLUMNS, 0.04), ()),
+        compute.plate_record(math.inf, dict.fromkeys(COLUMNS, 2e3), {}, ()),
     ]
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
-    found = Flexibility(impact, rows, levels, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
+    found = compute.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
     assert plates_table(found).marks == {0: "failed", 1: "failed"}
     terminal, page = said(found, tmp_path)
     assert "to 1 % down to 31.6 Hz" in page
@@ -634,7 +623,7 @@ def test_a_stiff_plate_is_the_rigid_vehicle(impact):
     meshes = [
         {**changes, "plate.elements": (10 * n, 4 * n), "time.end": 2.0 * impact.duration} for n in (1, 2)
     ]
-    rigid, plate = both_strikes(impact.answer), measure_plate(impact.source, 200.0, *meshes)
+    rigid, plate = both_strikes(impact.answer), compute.measure_plate(impact.source, 200.0, *meshes)
     assert plate["failed"] == []
     assert plate["error"] < 1e-2
     for name, value in plate["values"].items():
