@@ -4,6 +4,8 @@ import functools
 import os
 import re
 import signal
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -57,6 +59,17 @@ def refused():
         return caught.value.key
 
     return key
+
+
+@pytest.fixture(scope="session")
+def python():
+    """Run code in another process of Python, with options of Python's and settings of `subprocess.run`."""
+
+    def run(code, *options, **settings):
+        command = [sys.executable, *options, "-c", code]
+        return subprocess.run(command, capture_output=True, text=True, **settings)
+
+    return run
 
 
 @pytest.fixture(scope="session")

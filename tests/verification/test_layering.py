@@ -1,8 +1,6 @@
 """Verification: who may import whom, no import circles, folders that one can read, light imports."""
 
 import importlib.util
-import subprocess
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -50,9 +48,9 @@ def test_folders_of_fem_import_downward():
             assert all(level.get(other, 0) <= level[own] for other in others), f"{name}: {sorted(others)}"
 
 
-def test_a_corner_run_loads_no_impact():
+def test_a_corner_run_loads_no_impact(python):
     code = "import sys, fem.run.corner; print(*sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    run = python(code, check=True, cwd=ROOT)
     assert "fem.explicit.time_loop" in run.stdout
     assert not {name for name in run.stdout.split() if name.startswith("fem.") and "impact" in name}
     assert "fem.laws.wall_contact" not in run.stdout
@@ -73,10 +71,10 @@ def test_no_folder_lists_more_modules_than_one_reads():
     assert not found
 
 
-def test_importing_postprocess_loads_nothing_heavy():
+def test_importing_postprocess_loads_nothing_heavy(python):
     modules = sorted(name for name in graph() if name.split(".")[0] == "postprocess")
     code = f"import sys, {', '.join(modules)}; print(*sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    run = python(code, check=True, cwd=ROOT)
     loaded = {name.split(".")[0] for name in run.stdout.split()}
     assert "numpy" in loaded
     assert not loaded & HEAVY
@@ -84,12 +82,8 @@ def test_importing_postprocess_loads_nothing_heavy():
 
 def test_every_package_says_what_is_in_it():
     tool = structure()
-    silent = [
-        str(path.relative_to(ROOT))
-        for path in tool.sources()
-        if path.name == "__init__.py" and not path.read_text(encoding="utf-8").startswith('"""')
-    ]
-    assert not silent
+    packages = [path for path in tool.sources() if path.name == "__init__.py"]
+    assert not [path for path in packages if not path.read_text(encoding="utf-8").startswith('"""')]
 
 
 def test_data_walks_one_way():

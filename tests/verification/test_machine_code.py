@@ -1,4 +1,4 @@
-"""Verification: machine code kept on disk is called with the right arguments, without Numba."""
+"""Verification: compiled code kept on disk is called rightly without Numba, and its threads sleep while they wait."""
 
 import fcntl
 import gc
@@ -7,12 +7,14 @@ import re
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from fem.explicit.parallel import Meeting, _meet, new_meeting
 from fem.explicit.time_loop import advance
 from fem.machine_code import folder, object_code
 from fem.machine_code.arguments import Prepared, UnknownTypeError, flattened
@@ -20,6 +22,9 @@ from fem.machine_code.compiled import compile_once, compiled
 from fem.machine_code.folder import USUAL_S, one_process_compiles
 from fem.machine_code.object_code import read_code
 from fem.run.corner import Stepper
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
+from tailslap.scene.read import read_scene
 
 
 class Inner(NamedTuple):
@@ -120,8 +125,7 @@ def test_without_a_name_of_numbas_own_it_goes_through_numba(kernel, missing, mon
     found = kernel(*prepared)
     assert found == add(*in_python)
     assert type(found) is Sums
-    assert in_code[2].tolist() == [1, 0]
-    assert kernel.bound(*prepared)() == found
+    assert (in_code[2].tolist(), kernel.bound(*prepared)()) == ([1, 0], found)
     assert not kernel.has_code(*prepared)
 
 
@@ -142,59 +146,45 @@ def test_other_types_are_refused():
             flattened((value,))
 
 
-def test_a_second_run_does_without_numba(tmp_path):
+def test_a_second_run_does_without_numba(tmp_path, python):
     """Both ways of a whole run: sliding along the wall, and an impact from event to event."""
     script = (
         "import sys, tailslap\n"
-        "for scene in ('paper-table-3', 'impact-mash-tl4-sut'):\n"
-        "    assert tailslap.run(scene).passed\n"
+        "for scene in ('paper-table-3', 'impact-mash-tl4-sut'): assert tailslap.run(scene).passed\n"
         "print('numba' in sys.modules)"
     )
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
-        )
-        for _ in range(2)
-    ]
+    said = [python(script, cwd=tmp_path, check=True) for _ in range(2)]
     assert said[1].stdout.split()[-1] == "False"
 
 
-def test_code_of_another_package_depends_on_all_of_it(tmp_path):
+def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
     """A kernel calls others of its package: where one of them has changed, it is compiled anew."""
     package = tmp_path / "elsewhere" / "within"
     package.mkdir(parents=True)
     header = "from fem.machine_code.compiled import compiled\n"
-    (package / "caller.py").write_text(
-        f"{header}from elsewhere.called import part\n\n\n@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
-    )
+    body = "@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
+    (package / "caller.py").write_text(f"{header}from elsewhere.called import part\n\n\n{body}")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
     script = "from elsewhere.within.caller import whole; print(whole(1.0))"
     for factor in (3.0, 5.0, 3.0):
         called = f"{header}\n\n@compiled\ndef part(x):\n    return {factor} * x\n"
         (package.parent / "called.py").write_text(called)
-        done = subprocess.run(
-            [sys.executable, "-B", "-c", script],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            env=environment,
-        )
+        done = python(script, "-B", cwd=tmp_path, env=environment)
         assert done.stdout == f"{2.0 * factor}\n", done.stderr
     assert len(list(tmp_path.glob("code/*/whole-*.code"))) == 2
 
 
-def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path):
+def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path, python):
     """As a law from outside may call one."""
-    (tmp_path / "outside.py").write_text(
-        "import math\nfrom fem.machine_code.compiled import compiled\n\n\n"
-        "@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
+    header, body = (
+        "import math\nfrom fem.machine_code.compiled import compiled\n\n\n",
+        "return math.gamma(x)\n",
     )
+    (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef gamma(x):\n    {body}")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
     for _ in range(2):
         script = "import outside; print(outside.gamma(5.0))"
-        done = subprocess.run(
-            [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, env=environment
-        )
+        done = python(script, cwd=tmp_path, env=environment)
         assert done.stdout.split() == ["24.0"], done.stderr
 
 
@@ -256,8 +246,7 @@ def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(tmp_path, monke
     use(2.0)
     assert len(told) == 2
     use(3)  # another kind
-    assert told[2] == (pytest.approx(spent, abs=0.01), False)
-    assert len(told) == 4
+    assert (told[2], len(told)) == ((pytest.approx(spent, abs=0.01), False), 4)
 
 
 @pytest.mark.long
@@ -274,3 +263,65 @@ def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
 
     assert re.search(r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", said(), re.DOTALL)
     assert "compil" not in said()
+
+
+LATE = 0.5
+
+
+def test_who_waits_long_sleeps():
+    """The processor time of a thread that waits half a second for another is a fraction of that."""
+    _meet(new_meeting(), 1, 1)  # compiled
+    meeting, spent = new_meeting(), []
+
+    def wait() -> None:
+        before = time.thread_time()
+        _meet(meeting, 2, 1)
+        spent.append(time.thread_time() - before)
+
+    first = threading.Thread(target=wait)
+    first.start()
+    time.sleep(LATE)
+    assert first.is_alive()
+    _meet(meeting, 2, 1)
+    first.join(10.0)
+    assert spent
+    assert spent[0] < 0.1 * LATE
+
+
+def test_threads_meet_again_and_again():
+    """Three threads and 2 000 meetings, on however few cores: none is missed, and all come to the end."""
+    meeting, done = new_meeting(), []
+
+    def attend(meeting: Meeting) -> None:
+        for turn in range(1, 2001):
+            _meet(meeting, 3, turn)
+        done.append(True)
+
+    threads = [threading.Thread(target=attend, args=(meeting,), daemon=True) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60.0)
+    assert len(done) == 3
+
+
+@pytest.mark.parametrize(
+    ("elements", "used"), [((20, 6), 1), ((200, 60), 1), ((200, 100), 2), ((320, 96), 3)]
+)
+def test_threads_are_as_many_as_the_mesh_has_work_for(elements, used):
+    plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
+    assert plan.scene.plate
+    decisions = open_threads(plan, plan.scene.plate)
+    assert plan.decided(decisions).scene.time.threads == used
+    assert [decision.value for decision in decisions] == ([] if used == 3 else [used])
+    for decision in decisions:
+        assert "3 were asked for" in decision.why
+        assert str(ELEMENTS_A_THREAD) in decision.why
+
+
+def test_run_and_check_say_that_one_thread_is_used():
+    plan = CornerCase(*read_scene("paper-table-3", ("time.threads=2",)))
+    fe_plan = plan.plan()
+    assert fe_plan.case.scene.time.threads == 1
+    assert [decision.key for decision in fe_plan.decisions] == ["time.threads"]
+    assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were asked for; ")

@@ -1,7 +1,5 @@
 """Verification: meshes have the nodes, elements and groups that were asked for, and gmsh leaves no trace."""
 
-import subprocess
-import sys
 import threading
 
 import gmsh
@@ -12,10 +10,8 @@ import pytest
 from meshes import plate_mesh, wall_mesh, write_mesh
 from meshes.gmsh_files import gmsh_model
 
-PLATE_GROUPS = {
-    *("plate", "side_pe", "side_kp", "side_hk", "side_eh"),
-    *("corner_p", "corner_e", "corner_h", "corner_k"),
-}
+PLATE_GROUPS = {"plate", "side_pe", "side_kp", "side_hk", "side_eh"}
+PLATE_GROUPS |= {"corner_p", "corner_e", "corner_h", "corner_k"}
 
 
 def test_the_papers_counts():
@@ -39,15 +35,11 @@ def test_elements_are_counter_clockwise_and_fill_the_plate():
     np.testing.assert_allclose(areas, 10.0 * 2.438 / 15, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("group", "place"),
-    [
-        ("corner_p", (0.0, 0.0)),
-        ("corner_e", (-10.0, 0.0)),
-        ("corner_h", (-10.0, 2.438)),
-        ("corner_k", (0.0, 2.438)),
-    ],
-)
+CORNERS = [("corner_p", (0.0, 0.0)), ("corner_e", (-10.0, 0.0))]
+CORNERS += [("corner_h", (-10.0, 2.438)), ("corner_k", (0.0, 2.438))]
+
+
+@pytest.mark.parametrize(("group", "place"), CORNERS)
 def test_corners_carry_their_names(group, place):
     mesh = plate_mesh(10.0, 2.438, (4, 2))
     cell = mesh.cells_dict["vertex"][mesh.cell_sets_dict[group]["vertex"]]
@@ -67,9 +59,8 @@ def test_sides_carry_their_names(group, axis, at):
 
 def test_every_group_is_named():
     assert set(plate_mesh(10.0, 2.438, (2, 2)).cell_sets) == PLATE_GROUPS
-    assert set(wall_mesh(0.0, 3.0, 1.0, (2, 2)).cell_sets) == {
-        *("wall", "wall_face", "wall_back", "wall_start", "wall_end")
-    }
+    groups = {"wall", "wall_face", "wall_back", "wall_start", "wall_end"}
+    assert set(wall_mesh(0.0, 3.0, 1.0, (2, 2)).cell_sets) == groups
 
 
 def test_works_outside_the_main_thread_and_prints_nothing(capfd):
@@ -79,8 +70,7 @@ def test_works_outside_the_main_thread_and_prints_nothing(capfd):
         thread.start()
     for thread in threads:
         thread.join()
-    assert [len(mesh.points) for mesh in made] == [12] * 4
-    assert capfd.readouterr() == ("", "")
+    assert ([len(mesh.points) for mesh in made], capfd.readouterr()) == ([12] * 4, ("", ""))
 
 
 def test_gmsh_is_closed_after_success_and_after_an_error():
@@ -97,8 +87,7 @@ def test_the_callers_own_session_stays_open_and_as_it_was():
         gmsh.model.add("theirs")
         plate_mesh(1.0, 1.0, (2, 2))
         assert gmsh.isInitialized()
-        assert gmsh.model.list() == ["", "theirs"]
-        assert gmsh.model.getCurrent() == "theirs"
+        assert (gmsh.model.list(), gmsh.model.getCurrent()) == (["", "theirs"], "theirs")
     finally:
         gmsh.finalize()
 
@@ -110,8 +99,7 @@ def test_msh_file_is_read_by_gmsh_with_its_groups(tmp_path):
         gmsh.merge(str(path))
         names = {gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()}
         nodes = len(gmsh.model.mesh.getNodes()[0])
-    assert names == PLATE_GROUPS
-    assert nodes == 147
+    assert (names, nodes) == (PLATE_GROUPS, 147)
 
 
 def test_vtu_file_holds_the_mesh(tmp_path):
@@ -128,35 +116,26 @@ def test_another_format_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_mesh_leaves_the_signal_handlers_as_they_are():
+def test_a_mesh_leaves_the_signal_handlers_as_they_are(python):
     """In a process of its own: libraries within gmsh set the default ones."""
     code = (
-        "import os, signal\n"
-        "signal.signal(signal.SIGTERM, lambda *given: print('caught', flush=True))\n"
-        "from meshes import plate_mesh\n"
-        "plate_mesh(10.0, 2.0, (4, 2))\n"
+        "import os, signal\nsignal.signal(signal.SIGTERM, lambda *given: print('caught', flush=True))\n"
+        "from meshes import plate_mesh\nplate_mesh(10.0, 2.0, (4, 2))\n"
         "os.kill(os.getpid(), signal.SIGTERM)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = python(code)
     assert (done.returncode, done.stdout) == (0, "caught\n")
 
 
 @pytest.mark.parametrize("thread", [False, True])
-def test_a_mesh_leaves_ignored_signals_ignored(thread):
+def test_a_mesh_leaves_ignored_signals_ignored(thread, python):
     """A write to a closed pipe raises, as everywhere in Python; it does not kill, and HUP does not under nohup."""
     code = (
-        "import os, signal, threading\n"
-        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-        "from meshes import plate_mesh\n"
-        "mesh = lambda: plate_mesh(10.0, 2.0, (4, 2))\n"
+        "import os, signal, threading\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+        "from meshes import plate_mesh\nmesh = lambda: plate_mesh(10.0, 2.0, (4, 2))\n"
         f"{'worker = threading.Thread(target=mesh); worker.start(); worker.join()' if thread else 'mesh()'}\n"
-        "reading, writing = os.pipe()\n"
-        "os.close(reading)\n"
-        "os.kill(os.getpid(), signal.SIGHUP)\n"
-        "try:\n"
-        "    os.write(writing, b'x')\n"
-        "except BrokenPipeError:\n"
-        "    print('raised')\n"
+        "reading, writing = os.pipe()\nos.close(reading)\nos.kill(os.getpid(), signal.SIGHUP)\n"
+        "try:\n    os.write(writing, b'x')\nexcept BrokenPipeError:\n    print('raised')\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = python(code)
     assert (done.returncode, done.stdout) == (0, "raised\n")

@@ -86,9 +86,8 @@ def test_a_cut_column_is_found_on_paper(browser, page, tmp_path):
     with opened(browser, changed(page, tmp_path / "a.html", "</style>", f"{css}</style>")) as shown:
         found = paper.missing(shown.page)
     assert any("not on paper, of table" in said for said in found)
-    with opened(
-        browser, changed(page, tmp_path / "b.html", "</h2>", "</h2><h3 hidden>A lost heading</h3>")
-    ) as shown:
+    lost = changed(page, tmp_path / "b.html", "</h2>", "</h2><h3 hidden>A lost heading</h3>")
+    with opened(browser, lost) as shown:
         assert paper.missing(shown.page) == ["not on paper: A lost heading"]
 
 
@@ -96,10 +95,8 @@ def test_words_of_charts_that_are_cut_or_overprinted_are_found(browser, page, tm
     words = '<text x="390" y="20">outside</text><text x="50" y="60">one</text><text x="55" y="62">two</text>'
     path = changed(page, tmp_path / "a.html", "</main>", CHART.format(words) + CHART.format("") + "</main>")
     with opened(browser, path, scripts=False) as shown:
-        assert charts.words(shown.page) == [
-            'cut in "a chart": outside',
-            'overprinted in "a chart": one by two',
-        ]
+        found = ['cut in "a chart": outside', 'overprinted in "a chart": one by two']
+        assert charts.words(shown.page) == found
         assert charts.empty(shown.page) == ["nothing drawn: A chart"]
 
 

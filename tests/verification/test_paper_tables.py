@@ -1,21 +1,33 @@
-"""Verification: the cells of `tailslap paper` by hand, its whole impact by closed forms, the numbers of its prose."""
+"""Verification: the command `paper`: cells by hand, the whole impact by closed forms, its prose, page and files."""
 
+import html
+import json
 import math
 import re
+import subprocess
+import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from test_command_line import imported
+from test_postprocess_report import Parsed
 
+from postprocess.report.page import glued, prose
+from postprocess.report.table import Column, Table
 from postprocess.report.terminal import printed
 from postprocess.units import percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status
+from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.paper import data, page, tables
 from tailslap.paper.data import ABAQUS, MASS, ForceRow
-from tailslap.paper.tables import Numbers, corner_fraction
+from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
+from tailslap.paper.tables import FIGURES, Numbers, corner_fraction
 
 
 @pytest.fixture(scope="module")
@@ -40,9 +52,8 @@ def test_percentages(share, text):
 
 
 def test_every_difference_of_the_answer(found):
-    cells = [
-        cell for name in ("analytical", "abaqus", "abaqus_drag") for cell in found["table_3"][name].values()
-    ]
+    tables_3 = [found["table_3"][name] for name in ("analytical", "abaqus", "abaqus_drag")]
+    cells = [cell for table in tables_3 for cell in table.values()]
     for row in (*found["table_4"], *found["table_5"]):
         cells += [*row["peak"], *row["factor"]]
     cells += [reading["value"] for reading in found["figures"]["readings"]]
@@ -156,17 +167,17 @@ def test_the_corners_speed_is_the_rate_of_its_crush():
     assert tables.rear_speed(moving, 0.2) == pytest.approx((after - before) / 2e-5, rel=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("options", "place"),
-    [
-        ("", "table_1.starts.56 mph.omega.computed"),
-        ('--set impact.speed="90 km/h"', "table_1.starts.90 km/h.corner_speed.computed"),
-        ("--set impact.convention=newton", "restitution.newton.peak_force"),
-        ("--set impact.restitution=0", "restitution.e = 0.peak_force"),
-        ("--set strike.duration=0.08", "table_4.3.peak.0.computed"),
-        ('--set impact.speed="57.4 mph" --set impact.angle="15.4 deg"', "row_b.0.peak.0.computed"),
-    ],
-)
+SAID_ELSEWHERE = [
+    ("", "table_1.starts.56 mph.omega.computed"),
+    ('--set impact.speed="90 km/h"', "table_1.starts.90 km/h.corner_speed.computed"),
+    ("--set impact.convention=newton", "restitution.newton.peak_force"),
+    ("--set impact.restitution=0", "restitution.e = 0.peak_force"),
+    ("--set strike.duration=0.08", "table_4.3.peak.0.computed"),
+    ('--set impact.speed="57.4 mph" --set impact.angle="15.4 deg"', "row_b.0.peak.0.computed"),
+]
+
+
+@pytest.mark.parametrize(("options", "place"), SAID_ELSEWHERE)
 def test_a_scene_says_the_tables_numbers(options, place, found, capsys):
     """`tailslap rigid` on the paper's truck, by the scene's path and not the tables'."""
     words = [word.strip('"') for word in re.findall(r'"[^"]*"|--set|[\w.]+=(?:"[^"]*"|\S+)', options)]
@@ -180,9 +191,8 @@ def test_a_scene_says_the_tables_numbers(options, place, found, capsys):
 def statements(found: Numbers) -> list[str]:
     """The sentences of docs/paper.md that state computed numbers, in its order and words."""
     start, table, whole = found["table_1"]["starts"], found["table_3"], found["whole_impact"]
-    column, exact, read, drag = (
-        table[name] for name in ("analytical", "analytical_15", "abaqus_read", "abaqus_drag")
-    )
+    columns = ("analytical", "analytical_15", "abaqus_read", "abaqus_drag")
+    column, exact, read, drag = (table[name] for name in columns)
     worst = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     longer = exact["slide"]["computed"] / column["slide"]["computed"] - 1.0
     slower = start["90 km/h"]["peak_force"] / start["56 mph"]["peak_force"] - 1.0
@@ -191,32 +201,25 @@ def statements(found: Numbers) -> list[str]:
     four, five = found["table_4"], found["table_5"]
     differences = [cell["difference"] for row in four for cell in row["peak"]]
     both = [cell["difference"] for row in five for cell in row["peak"]]
-    assert [percent(end(both), 1) for end in (min, max)] == [
-        percent(end(differences), 1) for end in (min, max)
-    ]
+    low, high = (f"{percent(end(differences), 1)}" for end in (min, max))
+    assert [percent(end(both), 1) for end in (min, max)] == [low, high]
     off = {row["printed"]["row"]: abs(row["ratio"]["difference"]) for row in four}
     off_5 = [abs(row["ratio"]["difference"]) for row in five if row["printed"]["row"] in "aef"]
     far, near = [off[row] for row in "aef"] + off_5, [off[row] for row in "cd"]
     assert min(far) > 5e-3 > max(near)
     assert [row["printed"]["row"] for row in four if row["rounds"]] == ["b"]
     impulses = [row["impulse"] / 1e3 for row in four]
-    wrong = [
-        place
-        for place, rows in ((4, four), (5, five))
-        for row in rows
-        for printed, own in zip(row["printed"]["factor"], row["factor_of_print"], strict=True)
-        if f"{own:.2f}" != f"{printed:.2f}"
-    ]
+    wrong = []
+    for place, row in (*((4, row) for row in four), *((5, row) for row in five)):
+        factors = zip(row["printed"]["factor"], row["factor_of_print"], strict=True)
+        wrong += [place for printed, own in factors if f"{own:.2f}" != f"{printed:.2f}"]
     assert {*wrong} == {4}
     plastic = [row["printed"]["factor"][1] for row in four]
     factors = [row["factor"][0]["computed"] for row in four]
-    earlier = {
-        name: f"{found['earlier'][name] / 1e3:.0f} kN" for name in ("olson", "hirsch", "ritter", "paper")
-    }
-    omega, leaves, away, begins, fraction, impulse = (
-        [case[name] for case in cases]
-        for name in ("omega", "released", "gap", "rear_start", "share", "rear_impulse")
-    )
+    methods = ("olson", "hirsch", "ritter", "paper")
+    earlier = {name: f"{found['earlier'][name] / 1e3:.0f} kN" for name in methods}
+    keys = ("omega", "released", "gap", "rear_start", "share", "rear_impulse")
+    omega, leaves, away, begins, fraction, impulse = ([case[name] for case in cases] for name in keys)
     lasts = [f"{1e3 * case['rear_duration']:.0f}" for case in cases]
     as_read = [f"{1e3 * case['read']['mean_50ms']:.0f}" for case in cases]
     assert np.ptp(fraction) < 1e-3
@@ -278,9 +281,8 @@ def test_the_prose_on_the_paper_states_computed_numbers(found):
     assert [statement for statement in made if statement not in text] == []
     for statement in made:
         text = text.replace(statement, "")
-    text = re.sub(
-        r"`[^`]*`|(?:Section|Tables?|Figures?|Stages?) [\d.]+\d?(?:(?:, \d)* (?:and|to) \d+)?", "", text
-    )
+    references = r"(?:Section|Tables?|Figures?|Stages?) [\d.]+\d?(?:(?:, \d)* (?:and|to) \d+)?"
+    text = re.sub(rf"`[^`]*`|{references}", "", text)
     assert {*re.findall(r"\d+\.\d+", text)} <= {"0.22", "0.1"}
 
 
@@ -323,3 +325,130 @@ def test_a_terminal_shows_the_tables_whole(found, monkeypatch):
             for row in table.rows:
                 cells = " ".join(column.text(row) for column in table.columns)
                 assert " ".join(cells.split()) in shown
+
+
+FILES = {"paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv", MANIFEST}
+FILES |= {f"{name}.svg" for name in FIGURES.values()}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("paper") / "out"
+    assert _status(["paper", "--out", str(place)]) == 0
+    return place
+
+
+@pytest.fixture(scope="module")
+def parsed(folder):
+    return Parsed((folder / "paper.html").read_text(encoding="utf-8"))
+
+
+def strict(text: str) -> Any:
+    def refuse(word: str) -> None:
+        raise ValueError(word)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_the_page_holds_every_cell_and_note(parsed):
+    # Without spaces: a subscript is an element of its own.
+    packed = "".join(parsed.text.replace("\N{NO-BREAK SPACE}", " ").split())
+    shown = [table for part in sections(tables.review(), {}) for table in part.tables]
+    words = [text for table in shown for text in (table.title, *table.notes)]
+    words += [column.text(row) for table in shown for row in table.rows for column in table.columns]
+    plain = [re.sub("<[^>]+>", "", html.unescape(str(prose(word)))) for word in words]
+    pieces = ["".join(text.replace("_", "").split()) for text in plain]
+    missing = [text for text in pieces if text not in packed.replace("_", "")]
+    assert missing == []
+
+
+def test_the_page_fetches_nothing(parsed):
+    links = {value for _, name, value in parsed.attributes if name in ("src", "href", "xlink:href")}
+    assert all(link.startswith("#") for link in links)
+    assert {f"#part-{number}" for number in range(1, 8)} <= links
+    ids = [value for _, name, value in parsed.attributes if name == "id"]
+    assert len(ids) == len({*ids})
+    assert {link[1:] for link in links} <= {*ids}
+
+
+def test_the_figures_are_drawn_with_their_marks(folder):
+    """Two lines, a legend, and a mark in its own colour for each printed point."""
+    courses = {reaction: tables.course(reaction) for reaction in ("drag", "none")}
+    curves = [figure(number, name, courses) for number, name in FIGURES.items()]
+    assert [curve.name for curve in curves] == ["theta", "v_gy", "v_gx", "omega", "slide"]
+    for curve in curves:
+        said = {*" ".join(ElementTree.fromstring(curve.svg).itertext()).split()}
+        assert {"drag", "none", "paper"} <= said
+        assert ("ABAQUS" in said) == (curve.name != "theta")
+        groups = dict(re.findall(r'<g class="(\w+)"[^>]*>(<path data-label.*?)</g>', curve.svg))
+        for points, look in zip(tables.marks(curve.name).values(), MARK_LOOKS, strict=True):
+            assert groups.get(look["colour"], "").count("Z") == len(points)
+        assert {look["colour"] for look in MOTION_LOOKS} <= set(groups)
+        assert (folder / f"{curve.name}.svg").read_text().startswith("<svg xmlns=")
+    assert (folder / "paper.html").read_text().count("<svg") == 5
+
+
+def test_files_and_numbers(folder, capsys, tmp_path):
+    """The folder is complete; `--json` prints what `summary.json` holds, without NaN or infinity."""
+    assert {path.name for path in folder.iterdir()} == FILES
+    assert _status(["paper", "--json", "--out", str(tmp_path / "other")]) == 0
+    said = strict(capsys.readouterr().out)
+    assert said == strict((folder / "summary.json").read_text())
+    assert said == strict(json.dumps(summary(tables.review())))
+    rows = (folder / "figures_10_to_14_drag.csv").read_text().splitlines()
+    assert rows[0] == "t,theta,v_gy,v_gx,omega,slide"
+    assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)
+
+
+def test_nothing_heavy_is_imported(tmp_path):
+    """jinja2, for the page, SciPy, for the whole impact, and no mesh, FE or picture library."""
+    scipy = {"scipy.integrate", "scipy.optimize", "scipy.sparse"}
+    assert imported("paper", "--json", cwd=tmp_path) == {"jinja2", *scipy}
+    assert {path.name for path in (tmp_path / "results" / "paper").iterdir()} == FILES
+
+
+WRONG = [
+    *((("--out", "file"), "--out"), (("--out", "foreign"), "--out"), (("--out", "file/x"), "--out")),
+    *((("--fast",), "--fast"), (("mash-tl4-sut",), "mash-tl4-sut")),
+]
+
+
+@pytest.mark.parametrize(("arguments", "key"), WRONG)
+def test_wrong_input_ends_with_two_and_nothing_written(arguments, key, tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "foreign").mkdir()
+    (tmp_path / "foreign" / "thesis.tex").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    assert _status(["paper", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert (out, sorted(tmp_path.rglob("*"))) == ("", before)
+    assert key in err
+
+
+def test_a_reader_of_the_pipe_may_leave(tmp_path, besides_compiling):
+    command = f"{sys.executable} -m tailslap.cli paper | head -n 1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
+    assert done.stdout.startswith("B. Chuong and R. B. Malla")
+
+
+def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path):
+    place = tmp_path / "out"
+    assert _status(["paper", "--out", str(place)]) == 0
+    (place / "notes.txt").write_text("mine")
+    assert _status(["paper", "--out", str(place)]) == 0
+    assert {path.name for path in place.iterdir()} == FILES | {"notes.txt"}
+
+
+def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units():
+    assert glued("v = 3 m/s and 4 %") == "v\u00a0=\u00a03\u00a0m/s and 4\u00a0%"
+    assert prose("v_GY < 1 & θ_0") == "<i>v</i><sub>GY</sub> &lt; 1 &amp; <i>θ</i><sub>0</sub>"
+    assert prose("paper_page") == "paper_page"
+
+
+def test_headings_over_several_columns():
+    groups = zip("abcd", ("", "g", "g", "h"), strict=True)
+    columns = tuple(Column(key, key, group=group) for key, group in groups)
+    assert Table(columns, ()).groups == (("", 1), ("g", 2), ("h", 1))
+    assert Table((Column("a", "a"),), ()).groups == ()

@@ -144,17 +144,11 @@ def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_re
     mesh = entries.Mesh(plate, 0.0, np.array(NONE), np.array(NONE))
     turn = Turn(2.0, 0.5, 0.25, tuple(1.001 * np.array(NONE)), "1.0")
     left = Turn(150.0, 0.5, 149.0, None, "1.1")
-    shown = [
-        row(mesh, "Akantu", lambda: turn),
-        row(mesh, "Kratos", lambda: left),
-        row(mesh, "Warp loop", no_code),
-    ]
+    makers = {"Akantu": lambda: turn, "Kratos": lambda: left, "Warp loop": no_code}
+    shown = [row(mesh, code, measure) for code, measure in makers.items()]
     drawn = picture.draw(shown).svg
-    assert [label in drawn for label in ('data-label="Akantu"', 'data-label="Kratos"', "Warp")] == [
-        True,
-        True,
-        False,
-    ]
+    labels = 'data-label="Akantu"', 'data-label="Kratos"', "Warp"
+    assert [label in drawn for label in labels] == [True, True, False]
     assert drawn.count('stroke-dasharray="4 3"') == 2
     reckoned = picture.points(shown, is_distorted=False)[1]
     assert reckoned == picture.Point("Kratos", PLATE.count, 150.0, pytest.approx(1e-3), True)

@@ -1,4 +1,4 @@
-"""Verification: a table declared once is shown alike everywhere; a page is well formed, whole, and fetches nothing."""
+"""Verification: tables are shown alike everywhere; pages are whole, fetch nothing and can be read in any way."""
 
 import base64
 import csv
@@ -9,66 +9,73 @@ import re
 import tomllib
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from postprocess.report.page import (
-    NO_BREAK,
-    Page,
-    Picture,
-    Section,
-    glued,
-    printed_numbers,
-    prose,
-    write_page,
-)
+from postprocess.report import page as pages
 from postprocess.report.report import Report, report_text, write_report
-from postprocess.report.table import Column, Table, pairs
-from postprocess.svg.chart import Chart
+from postprocess.report.table import Column, Table, pairs, text_table
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
+from postprocess.svg.drawing import PALETTE
+from postprocess.svg.marks import Line, Swatch
 from postprocess.units import duration, grouped, number, shown
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.report import corner_report
 from tailslap.case.corner.text import diagnosis, prediction
+from tailslap.case.report import DESIGN
+from tailslap.cli import _status
 
-VOID = {"meta", "img", "br", "link", "hr", "input"}
 SCENE = 'name = "a<b>&c"  # </pre><script>alert(1)</script>\nwidth = "2438 mm"\n'
 
 
+VOID = {"meta", "img", "br", "link", "hr", "input", "path", "rect", "circle", "image", "use"}
+Element = tuple[str, dict[str, str], tuple[str, ...], list[str]]
+
+
 class Parsed(HTMLParser):
-    """Text by paragraph-like piece, attributes of every element, and whether elements nest."""
+    """Every element with its attributes, those above it, and the pieces of its text; all are closed in their order."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
-        self.open: list[str] = []
+        self.elements: list[Element] = []
+        self.open: list[int] = []
         self.pieces: list[str] = []
-        self.attributes: list[tuple[str, str, str]] = []
-        self.tags: set[str] = set()
-        self.verbatim = self.script = ""
         self.feed(text)
         self.close()
         assert self.open == []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.add(tag)
-        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        above = tuple(self.elements[i][0] for i in self.open)
+        self.elements.append((tag, {name: value or "" for name, value in attrs}, above, []))
         if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.attributes += [(tag, name, value or "") for name, value in attrs]
+            self.open.append(len(self.elements) - 1)
 
     def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
+        assert tag in VOID or self.elements[self.open.pop()][0] == tag
 
     def handle_data(self, data: str) -> None:
         self.pieces.append(data)
-        if self.open and self.open[-1] == "pre":
-            self.verbatim += data
-        if self.open and self.open[-1] == "script":
-            self.script += data
+        for i in self.open:
+            self.elements[i][3].append(data)
+
+    def named(self, *tags: str) -> list[tuple[str, dict[str, str], tuple[str, ...], str]]:
+        return [(t, a, above, "".join(said).strip()) for t, a, above, said in self.elements if t in tags]
+
+    def inside(self, tag: str) -> str:
+        return "".join("".join(said) for each, _, _, said in self.elements if each == tag)
+
+    @property
+    def attributes(self) -> list[tuple[str, str, str]]:
+        return [(tag, *pair) for tag, found, *_ in self.elements for pair in found.items()]
+
+    @property
+    def tags(self) -> set[str]:
+        return {tag for tag, *_ in self.elements}
 
     @property
     def text(self) -> str:
@@ -101,22 +108,26 @@ COLUMNS = (
 TABLE = Table(COLUMNS, RECORDS, "A table", notes=("A note.",), marks={1: "failed"})
 
 
-def full_page(folder: Path) -> Page:
+def full_page(folder: Path) -> pages.Page:
     picture = folder / "contour_v_gx.png"
     picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     curve = Chart("omega", "Motion", "Angular velocity", '<svg viewBox="0 0 1 1"><text>curve-1</text></svg>')
     sections = (
-        Section("Tables", "A lead.", tables=(TABLE, pairs({"mass": 9979.0}), Table(COLUMNS, ()))),
-        Section("Figures. By matplotlib", figures=(curve, Picture(picture, "v_GX at the strike"))),
-        Section("Sentences", sentences=("N < 0 pulls, `corner.friction` holds.",)),
-        Section("Empty", tables=(Table(COLUMNS, ()),)),
+        pages.Section("Tables", "A lead.", tables=(TABLE, pairs({"mass": 9979.0}), Table(COLUMNS, ()))),
+        pages.Section(
+            "Figures. By matplotlib", figures=(curve, pages.Picture(picture, "v_GX at the strike"))
+        ),
+        pages.Section("Sentences", sentences=("N < 0 pulls, `corner.friction` holds.",)),
+        pages.Section("Empty", tables=(Table(COLUMNS, ()),)),
     )
-    return Page("A kicker", "mash<tl4>", "The headline.", sections, "The footer.", SCENE, True, contents=True)
+    return pages.Page(
+        "A kicker", "mash<tl4>", "The headline.", sections, "The footer.", SCENE, True, contents=True
+    )
 
 
 @pytest.fixture
 def page(tmp_path):
-    return Parsed(write_page(tmp_path / "report.html", full_page(tmp_path)).read_text(encoding="utf-8"))
+    return Parsed(pages.write_page(tmp_path / "report.html", full_page(tmp_path)).read_text(encoding="utf-8"))
 
 
 def test_every_number_and_word_is_there(page):
@@ -124,8 +135,7 @@ def test_every_number_and_word_is_there(page):
     said += ["along <the> wall", "not a number", "A note.", "mass", "9979", "curve-1", "Angular velocity"]
     said += ["N < 0 pulls", "The footer."]
     assert [piece for piece in said if piece not in page.text] == []
-    assert page.pieces.count("passed") == 2
-    assert page.pieces.count("failed") == 1
+    assert (page.pieces.count("passed"), page.pieces.count("failed")) == (2, 1)
     assert ("tr", "class", "failed") in page.attributes
 
 
@@ -141,25 +151,21 @@ def test_what_is_empty_is_not_shown(page):
 
 
 def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page):
-    assert SCENE in page.verbatim
-    (policy,) = [
-        value for tag, name, value in page.attributes if (tag, name) == ("meta", "content") and "src" in value
-    ]
-    digest = base64.b64encode(hashlib.sha256(page.script.encode()).digest()).decode()
+    assert SCENE in page.inside("pre")
+    metas = [value for tag, name, value in page.attributes if (tag, name) == ("meta", "content")]
+    (policy,) = [value for value in metas if "src" in value]
+    digest = base64.b64encode(hashlib.sha256(page.inside("script").encode()).digest()).decode()
     assert f"script-src 'sha256-{digest}'" in policy, "the page's own script, and no other"
-    assert "alert" not in page.script
+    assert "alert" not in page.inside("script")
 
 
 def test_nothing_is_fetched(page):
-    links = [
-        value
-        for _, name, value in page.attributes
-        if name in ("src", "href", "xlink:href", "srcset", "action")
-    ]
+    names = ("src", "href", "xlink:href", "srcset", "action")
+    links = [value for _, name, value in page.attributes if name in names]
     assert links
     assert all(link.startswith(("data:image/png;base64,", "#")) for link in links)
     assert not {"link", "iframe", "object"} & page.tags
-    assert not re.search(r"fetch|import|XMLHttp|https?:(?!//www.w3.org/2000/svg)", page.script)
+    assert not re.search(r"fetch|import|XMLHttp|https?:(?!//www.w3.org/2000/svg)", page.inside("script"))
     assert "@import" not in page.text
     assert "url(" not in page.text
 
@@ -170,9 +176,9 @@ def test_the_picture_is_in_the_page_whole(page, tmp_path):
 
 
 def test_a_missing_picture_is_an_error(tmp_path):
-    missing = Section("Pictures", figures=(Picture(tmp_path / "none.png", ""),))
+    missing = pages.Section("Pictures", figures=(pages.Picture(tmp_path / "none.png", ""),))
     with pytest.raises(FileNotFoundError):
-        write_page(tmp_path / "report.html", Page("", "s", "", (missing,), ""))
+        pages.write_page(tmp_path / "report.html", pages.Page("", "s", "", (missing,), ""))
     assert not (tmp_path / "report.html").exists()
 
 
@@ -205,22 +211,15 @@ def run_page(made: Any, folder: Path) -> Parsed:
 def test_the_headline_of_a_run_names_the_largest_difference(outcome, tmp_path):
     made = outcome("paper-table-3")
     page = run_page(made, tmp_path)
-    assert printed_numbers(f"confirmed to {max(map(abs, made.difference.values())):.1e};") in page.text
+    assert pages.printed_numbers(f"confirmed to {max(map(abs, made.difference.values())):.1e};") in page.text
     assert "Failed" not in page.text
     for check in made.checks:
         assert check.name in page.text
     for value in (*made.fe.values(), *made.rigid.values()):
         assert shown(value, "#.5g").replace("-", "−") in page.text
-    for printed in (
-        "0.383",
-        "23.27",
-        "−3.274",
-        "23.305",
-        "−3.289",
-        "8.915",
-        "Infrastructures 2025, 10(11), 307",
-    ):
-        assert printed in page.text
+    printed = ("0.383", "23.27", "−3.274", "23.305", "−3.289", "8.915", "Infrastructures 2025, 10(11), 307")
+    for said in printed:
+        assert said in page.text
 
 
 def test_a_failed_run_says_so(outcome, tmp_path):
@@ -229,12 +228,14 @@ def test_a_failed_run_says_so(outcome, tmp_path):
     broken = replace(first, passed=False, value=math.nan)
     difference = dict.fromkeys(made.difference, math.nan)
     page = run_page(replace(made, checks=(broken, *others), difference=difference), tmp_path)
-    assert page.pieces.count("failed") == 2
-    assert page.pieces.count("passed") == len(others)
+    assert (page.pieces.count("failed"), page.pieces.count("passed")) == (2, len(others))
     assert f"Failed: {first.name}." in page.text
     assert "Failed checks, and what to do" in page.text
     for said in (*advice(CHECKS, [first.name]).split("; "), *diagnosis(made)):
-        assert re.sub("<[^>]+>", "", html.unescape(str(prose(said)))).replace(NO_BREAK, " ") in page.text
+        assert (
+            re.sub("<[^>]+>", "", html.unescape(str(pages.prose(said)))).replace(pages.NO_BREAK, " ")
+            in page.text
+        )
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
 
@@ -254,32 +255,32 @@ def whole(name: str) -> str:
 
 
 def test_a_unit_in_brackets_stays_in_one_piece():
-    assert glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
+    assert pages.glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
 
 
 def test_zero_has_no_sign():
     assert (shown(-0.0, ".3g"), shown(-0.0, "+.1f"), number(-0.0)) == ("0", "+0.0", "0")
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("confirmed to 2.2e-06", "confirmed to 2.2×10⁻⁶"),
-        ("at most 1e-03, 1.0e+00, 0.0e+00", "at most 10⁻³, 1.0, 0"),
-        ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
-        ("at least 1.18e+01, 5.30e-01, 2e+02", "at least 11.8, 0.530, 200"),
-        ("TL-4, -2, a-b", f"{whole('TL-4')}, −2, a-b"),
-        ('= "quad4-reduced"', f"= &#34;{whole('quad4-reduced')}&#34;"),
-        ("quad4-reduced: 4", f"{whole('quad4-reduced')}: 4"),
-        ("2025-10-11, CFC-180", f"{whole('2025-10-11')}, {whole('CFC-180')}"),
-        ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
-        ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
-        ("from v_GX", "from <i>v</i><sub>GX</sub>"),
-        ("`omega = -1e-06`", "<code>omega = -1e-06</code>"),
-    ],
-)
+IN_PRINT = [
+    ("confirmed to 2.2e-06", "confirmed to 2.2×10⁻⁶"),
+    ("at most 1e-03, 1.0e+00, 0.0e+00", "at most 10⁻³, 1.0, 0"),
+    ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
+    ("at least 1.18e+01, 5.30e-01, 2e+02", "at least 11.8, 0.530, 200"),
+    ("TL-4, -2, a-b", f"{whole('TL-4')}, −2, a-b"),
+    ('= "quad4-reduced"', f"= &#34;{whole('quad4-reduced')}&#34;"),
+    ("quad4-reduced: 4", f"{whole('quad4-reduced')}: 4"),
+    ("2025-10-11, CFC-180", f"{whole('2025-10-11')}, {whole('CFC-180')}"),
+    ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
+    ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
+    ("from v_GX", "from <i>v</i><sub>GX</sub>"),
+    ("`omega = -1e-06`", "<code>omega = -1e-06</code>"),
+]
+
+
+@pytest.mark.parametrize(("text", "expected"), IN_PRINT)
 def test_numbers_are_set_as_in_print(text, expected):
-    assert str(prose(text)).replace(NO_BREAK, " ") == expected
+    assert str(pages.prose(text)).replace(pages.NO_BREAK, " ") == expected
 
 
 def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
@@ -316,42 +317,166 @@ def test_a_run_without_a_strike(outcome, tmp_path):
         assert heading not in page.text
 
 
-@pytest.mark.parametrize(
-    ("said", "expected"),
-    [
-        (number(0.1), "0.1"),
-        (number(7421), "7421"),
-        (number(True), "yes"),
-        (number(None), "–"),
-        (number("20 x 6"), "20 x 6"),
-        (number(2.0e11), "2e+11"),
-        (number(math.inf), "infinite"),
-        (number(-math.inf), "-infinite"),
-        (shown(0.1, "#.8g"), "0.10000000"),
-        (shown(-3.0, "#.8g"), "-3.0000000"),
-        (shown(-1.234e-6, "+.2e"), "-1.23e-06"),
-        (shown(math.nan, "+.2e"), "not a number"),
-        (shown(None, ".3g"), "–"),
-        (grouped(1234567), "1 234 567"),
-        (duration(3.2e-5), "32 us"),
-        (duration(0.01234), "12.3 ms"),
-        (duration(12.345), "12.3 s"),
-    ],
-)
+PRINTED = [
+    *((number(0.1), "0.1"), (number(7421), "7421"), (number(True), "yes"), (number(None), "–")),
+    *((number("20 x 6"), "20 x 6"), (number(2.0e11), "2e+11"), (number(math.inf), "infinite")),
+    *((number(-math.inf), "-infinite"), (shown(0.1, "#.8g"), "0.10000000")),
+    *((shown(-3.0, "#.8g"), "-3.0000000"), (shown(-1.234e-6, "+.2e"), "-1.23e-06")),
+    *((shown(math.nan, "+.2e"), "not a number"), (shown(None, ".3g"), "–")),
+    *((grouped(1234567), "1 234 567"), (duration(3.2e-5), "32 us"), (duration(0.01234), "12.3 ms")),
+    (duration(12.345), "12.3 s"),
+]
+
+
+@pytest.mark.parametrize(("said", "expected"), PRINTED)
 def test_numbers_as_printed(said, expected):
     assert said == expected
 
 
-@pytest.mark.parametrize(
-    ("written", "printed"),
-    [
-        ("+1.32e-01", "+0.132"),
-        ("-4.25e-01", "−0.425"),
-        ("9.25e-01", "0.925"),
-        ("+3.59e-02", "+3.59×10⁻²"),
-        ("1e-3", "10⁻³"),
-        ("+0.0e+00", "0"),
-    ],
-)
+SIGNED = [
+    *(("+1.32e-01", "+0.132"), ("-4.25e-01", "−0.425"), ("9.25e-01", "0.925")),
+    *(("+3.59e-02", "+3.59×10⁻²"), ("1e-3", "10⁻³"), ("+0.0e+00", "0")),
+]
+
+
+@pytest.mark.parametrize(("written", "printed"), SIGNED)
 def test_numbers_in_print_keep_their_sign(written, printed):
-    assert printed_numbers(written) == printed
+    assert pages.printed_numbers(written) == printed
+
+
+TEMPLATES = Path(__file__).parents[2] / "postprocess" / "templates"
+
+
+@pytest.fixture(scope="module", params=["run", "failed", "impact", "paper", "modes"])
+def any_page(request, tmp_path_factory, outcome):
+    place = tmp_path_factory.mktemp("pages") / "out"
+    if request.param in ("run", "failed"):
+        flutter = ("impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none")
+        made = outcome("mash-tl4-sut", *(flutter if request.param == "failed" else ()))
+        place.mkdir()
+        pages.write_page(place / "report.html", corner_report(made, pictures=False).page)
+        return Parsed((place / "report.html").read_text(encoding="utf-8"))
+    commands = {
+        "impact": ("run", "impact-mash-tl4-sut", "--no-pictures"),
+        "paper": ("paper",),
+        "modes": ("modes", "paper-table-3", "--count", "3"),
+    }
+    assert _status([*commands[request.param], "--quiet", "--out", str(place)]) == 0
+    (path,) = place.glob("*.html")
+    return Parsed(path.read_text(encoding="utf-8"))
+
+
+def test_landmarks_and_headings(any_page):
+    for tag in ("header", "main", "footer", "h1", "title"):
+        assert len(any_page.named(tag)) == 1, tag
+    levels = [int(tag[1]) for tag, *_ in any_page.named("h1", "h2", "h3")]
+    assert levels[0] == 1
+    assert all(after <= before + 1 for before, after in pairwise(levels))
+    assert all(text for *_, text in any_page.named("h1", "h2", "h3", "summary", "a"))
+    assert any_page.named("html")[0][1]["lang"] == "en"
+
+
+def test_tables_have_captions_and_headings_scopes(any_page):
+    tables = any_page.named("table")
+    captions = any_page.named("caption")
+    assert len(captions) == len(tables)
+    assert all(text for *_, text in captions)
+    for _, attributes, _, text in any_page.named("th"):
+        assert attributes.get("scope") in ("row", "col", "colgroup")
+        assert text, "an empty heading says nothing"
+
+
+def test_what_scrolls_is_reached_by_keyboard_and_named_once(any_page):
+    boxes = [
+        attributes for _, attributes, *_ in any_page.named("div") if "scroll" in attributes.get("class", "")
+    ]
+    assert len(boxes) >= len(any_page.named("table"))
+    for attributes in boxes:
+        assert (attributes["tabindex"], attributes["role"]) == ("0", "region")
+    names = [attributes["aria-label"] for attributes in boxes]
+    assert len(names) == len(set(names))
+    assert all(above.count("div") for _, _, above, _ in any_page.named("table"))
+
+
+def test_pictures_have_words(any_page):
+    assert all(attributes.get("alt") for _, attributes, *_ in any_page.named("img"))
+    drawings = any_page.named("svg")
+    assert all(attributes["role"] == "img" and attributes["aria-label"] for _, attributes, *_ in drawings)
+    assert len(any_page.named("figure")) == len(any_page.named("figcaption"))
+
+
+def test_ids_are_unique_and_links_lead_somewhere(any_page):
+    ids = [attributes["id"] for _, attributes, *_ in any_page.elements if "id" in attributes]
+    assert len(ids) == len(set(ids))
+    targets = [attributes["href"][1:] for _, attributes, *_ in any_page.named("a")]
+    assert set(targets) <= set(ids)
+
+
+def test_without_scripts_all_is_there(any_page):
+    """The script adds what the pointer shows, and nothing else: no element waits for it."""
+    (script,) = any_page.named("script")
+    assert script[2] == ("html", "body")
+    assert not any("hidden" in attributes for _, attributes, *_ in any_page.elements)
+    parts = any_page.named("section", "div", "p")
+    assert "style" not in {name for _, attributes, *_ in parts for name in attributes}
+
+
+def test_every_colour_of_charts_has_one_in_the_dark():
+    css = (TEMPLATES / "page.css").read_text(encoding="utf-8")
+    dark = css[css.index("prefers-color-scheme: dark") : css.index("@media print")]
+    assert set(PALETTE) == set(re.findall(r"svg \.(\w+) \{ color:", dark))
+    for name, light in PALETTE.items():
+        (other,) = re.findall(rf"svg \.{name} \{{ color: (#\w{{6}})", dark)
+        assert (brightness(other) > 0.3) == (name != "grid"), name
+        assert (brightness(light) < 0.3) == (name != "grid"), name
+
+
+def brightness(colour: str) -> float:
+    """Relative luminance by WCAG, its exponent rounded to two."""
+    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    return 0.2126 * red**2 + 0.7152 * green**2 + 0.0722 * blue**2
+
+
+def test_paper_cuts_no_column_and_leaves_no_heading_alone():
+    css = (TEMPLATES / "page.css").read_text(encoding="utf-8")
+    paper = css[css.index("@media print") :]
+    for rule in (".scroll { overflow: visible; }", "white-space: normal", "size: A4"):
+        assert rule in paper
+    kept = ", ".join(re.findall(r"^  (.*) \{ break-after: avoid; \}", paper, re.MULTILINE))
+    assert {"h2", "h3", "summary", "caption", "thead"} <= set(kept.split(", "))
+    script = (TEMPLATES / "page.js").read_text(encoding="utf-8")
+    assert "beforeprint" in script, "what is folded is printed"
+
+
+def test_a_name_that_is_kept_whole_is(tmp_path):
+    """TL-4 in the table of design forces."""
+    table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "share": 2.0, "source": ""}])
+    made = pages.Page("", "x", "", (pages.Section("Forces", tables=(table,)),), "")
+    text = pages.write_page(tmp_path / "p.html", made).read_text(encoding="utf-8")
+    assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text
+    assert ".whole { white-space: nowrap; }" in text
+
+
+def test_a_table_of_many_columns_is_set_smaller(tmp_path):
+    """By their number, or by the letters of their headings."""
+    tables = [text_table(*headings, rows=[["1"] * len(headings)]) for headings in (["a"] * 9, ["a"] * 10)]
+    tables += [text_table(*["a" * n] * 4, rows=[["1"] * 4]) for n in (24, 25)]
+    assert [table.is_wide for table in tables] == [False, True, False, True]
+    made = pages.Page("", "x", "", (pages.Section("Tables", tables=tables),), "")
+    assert pages.write_page(tmp_path / "p.html", made).read_text().count('<table class="dense">') == 2
+
+
+def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path):
+    """In narrow columns its letters would be smaller than those of the charts."""
+    line = Line("", np.arange(2.0), np.arange(2.0))
+    chart = draw_chart("b", "A chart", (Plot((line,), Axis("y")),), Axis("x"))
+    charts = (draw_legend("a", "What colours mean", (Swatch("right", "green"),)), chart)
+    made = pages.Page("", "x", "", (pages.Section("Charts", figures=charts, layout="narrow"),), "")
+    text = pages.write_page(tmp_path / "p.html", made).read_text(encoding="utf-8")
+    assert text.count('<figure class="legend">') == 1
+    assert ".legend { grid-column: 1 / -1; }" in text
+
+
+def test_a_long_word_does_not_widen_the_page(tmp_path):
+    text = pages.write_page(tmp_path / "p.html", pages.Page("", "x" * 200, "", (), "")).read_text()
+    assert "overflow-wrap" in text

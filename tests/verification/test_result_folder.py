@@ -1,15 +1,16 @@
-"""Verification: a result folder is complete or absent, and nothing is lost that the program did not write."""
+"""Verification: a result folder is complete or absent whatever fails, and nothing of others is lost."""
 
 import hashlib
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tailslap.cli import _status
-from tailslap.errors import InputError
+from tailslap.errors import InputError, Interrupted
 from tailslap.files.folder import demand_place, result_folder
 from tailslap.files.manifest import NAME
 
@@ -54,9 +55,8 @@ def test_the_manifest_lists_what_was_written(place):
     assert manifest["program"] == "tailslap"
     found = {item["path"]: (item["size"], item["sha256"]) for item in manifest["files"]}
     texts = {**RESULT, "old.txt": "old"}
-    assert found == {
-        name: (len(text), hashlib.sha256(text.encode()).hexdigest()) for name, text in texts.items()
-    }
+    digests = {name: (len(text), hashlib.sha256(text.encode()).hexdigest()) for name, text in texts.items()}
+    assert found == digests
 
 
 def test_absent_and_empty_folders_are_places_and_a_result_is_replaced(place):
@@ -133,18 +133,15 @@ def forged(**more: Any) -> str:
     return json.dumps({"program": "tailslap", "version": "0.1.0", "files": [item]})
 
 
-@pytest.mark.parametrize(
-    "manifest",
-    [
-        *("", "{", "[]", "null", "[" * 100_000, "\0", '{"program": "tailslap"}', '{"files": []}'),
-        *('{"program": "tailslap", "files": {}}', '{"program": "tailslap", "files": [3]}'),
-        *(
-            forged(path=path)
-            for path in ("../thesis.txt", "/etc/hostname", "a/../../x", "..", ".", "", "a\0b")
-        ),
-        *(forged(path=3), forged(path=NAME), forged(size="1"), forged(sha256=None), forged(sha256="x")),
-    ],
-)
+FOREIGN = [
+    *("", "{", "[]", "null", "[" * 100_000, "\0", '{"program": "tailslap"}', '{"files": []}'),
+    *('{"program": "tailslap", "files": {}}', '{"program": "tailslap", "files": [3]}'),
+    *(forged(path=path) for path in ("../thesis.txt", "/etc/hostname", "a/../../x", "..", ".", "", "a\0b")),
+    *(forged(path=3), forged(path=NAME), forged(size="1"), forged(sha256=None), forged(sha256="x")),
+]
+
+
+@pytest.mark.parametrize("manifest", FOREIGN)
 def test_a_manifest_that_is_not_ours_makes_no_result(tmp_path, manifest):
     (tmp_path / "thesis.txt").write_text("x")
     (tmp_path / "mine").mkdir()
@@ -194,4 +191,144 @@ def test_a_sweep_s_folder_is_refused_even_with_a_manifest(place):
 def test_a_result_of_more_than_files_is_a_mistake(tmp_path):
     with pytest.raises(ValueError, match="plain files"), result_folder(tmp_path / "a") as folder:
         (folder / "sub").mkdir()
+    assert not list(tmp_path.iterdir())
+
+
+ADDED = {"notes.txt": "mine", "plots/a.txt": "mine too"}
+FAILURES = [OSError(5, "the disk is broken"), KeyboardInterrupt()]
+MOVES = 4
+"""The earlier result aside, the new one in, and two things that were added."""
+
+
+def fill_or_fail(place_with_more: Path, text: str, failure: BaseException | None = None) -> None:
+    with result_folder(place_with_more) as folder:
+        (folder / "report.html").write_text(text)
+        if failure:
+            raise failure
+        (folder / f"{text}.csv").write_text(text)
+
+
+def texts(folder: Path) -> dict[str, str]:
+    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def place_with_more(tmp_path):
+    """An earlier result to which a file and a folder were added."""
+    fill_or_fail(tmp_path / "a", "old")
+    for name, text in ADDED.items():
+        (tmp_path / "a" / name).parent.mkdir(exist_ok=True)
+        (tmp_path / "a" / name).write_text(text)
+    return tmp_path / "a"
+
+
+def break_renames(
+    monkeypatch: pytest.MonkeyPatch, breaks: Callable[[int], bool], failure: BaseException, done: bool = False
+) -> list[int]:
+    """Renames of folders and of what was added fail where `breaks` says, before they are done or after."""
+    rename, count = os.rename, [0]
+
+    def broken(source: Any, target: Any) -> None:
+        count[0] += 1
+        if not breaks(count[0]) or done:
+            rename(source, target)
+        if breaks(count[0]):
+            raise failure
+
+    monkeypatch.setattr(os, "rename", broken)
+    return count
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_failure_while_it_is_filled(place_with_more, failure):
+    before = texts(place_with_more.parent)
+    with pytest.raises(type(failure)):
+        fill_or_fail(place_with_more, "new", failure)
+    assert texts(place_with_more.parent) == before
+    assert [path.name for path in place_with_more.parent.iterdir()] == ["a"]
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+@pytest.mark.parametrize("done", [False, True])
+@pytest.mark.parametrize("step", range(1, MOVES + 1))
+def test_failure_at_each_step_of_the_move(place_with_more, monkeypatch, step, done, failure):
+    before = texts(place_with_more.parent)
+    expected = InputError if isinstance(failure, OSError) else KeyboardInterrupt
+    break_renames(monkeypatch, lambda count: count == step, failure, done)
+    with pytest.raises(expected):
+        fill_or_fail(place_with_more, "new")
+    assert texts(place_with_more.parent) == before
+    assert [path.name for path in place_with_more.parent.iterdir()] == ["a"]
+
+
+def test_the_steps_are_these(place_with_more, monkeypatch):
+    count = break_renames(monkeypatch, lambda count: False, KeyboardInterrupt())
+    fill_or_fail(place_with_more, "new")
+    assert (count, set(texts(place_with_more))) == ([MOVES], {"report.html", "new.csv", NAME, *ADDED})
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+@pytest.mark.parametrize("step", range(1, MOVES + 1))
+def test_what_cannot_be_moved_back_is_left_and_named(place_with_more, monkeypatch, step, failure):
+    """From one step on every rename fails: the old files and those that were added are all still there somewhere."""
+    before = texts(place_with_more)
+    break_renames(monkeypatch, lambda count: count >= step, failure)
+    with pytest.raises((InputError, KeyboardInterrupt)) as caught:
+        fill_or_fail(place_with_more, "new")
+    after = texts(place_with_more.parent)
+    kept = {name.split("/", 1)[1]: text for name, text in after.items()}
+    assert set(kept) >= set(before)
+    for name, text in before.items():
+        assert text in [found for path, found in after.items() if path.endswith(f"/{name}")]
+    moved = {name.split("/", 1)[0] for name in after} - {"a"}
+    assert all(str(place_with_more.parent / folder) in str(caught.value) for folder in moved)
+    assert bool(moved) == (step > 1)
+    assert not any(folder.startswith(".") for folder in moved)
+
+
+def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(place_with_more, monkeypatch):
+    """Looked at before each rename: what a kill -9 would leave."""
+    rename = os.rename
+
+    def look(source: Any, target: Any) -> None:
+        above = place_with_more.parent
+        found = {path.relative_to(above) for path in above.glob("*/**/*")}
+        shown = [path for path in found if not path.parts[0].startswith(".")]
+        assert {"notes.txt", "a.txt"} <= {path.name for path in shown}
+        rename(source, target)
+
+    monkeypatch.setattr(os, "rename", look)
+    fill_or_fail(place_with_more, "new")
+
+
+def test_a_file_changed_within_the_move_is_left_and_named(place_with_more, monkeypatch, capsys):
+    rename = os.rename
+
+    def edit(source: Any, target: Any) -> None:
+        rename(source, target)
+        if Path(source) == place_with_more:
+            (Path(target) / "old.csv").write_text("mine")
+
+    monkeypatch.setattr(os, "rename", edit)
+    fill_or_fail(place_with_more, "new")
+    (aside,) = (path for path in place_with_more.parent.iterdir() if path != place_with_more)
+    assert (aside / "old.csv").read_text() == "mine"
+    assert str(aside) in capsys.readouterr().err
+
+
+def test_an_interrupt_when_the_result_is_there_says_so(place_with_more, monkeypatch):
+    def interrupt(path: Path, missing_ok: bool = False) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "unlink", interrupt)
+    with pytest.raises(Interrupted, match="the result is in"):
+        fill_or_fail(place_with_more, "new")
+    assert set(texts(place_with_more)) == {"report.html", "new.csv", NAME, *ADDED}
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_failure_of_the_first_result_leaves_nothing(tmp_path, monkeypatch, failure):
+    break_renames(monkeypatch, lambda count: True, failure)
+    with pytest.raises((InputError, KeyboardInterrupt)):
+        fill_or_fail(tmp_path / "x" / "y", "new")
     assert not list(tmp_path.iterdir())

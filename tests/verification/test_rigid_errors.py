@@ -1,9 +1,7 @@
-"""Verification: whatever the theory has no answer to is refused by name, and costs no heavy import."""
+"""Verification: what the theory has no answer to is refused by name; methods of Olson, Hirsch and Ritter by hand."""
 
 import math
 import pickle
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import fields
 from typing import Any
@@ -16,7 +14,10 @@ from solver import (
     RectangularBody,
     RigidBodyError,
     corner_impulse,
+    hirsch_force,
+    olson_force,
     plane_motion,
+    ritter_force,
     stage_2,
     strike_force,
     tail_slap,
@@ -107,10 +108,8 @@ def test_the_first_offending_row_is_named():
     with pytest.raises(RigidBodyError, match=r"omega is -1 at index \(1, 1\), but"):
         tail_slap(TRUCK, 0.26, omega, 25.0, 0.47)
     friction = np.array([0.1, 0.2, 1.9])
-    with pytest.raises(
-        RigidBodyError,
-        match=r"friction is 1.9 at index 2, .*\(beta <= phi = 0.499.* rad\); .*cot\(phi\) = 1.83",
-    ):
+    message = r"friction is 1.9 at index 2, .*\(beta <= phi = 0.499.* rad\); .*cot\(phi\) = 1.83"
+    with pytest.raises(RigidBodyError, match=message):
         impact(friction=friction)
     bodies = RectangularBody(10.0, np.array([[2.0], [5.0]]), 9979.0)
     with pytest.raises(RigidBodyError, match=r"angle is 1.3 at index \(1, 2\), .* less than 1.10715 rad"):
@@ -128,8 +127,7 @@ def test_a_stop_is_where_the_corner_stops():
     r = TRUCK.corner_radius
     thicker = RectangularBody(2.0 * r * math.cos(gamma), 2.0 * r * math.sin(gamma), 9979.0)
     rest = plane_motion(thicker, 0.8 - angle, 2.0, 6.0 + 1e-4, 0.9).strike
-    assert rest.v_p == pytest.approx(0.0, abs=2e-3)
-    assert rest.t == pytest.approx(time, rel=1e-5)
+    assert (rest.v_p, rest.t) == (pytest.approx(0.0, abs=2e-3), pytest.approx(time, rel=1e-5))
 
 
 def test_a_stop_just_past_the_strike_is_not_passed_over():
@@ -180,9 +178,8 @@ def test_nan_rows_stay_alone():
 
 
 def test_nan_rows_of_stage_1_pass_through_stage_2():
-    first = corner_impulse(
-        TRUCK, [25.0, 0.0, 25.0, 25.0, 25.0], 0.26, [0.4, 0.4, -1.0, 9.0, NAN], 0.2, invalid="nan"
-    )
+    frictions = [0.4, 0.4, -1.0, 9.0, NAN]
+    first = corner_impulse(TRUCK, [25.0, 0.0, 25.0, 25.0, 25.0], 0.26, frictions, 0.2, invalid="nan")
     expected = [False, True, True, True, True]
     assert np.isnan(first.omega).tolist() == np.isnan(first.corner_speed).tolist() == expected
     assert np.isnan(first.impulse).tolist() == expected
@@ -209,16 +206,85 @@ def test_a_clock_that_does_not_converge_is_refused(monkeypatch, limit, value):
         hard.at(0.1)
 
 
-def test_no_scipy_unless_it_integrates():
+def test_no_scipy_unless_it_integrates(python):
     code = (
         "import sys, solver; body = solver.RectangularBody(10.0, 2.438, 9979.0)\n"
         "motion = solver.plane_motion(body, 0.26, 0.707, 25.053, 0.47); motion.at([0.1, 0.2])\n"
         "print(*sorted({name.partition('.')[0] for name in sys.modules} - sys.stdlib_module_names))\n"
         "solver.integrate_odes(body, 0.26, 0.707, 25.053, 0.47); print('scipy' in sys.modules)"
     )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    run = python(code, check=True)
     first, second = run.stdout.splitlines()
     loaded = {name for name in first.split() if not name.startswith(("_", "sitecustomize"))}
     assert loaded & {"scipy", "numba", "matplotlib", "pyvista", "vtk", "gmsh", "fem", "meshes"} == set()
     assert {"numpy", "solver"} <= loaded
     assert second == "True"
+
+
+BLOW: dict[str, Any] = {"mass": 9979.0, "speed": 25.0, "angle": math.pi / 6}
+BLOW |= {"front_distance": 4.0, "half_width": 1.2}
+
+
+def test_olson_by_hand():
+    """At 30 degrees: way 4/2 - 1.2 (1 - sqrt(3)/2), lateral speed 12.5, average 6.25."""
+    way = 2.0 - 1.2 * (1.0 - math.sqrt(3.0) / 2.0)
+    force = olson_force(**BLOW)
+    assert force.travel == pytest.approx(way, rel=1e-15)
+    assert force.time == pytest.approx(way / 6.25, rel=1e-14)
+    assert force.deceleration == pytest.approx(12.5**2 / (2.0 * 9.80665 * way), rel=1e-14)
+    assert force.average_force == pytest.approx(9979.0 * 12.5**2 / (2.0 * way), rel=1e-14)
+
+
+def test_the_average_force_stops_the_lateral_motion_in_the_way_there_is():
+    """Work and impulse of a constant force; gravity is a unit only, and a yielding barrier softens the blow."""
+    force = olson_force(**BLOW, deflection=0.5)
+    energy, momentum = 0.5 * 9979.0 * 12.5**2, 9979.0 * 12.5
+    assert force.average_force * force.travel == pytest.approx(energy, rel=1e-14)
+    assert force.average_force * force.time == pytest.approx(momentum, rel=1e-14)
+    same = olson_force(**BLOW).average_force
+    assert olson_force(**BLOW, gravity=1.62).average_force == pytest.approx(same, rel=1e-14)
+    assert force.travel == pytest.approx(olson_force(**BLOW).travel + 0.5, rel=1e-14)
+
+
+def test_hirsch_and_ritter_are_olson_times_a_number():
+    average = olson_force(**BLOW, deflection=0.1).average_force
+    ritter = ritter_force(**BLOW, deflection=0.1)
+    assert hirsch_force(average) == pytest.approx(math.pi / 2.0 * average, rel=1e-15)
+    assert ritter.peak_force == pytest.approx(2.0 * average, rel=1e-14)
+    assert ritter.impulse == pytest.approx(2.0 * 9979.0 * 12.5, rel=1e-14)
+    assert ritter.peak_force * (2.0 * ritter.time) / 2.0 == pytest.approx(ritter.impulse, rel=1e-14)
+
+
+def test_broadcasting_equals_single_calls():
+    angles, masses = np.array([[0.1], [0.4]]), np.array([1000.0, 2000.0, 4000.0])
+    together = olson_force(masses, 20.0, angles, 4.0, 1.2)
+    pulses, peaks = ritter_force(masses, 20.0, angles, 4.0, 1.2), hirsch_force(together.average_force)
+    for i, j in np.ndindex(2, 3):
+        alone = olson_force(float(masses[j]), 20.0, float(angles[i, 0]), 4.0, 1.2)
+        pulse = ritter_force(float(masses[j]), 20.0, float(angles[i, 0]), 4.0, 1.2)
+        assert isinstance(alone.average_force, float)
+        assert together.average_force[i, j] == pytest.approx(alone.average_force, rel=1e-14)
+        assert pulses.peak_force[i, j] == pytest.approx(pulse.peak_force, rel=1e-14)
+        assert peaks[i, j] == pytest.approx(hirsch_force(alone.average_force), rel=1e-14)
+
+
+REFUSED_BY_METHODS = [
+    (lambda: olson_force(**{**BLOW, "mass": 0.0}), "mass", "positive and finite, kg"),
+    (lambda: olson_force(**{**BLOW, "speed": math.nan}), "speed", "positive and finite, m/s"),
+    (lambda: olson_force(**{**BLOW, "angle": 0.0}), "angle", "between 0 and pi/2 rad"),
+    (lambda: olson_force(**{**BLOW, "angle": math.pi / 2}), "angle", "between 0 and pi/2 rad"),
+    (lambda: olson_force(**{**BLOW, "front_distance": -1.0}), "front_distance", "positive"),
+    (lambda: olson_force(**{**BLOW, "half_width": math.inf}), "half_width", "positive"),
+    (lambda: olson_force(**BLOW, gravity=0.0), "gravity", "positive"),
+    (lambda: ritter_force(**BLOW, deflection=-0.1), "deflection", "0 or more"),
+    (lambda: ritter_force(**{**BLOW, "half_width": 20.0}), "travel", "positive: front_distance"),
+    (lambda: hirsch_force(0.0), "average_force", "positive and finite, N"),
+]
+
+
+@pytest.mark.parametrize(("call", "key", "allowed"), REFUSED_BY_METHODS)
+def test_what_is_refused(call, key, allowed):
+    with pytest.raises(RigidBodyError) as refused:
+        call()
+    assert refused.value.key == key
+    assert refused.value.allowed.startswith(allowed)

@@ -1,14 +1,18 @@
-"""Verification: what a scene may say, what it is told otherwise, and that units arrive in SI."""
+"""Verification: what a scene may say, what it is told otherwise, that units arrive in SI, and how a scene is varied."""
 
+import json
 import math
+import re
 
 import pytest
 
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene, shipped_scenes
+from tailslap.scene.read import read_scene, read_source, shipped_scenes
 from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
+from tailslap.scene.write import scene_inputs
 
 SHIPPED = {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
 
@@ -30,106 +34,76 @@ def test_the_papers_scenes_are_there():
     assert set(shipped_scenes()) >= SHIPPED
 
 
-@pytest.mark.parametrize(
-    ("change", "path", "value"),
-    [
-        ("impact.speed=56 mph", ("impact", "speed"), 56 * 1609.344 / 3600),
-        ("impact.speed=90 km/h", ("impact", "speed"), 25.0),
-        ("vehicle.length=2438 mm", ("vehicle", "length"), 2.438),
-        ("vehicle.length=10 ft", ("vehicle", "length"), 3.048),
-        ("vehicle.length=12", ("vehicle", "length"), 12.0),
-        ('vehicle.mass="22000 lb"', ("vehicle", "mass"), 22000 * 0.45359237),
-        ("impact.angle=15 deg", ("impact", "angle"), math.pi / 12),
-        ("impact.angle=0.26", ("impact", "angle"), 0.26),
-        ("plate.youngs_modulus=2 TPa", ("plate", "youngs_modulus"), 2e12),
-        ("plate.youngs_modulus=2e5 N/mm^2", ("plate", "youngs_modulus"), 2e11),
-        ("plate.density=7.8 g/cm**3", ("plate", "density"), 7800.0),
-        ("start.omega=40 deg/s", ("start", "omega"), math.radians(40.0)),
-        ("strike.duration=100 ms", ("strike", "duration"), 0.1),
-    ],
-)
+IN_SI = [
+    ("impact.speed=56 mph", ("impact", "speed"), 56 * 1609.344 / 3600),
+    ("impact.speed=90 km/h", ("impact", "speed"), 25.0),
+    ("vehicle.length=2438 mm", ("vehicle", "length"), 2.438),
+    ("vehicle.length=10 ft", ("vehicle", "length"), 3.048),
+    ("vehicle.length=12", ("vehicle", "length"), 12.0),
+    ('vehicle.mass="22000 lb"', ("vehicle", "mass"), 22000 * 0.45359237),
+    ("impact.angle=15 deg", ("impact", "angle"), math.pi / 12),
+    ("impact.angle=0.26", ("impact", "angle"), 0.26),
+    ("plate.youngs_modulus=2 TPa", ("plate", "youngs_modulus"), 2e12),
+    ("plate.youngs_modulus=2e5 N/mm^2", ("plate", "youngs_modulus"), 2e11),
+    ("plate.density=7.8 g/cm**3", ("plate", "density"), 7800.0),
+    ("start.omega=40 deg/s", ("start", "omega"), math.radians(40.0)),
+    ("strike.duration=100 ms", ("strike", "duration"), 0.1),
+]
+
+
+@pytest.mark.parametrize(("change", "path", "value"), IN_SI)
 def test_units_arrive_in_si(change, path, value):
     table = getattr(changed(change), path[0])
     assert getattr(table, path[1]) == pytest.approx(value, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("change", "key", "allowed"),
-    [
-        ("vehicle.length=0", "vehicle.length", "from 1e-06 m to 1e+06 m"),
-        ("vehicle.width=-3 m", "vehicle.width", "from 1e-06 m to 1e+06 m"),
-        ("vehicle.length=3 kg", "vehicle.length", "the unit does not fit"),
-        ("vehicle.length=3 blub", "vehicle.length", "the unit does not fit"),
-        ("vehicle.mass=nan", "vehicle.mass", "a mass from 1e-06 kg"),
-        ("vehicle.mass=inf", "vehicle.mass", "a mass from 1e-06 kg"),
-        ('vehicle.mass="nan kg"', "vehicle.mass", "a mass from 1e-06 kg"),
-        ("vehicle.mass=true", "vehicle.mass", "a mass from 1e-06 kg"),
-        ("vehicle.mass=9979 lbf", "vehicle.mass", "the unit does not fit"),
-        ('vehicle.mass="9979"', "vehicle.mass", "a string with its unit"),
-        ("impact.angle=15", "impact.angle", "below 90 deg"),
-        ("impact.angle=90 deg", "impact.angle", "below 90 deg"),
-        ('impact.angle="15"', "impact.angle", "a string with its unit"),
-        ("impact.friction=-0.1", "impact.friction", "from 0 to"),
-        ("impact.friction=0.4 m", "impact.friction", "a plain number"),
-        ("impact.restitution=1.2", "impact.restitution", "from 0 to 1"),
-        ("impact.convention=mine", "impact.convention", "'paper' or 'newton'"),
-        ("start.omega=-1", "start.omega", "from 1e-09 rad/s"),
-        ("start.angle=100 deg", "start.angle", "below 90 deg"),
-        ("corner.reaction=push", "corner.reaction", "'drag', 'none' or 'signed'"),
-        ("corner.penalty_scale=0", "corner.penalty_scale", "from 1e-06"),
-        ("plate.elements=[0, 6]", "plate.elements", "two whole numbers from 1"),
-        ("plate.elements=[20, 6.5]", "plate.elements", "two whole numbers from 1"),
-        ("plate.elements=[20]", "plate.elements", "two whole numbers from 1"),
-        ("plate.elements=[100000, 100000]", "plate.elements", "at most 4000000"),
-        ("plate.poissons_ratio=0.5", "plate.poissons_ratio", "to 0.4999"),
-        ("plate.thicknes=1", "plate.thicknes", "there is no such key; allowed are thickness"),
-        ("colour.red=1", "colour", "there is no such key; allowed are name, vehicle"),
-        ("vehicle=3", "vehicle", "a table"),
-        ("time.safety_factor=1.1", "time.safety_factor", "to 1"),
-        ("damping.ratio=0", "damping.ratio", "from 1e-09"),
-        *(
-            (f"name={name}", "name", "letters, digits")
-            for name in ("../up", "..", ".x", "a/b", "a b", "x" * 81)
-        ),
-        ('name="."', "name", 'no "." in front'),
-        ('name=""', "name", "1 to 80"),
-        ("name=3", "name", "letters, digits"),
-        ("wall.length=-1 m", "wall.length", "from 1e-06 m to 1e+06 m"),
-        ("vehicle.length", "--set", "KEY=VALUE"),
-        ("=3", "--set", "KEY=VALUE"),
-        ("vehicle.length.x=3", "--set", "not a table"),
-    ],
-)
+SIZE, UNIT, MASS = "from 1e-06 m to 1e+06 m", "the unit does not fit", "a mass from 1e-06 kg"
+WRONG = {
+    ("vehicle.length", SIZE): ["0"],
+    ("vehicle.width", SIZE): ["-3 m"],
+    ("wall.length", SIZE): ["-1 m"],
+    ("vehicle.length", UNIT): ["3 kg", "3 blub"],
+    ("vehicle.mass", UNIT): ["9979 lbf"],
+    ("vehicle.mass", MASS): ["nan", "inf", '"nan kg"', "true"],
+    ("vehicle.mass", "a string with its unit"): ['"9979"'],
+    ("impact.angle", "below 90 deg"): ["15", "90 deg"],
+    ("impact.angle", "a string with its unit"): ['"15"'],
+    ("impact.friction", "from 0 to"): ["-0.1"],
+    ("impact.friction", "a plain number"): ["0.4 m"],
+    ("impact.restitution", "from 0 to 1"): ["1.2"],
+    ("impact.convention", "'paper' or 'newton'"): ["mine"],
+    ("start.omega", "from 1e-09 rad/s"): ["-1"],
+    ("start.angle", "below 90 deg"): ["100 deg"],
+    ("corner.reaction", "'drag', 'none' or 'signed'"): ["push"],
+    ("corner.penalty_scale", "from 1e-06"): ["0"],
+    ("plate.elements", "two whole numbers from 1"): ["[0, 6]", "[20, 6.5]", "[20]"],
+    ("plate.elements", "at most 4000000"): ["[100000, 100000]"],
+    ("plate.poissons_ratio", "to 0.4999"): ["0.5"],
+    ("plate.thicknes", "there is no such key; allowed are thickness"): ["1"],
+    ("vehicle", "a table"): ["3"],
+    ("time.safety_factor", "to 1"): ["1.1"],
+    ("damping.ratio", "from 1e-09"): ["0"],
+    ("name", "letters, digits"): ["../up", "..", ".x", "a/b", "a b", "x" * 81, "3"],
+    ("name", 'no "." in front'): ['"."'],
+    ("name", "1 to 80"): ['""'],
+}
+REFUSED = [(f"{key}={value}", key, allowed) for (key, allowed), values in WRONG.items() for value in values]
+REFUSED += [("vehicle.length", "--set", "KEY=VALUE"), ("=3", "--set", "KEY=VALUE")]
+REFUSED += [("vehicle.length.x=3", "--set", "not a table")]
+REFUSED += [("colour.red=1", "colour", "there is no such key; allowed are name, vehicle")]
+
+
+@pytest.mark.parametrize(("change", "key", "allowed"), REFUSED)
 def test_wrong_values_are_told_which_key_and_what_is_allowed(change, key, allowed):
     with pytest.raises(InputError) as caught:
         changed(change)
-    assert caught.value.key == key
+    assert (caught.value.key, str(caught.value).startswith(f"{key}: given ")) == (key, True)
     assert allowed in caught.value.allowed
-    assert str(caught.value).startswith(f"{key}: given ")
 
 
 @pytest.mark.parametrize("name", ["a", "a.b", "v1..2", "-_+", "Müller-3", "x" * 80])
 def test_names_that_can_be_a_folder_s(name):
     assert changed(f"name='{name}'").name == name
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "allowed"),
-    [
-        (("impact.friction=2",), "impact.friction", "cot"),
-        (("impact.restitution=1",), "impact.restitution", "never reaches the wall"),
-        (("impact.angle=80 deg",), "impact.angle", "less than"),
-        (("corner.friction=4",), "corner.friction", "not unique"),
-        (("start.angle=80 deg",), "start.angle", "less than"),
-        (("corner.reaction=signed", "corner.friction=4"), "corner.friction", ""),
-        (("start.corner_speed=0.01",), "start.corner_speed", ""),
-    ],
-)
-def test_what_the_theory_refuses_names_the_scenes_key(changes, key, allowed):
-    with pytest.raises(InputError) as caught:
-        CornerCase(*read_scene("mash-tl4-sut", changes))
-    assert caught.value.key == key
-    assert allowed in caught.value.allowed
 
 
 def test_friction_has_no_meaning_without_friction():
@@ -140,15 +114,13 @@ def test_friction_has_no_meaning_without_friction():
 def test_tables_that_need_each_other(tmp_path):
     vehicle = 'name = "x"\n[vehicle]\nlength = 10\nwidth = 2\nmass = 1000\n'
     start = "[start]\nangle = 0.26\nomega = 0.7\ncorner_speed = 25\n"
+    free = vehicle + start + "[corner]\nreaction = 'none'\n"
     for text, key in (
         (vehicle, "impact"),
         (vehicle + "[start]\nangle = 0.26\n", "impact"),
         (vehicle + start, "corner.friction"),
-        (vehicle + start + "[corner]\nreaction = 'none'\n[damping]\nratio = 0.1\n", "damping"),
-        (
-            vehicle + start + "[corner]\nreaction = 'none'\n[wall]\nlength=30\ndepth=5\nelements=[1,1]\n",
-            "wall",
-        ),
+        (free + "[damping]\nratio = 0.1\n", "damping"),
+        (free + "[wall]\nlength=30\ndepth=5\nelements=[1,1]\n", "wall"),
         ("name = 'x'\n", "vehicle"),
     ):
         path = tmp_path / "scene.toml"
@@ -163,8 +135,7 @@ def test_tables_that_need_each_other(tmp_path):
 def test_a_partial_start_takes_the_rest_from_stage_one():
     plan = CornerCase(*read_scene("mash-tl4-sut", ("start.angle=0.2",)))
     assert plan.stage1 is not None
-    assert plan.start.angle == 0.2
-    assert plan.start.omega == plan.stage1.omega
+    assert (plan.start.angle, plan.start.omega) == (0.2, plan.stage1.omega)
 
 
 @pytest.mark.parametrize(
@@ -188,3 +159,91 @@ def test_a_file_that_is_not_text(tmp_path):
     (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="not text in UTF-8"):
         read_scene(str(tmp_path / "scene.toml"))
+
+
+SCENE = "mash-tl4-sut"
+
+
+SAID = [
+    ("plate.youngs_modulus=2 TPa", "plate.youngs_modulus", 2e12),
+    ("impact.angle=20 deg", "impact.angle", math.radians(20.0)),
+    ("plate.elements=[10,3]", "plate.elements", (10, 3)),
+    ("corner.reaction=signed", "corner.reaction", "signed"),
+    ("damping.ratio=0.1", "damping.ratio", 0.1),
+    ("wall=", "wall", None),
+    ("strike.duration=0.2", "strike", {"duration": 0.2}),
+]
+
+
+@pytest.mark.parametrize(("text", "key", "value"), SAID)
+def test_values_are_what_text_says(text, key, value):
+    source = read_source(SCENE)
+    assert vary(source, {key: value})[0] == read_scene(SCENE, (text,))[0]
+
+
+def test_changes_travel_as_json():
+    source = read_source(SCENE)
+    changes = {"plate.elements": (10, 3), "plate.youngs_modulus": 0.1 + 0.2, "wall": None}
+    assert vary(source, json.loads(json.dumps(changes)))[0] == vary(source, changes)[0]
+
+
+def test_the_given_tables_are_left_alone_and_changes_add_up():
+    source = read_source(SCENE)
+    before = json.dumps(source.given)
+    first = vary(source, {"corner.friction": 0.1, "damping.ratio": 0.1})[1]
+    second = vary(first, {"damping": None, "damping.ratio": 0.2, "corner.friction": 0.3})[0]
+    assert (json.dumps(source.given), first.given["damping"]) == (before, {"ratio": 0.1})
+    assert second.damping is not None
+    assert (second.damping.ratio, second.corner.friction) == (0.2, 0.3)
+
+
+def test_what_was_changed_is_noted_and_where_it_comes_from():
+    scene, source = vary(read_source(SCENE), {"corner.friction": 0.1, "wall": None, "verify": None})
+    assert source.text.endswith("# changed by --set corner.friction=0.1\n# changed by --set wall=\n")
+    assert source.changed == {"corner.friction", "wall"}  # there was no table verify
+    origins = {row.key: row.origin for row in scene_inputs(scene, source)}
+    assert (origins["corner.friction"], origins["vehicle.mass"]) == ("--set", "scene")
+
+
+def test_changes_are_shown_as_they_could_be_given_again():
+    changes = {"plate.elements": (10, 3), "plate.element": "quad9", "damping": None, "time.rows": 20}
+    texts = shown(changes)
+    assert texts == ("plate.elements=[10, 3]", "plate.element=quad9", "damping=", "time.rows=20")
+    assert parse_changes(texts, {"damping": {}}) == changes | {"plate.elements": [10, 3]}
+
+
+IMPOSSIBLE = [
+    ({"plate.thickness": -1.0}, "plate.thickness", SIZE),
+    ({"plate.colour": 1}, "plate.colour", "no such key"),
+    ({"plate.thickness.x": 1}, "plate.thickness.x", "not a table"),
+    ({"corner.reaction": "none", "corner.friction": 0.1}, "corner.friction", "no meaning"),
+    *(({"vehicle.mass": None}, "vehicle.mass", "required"), ({"time.rows": 20.5}, "time.rows", "integer")),
+    # What the theory refuses:
+    ("impact.friction=2", "impact.friction", "cot"),
+    ("impact.restitution=1", "impact.restitution", "never reaches the wall"),
+    *(
+        ("impact.angle=80 deg", "impact.angle", "less than"),
+        ("start.angle=80 deg", "start.angle", "less than"),
+    ),
+    *(
+        ("corner.friction=4", "corner.friction", "not unique"),
+        ("start.corner_speed=0.01", "start.corner_speed", ""),
+    ),
+    ("corner.reaction=signed corner.friction=4", "corner.friction", ""),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "allowed"), IMPOSSIBLE)
+def test_what_makes_no_scene_or_no_motion_is_refused_by_its_key(changes, key, allowed):
+    texts = () if isinstance(changes, dict) else tuple(re.split(r" (?=\w+\.)", changes))
+    with pytest.raises(InputError) as caught:
+        CornerCase(*read_scene(SCENE, texts)) if texts else vary(read_source(SCENE), changes)
+    assert caught.value.key == key
+    assert allowed in caught.value.allowed
+
+
+def test_a_scene_is_its_own_source():
+    scene = read_scene(SCENE)[0]
+    assert vary(Source.of(scene), {})[0] == scene
+    assert varied(scene, {"corner.friction": 0.2}).corner.model_fields_set >= {"friction"}
+    assert varied(scene, {}).plate == scene.plate

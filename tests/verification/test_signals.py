@@ -1,4 +1,4 @@
-"""Verification: filters against their transfer functions, peaks of known pulses, second strikes between valleys."""
+"""Verification: filters, peaks and second strikes of known pulses, occupant risk by closed forms, design forces."""
 
 import math
 from collections.abc import Callable
@@ -6,6 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from postprocess.signals import occupant_risk as risk
+from postprocess.signals.design_forces import LEVELS, design_forces
 from postprocess.signals.filters import (
     CLASSES,
     cfc_filter,
@@ -98,9 +100,8 @@ def test_peak_of_the_mean_of_a_half_sine(width, length):
         width = length
     interval = 1e-5
     edges = np.arange(-8001, 8001) * interval + 0.5 * interval
-    integral = (
-        -length / math.pi * np.cos(math.pi * (np.clip(edges, -0.5 * length, 0.5 * length) / length + 0.5))
-    )
+    phase = math.pi * (np.clip(edges, -0.5 * length, 0.5 * length) / length + 0.5)
+    integral = -length / math.pi * np.cos(phase)
     found = moving_mean(np.diff(integral) / interval, interval, width).max()
     exact = 2.0 * length / (math.pi * width) * math.sin(0.5 * math.pi * width / length)
     assert found == pytest.approx(exact, rel=1e-6)
@@ -181,9 +182,8 @@ def test_before_first_touch_there_is_no_force():
 @pytest.mark.parametrize("length", [0.05, 0.1, 0.1434])
 def test_a_triangular_pulse_gives_back_its_duration(length):
     """Alone between two others and a rest of zero, by valleys and by 2 J / F."""
-    force = (
-        triangle(T, 0.05, 0.08, 500e3) + triangle(T, 0.25005, length, 654e3) + triangle(T, 0.45, 0.04, 300e3)
-    )
+    force = triangle(T, 0.05, 0.08, 500e3) + triangle(T, 0.25005, length, 654e3)
+    force += triangle(T, 0.45, 0.04, 300e3)
     found = second_strike(force, INTERVAL)
     assert found.duration == pytest.approx(length, abs=2.0 * INTERVAL)
     assert found.triangle == pytest.approx(length, rel=1e-5)
@@ -193,9 +193,8 @@ def test_a_triangular_pulse_gives_back_its_duration(length):
 
 def test_valleys_of_strikes_that_run_into_each_other():
     """Lowest points lie at 0.2 and 0.34 s, the first at 60 kN; no strike ends at zero force."""
-    force = np.interp(
-        T, [0.0, 0.1, 0.2, 0.26, 0.34, 0.4, 0.6], 1e3 * np.array([0, 400, 60, 500, 100, 450, 0])
-    )
+    kilonewtons = np.array([0, 400, 60, 500, 100, 450, 0])
+    force = np.interp(T, [0.0, 0.1, 0.2, 0.26, 0.34, 0.4, 0.6], 1e3 * kilonewtons)
     found = second_strike(force, INTERVAL)
     assert (found.start, found.end) == pytest.approx((0.2, 0.34), abs=INTERVAL)
     assert found.impulse == pytest.approx(1e3 * (280 * 0.06 + 300 * 0.08), rel=1e-4)
@@ -239,7 +238,168 @@ def test_undershoot_of_a_filter_elsewhere_is_no_valley(name, more):
 
 @pytest.mark.parametrize(("force", "peaks"), [(np.zeros(6000), 0), (half_sine(0.1, 0.1, 1e5), 1)])
 def test_without_a_second_peak(force, peaks):
-    with pytest.raises(
-        ValueError, match=f"a curve with {peaks} peaks has no second strike: must have at least 2"
-    ):
+    message = f"a curve with {peaks} peaks has no second strike: must have at least 2"
+    with pytest.raises(ValueError, match=message):
         second_strike(force, INTERVAL)
+
+
+TIMES = np.linspace(0.0, 0.6, 6001)
+ZERO = np.zeros_like(TIMES)
+
+
+def measures(motion: risk.VehicleMotion) -> dict[str, risk.RiskMeasure]:
+    return {measure.name: measure for measure in risk.occupant_risk(motion)}
+
+
+def straight(ax: np.ndarray | float, ay: np.ndarray | float) -> risk.VehicleMotion:
+    return risk.VehicleMotion(TIMES, ax + ZERO, ay + ZERO, ZERO, ZERO)
+
+
+@pytest.mark.parametrize(
+    ("ax", "ay", "distance"), [(-50.0, 0.0, 0.6), (0.0, 40.0, 0.3), (0.0, -40.0, 0.3), (-20.0, 30.0, 0.3)]
+)
+def test_constant_deceleration(ax, ay, distance):
+    """The axis that is first through: v = sqrt(2 a d), t = sqrt(2 d / a); nothing else changes either way."""
+    found, first = measures(straight(ax, ay)), abs(ay or ax)
+    time = math.sqrt(2.0 * distance / first)
+    assert found["OIV longitudinal"].time == pytest.approx(time, rel=1e-12)
+    assert found["OIV longitudinal"].value == pytest.approx(abs(ax) * time, rel=1e-12)
+    assert found["OIV lateral"].value == pytest.approx(abs(ay) * time, rel=1e-12)
+    assert max(abs(ax), abs(ay)) * time == pytest.approx(math.sqrt(2.0 * first * distance))
+    assert found["THIV"].value == pytest.approx(math.hypot(ax, ay) * time, rel=1e-12)
+    assert found["ORA longitudinal"].value == pytest.approx(abs(ax) / risk.GRAVITY, rel=1e-9)
+    assert found["ORA lateral"].value == pytest.approx(abs(ay) / risk.GRAVITY, rel=1e-9)
+    assert found["PHD"].value == pytest.approx(math.hypot(ax, ay) / risk.GRAVITY, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["ASI 1998, 50 ms mean", "ASI 2010, 13 Hz"])
+def test_severity_of_constant_accelerations(name):
+    found = measures(straight(-6.0 * risk.GRAVITY, 4.5 * risk.GRAVITY))[name]
+    assert found.value == pytest.approx(math.sqrt(0.5), rel=0.1 if "2010" in name else 1e-9)
+    assert "lower bound" in found.lacks
+
+
+def test_severity_of_a_half_sine():
+    """Of 50 ms means the closed form; of 13 Hz the gain of a long wave."""
+    length = 0.12
+    pulse = 5.0 * risk.GRAVITY * np.sin(math.pi * np.clip(TIMES / length, 0.0, 1.0))
+    found = measures(straight(0.0, pulse))["ASI 1998, 50 ms mean"]
+    exact = 5.0 / 9.0 * 2.0 * length / (math.pi * 0.05) * math.sin(0.025 * math.pi / length)
+    assert found.value == pytest.approx(exact, rel=1e-5)
+    assert found.time == pytest.approx(0.06, abs=2e-4)
+    wave = 5.0 * risk.GRAVITY * np.sin(math.pi * TIMES / 0.6) ** 2 * np.sin(2.0 * math.pi * 13.0 * TIMES)
+    found = measures(straight(0.0, wave))["ASI 2010, 13 Hz"]
+    assert found.value == pytest.approx(5.0 / 9.0 * math.sqrt(0.5), rel=0.02)
+
+
+def test_growing_deceleration_of_few_instants():
+    """a = j t: x = j t^3 / 6, v = j t^2 / 2, exact between instants 50 ms apart; so for a head in front."""
+    t = np.linspace(0.0, 0.6, 13)
+    motion = risk.VehicleMotion(t, -200.0 * t, 0.0 * t, 0.0 * t, 0.0 * t)
+    time = (6.0 * 0.6 / 200.0) ** (1.0 / 3.0)
+    for contact in (
+        risk.occupant_contact(motion),
+        risk.head_contact(motion),
+        risk.head_contact(motion, ahead=2.0),
+    ):
+        assert contact is not None
+        assert contact.time == pytest.approx(time, rel=1e-12)
+        assert contact.forward == pytest.approx(100.0 * time**2, rel=1e-12)
+
+
+def test_half_sine_of_deceleration():
+    """x = (a L / pi) (t - (L / pi) sin(pi t / L)), v = (a L / pi) (1 - cos(pi t / L)) while it lasts."""
+    length, size = 0.2, 120.0
+    contact = risk.occupant_contact(
+        straight(-size * np.sin(math.pi * np.clip(TIMES / length, 0.0, 1.0)), 0.0)
+    )
+    assert contact is not None
+    phase, scale = math.pi * contact.time / length, size * length / math.pi
+    assert scale * (contact.time - length / math.pi * math.sin(phase)) == pytest.approx(0.6, rel=1e-6)
+    assert contact.forward == pytest.approx(scale * (1.0 - math.cos(phase)), rel=1e-6)
+
+
+def test_ridedown_begins_after_contact():
+    """A pulse before the contact does not count, one after it does, as its mean over 10 ms."""
+    early = 60.0 * ((TIMES > 0.01) & (TIMES < 0.05))
+    late = 100.0 * ((TIMES > 0.4) & (TIMES < 0.405))
+    found = measures(straight(-early - late, 0.0))
+    assert found["OIV longitudinal"].value == pytest.approx(2.4, rel=1e-2)
+    assert found["ORA longitudinal"].time == pytest.approx(0.4025, abs=0.006)
+    assert found["ORA longitudinal"].value == pytest.approx(50.0 / risk.GRAVITY, rel=0.03)
+
+
+def test_head_goes_straight_on_while_the_vehicle_turns():
+    """A steady circle: relative to the centre of mass the head leaves on an involute's chord."""
+    speed, rate = 20.0, 1.5
+    motion = risk.VehicleMotion(TIMES, ZERO, ZERO + speed * rate, ZERO + rate, rate * TIMES)
+    contact = risk.head_contact(motion)
+    assert contact is not None
+
+    def inside(t: float) -> np.ndarray:
+        turned = rate * t
+        away = speed / rate * np.array([turned - math.sin(turned), math.cos(turned) - 1.0])
+        cos, sin = math.cos(turned), math.sin(turned)
+        return np.array([cos * away[0] + sin * away[1], cos * away[1] - sin * away[0]])
+
+    assert inside(contact.time)[1] == pytest.approx(-0.3, abs=1e-8)
+    speeds = (inside(contact.time + 1e-5) - inside(contact.time - 1e-5)) / 2e-5
+    assert (contact.forward, contact.sideways) == pytest.approx(tuple(speeds), abs=1e-5)
+
+
+def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side():
+    """The centre at rest, the vehicle begins to turn: at 2 m ahead the side comes at rate times 2 m."""
+    spin = 8.0
+    motion = risk.VehicleMotion(TIMES, ZERO, ZERO, spin * TIMES, 0.5 * spin * TIMES**2)
+    contact = risk.head_contact(motion, ahead=2.0)
+    assert contact is not None
+    turned = math.asin(0.15)
+    assert 0.5 * spin * contact.time**2 == pytest.approx(turned, rel=1e-7)
+    assert contact.sideways == pytest.approx(-2.0 * spin * contact.time * math.cos(turned), rel=1e-6)
+    assert risk.head_contact(motion) is None
+
+
+def test_a_flight_that_does_not_end_has_no_value():
+    found = measures(straight(-1.0, 0.5))
+    empty = {name for name, measure in found.items() if measure.value is None and measure.time is None}
+    assert empty == {"THIV", "PHD", "OIV longitudinal", "OIV lateral", "ORA longitudinal", "ORA lateral"}
+
+
+def test_every_measure_says_what_it_lacks():
+    assert all(m.lacks and m.limits == "limits not given" for m in measures(straight(-50.0, 0.0)).values())
+
+
+def test_motions_that_are_refused():
+    with pytest.raises(ValueError, match=r"arrays of shapes \[\(2,\), \(6001,\)\]: must be one shape"):
+        risk.VehicleMotion(TIMES, ZERO, ZERO, ZERO, ZERO[:2])
+    with pytest.raises(ValueError, match="must rise evenly"):
+        risk.VehicleMotion(TIMES**2, ZERO, ZERO, ZERO, ZERO)
+    with pytest.raises(ValueError, match=r"at most 0\.0005556 s"):
+        risk.occupant_risk(risk.VehicleMotion(10.0 * TIMES, ZERO, ZERO, ZERO, ZERO))
+    short = slice(0, 600)
+    with pytest.raises(ValueError, match=r"history of 0\.0601 s: must last at least 0\.07692 s"):
+        risk.occupant_risk(risk.VehicleMotion(*(values[short] for values in (TIMES, ZERO, ZERO, ZERO, ZERO))))
+
+
+def test_design_forces_of_the_test_levels():
+    """The table in kip and in kN, as printed in both."""
+    rows = [design_forces(level)[0] for level in LEVELS]
+    assert [round(row.force / 1e3) for row in rows] == [60, 120, 240, 240, 552, 778]
+    assert [row.longitudinal for row in rows] == [4.5, 9.0, 18.0, 18.0, 41.0, 58.0]
+    assert [row.length for row in rows] == [4.0, 4.0, 4.0, 3.5, 8.0, 8.0]
+    assert rows[3].length_m == pytest.approx(1.0668)
+    assert rows[3].longitudinal_force == pytest.approx(80.07e3, rel=1e-4)
+
+
+def test_design_forces_of_mash():
+    _, tti, acceleration = design_forces("TL-4")
+    assert round(tti.force / 1e3) == 356
+    assert tti.longitudinal_force is None
+    assert tti.length_m is None
+    assert (round(acceleration.kip), acceleration.force) == (99, pytest.approx(440e3, rel=5e-3))
+    assert all(row.source for level in LEVELS for row in design_forces(level))
+
+
+def test_another_test_level_is_refused():
+    with pytest.raises(ValueError, match="test level 'TL-7': must be one of TL-1, TL-2"):
+        design_forces("TL-7")

@@ -22,9 +22,8 @@ from tailslap.scene.schema import Scene, SceneTable
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 GENERATED = ("scene.md", "results.md", "python.md", "commands.md")
-FENCE = re.compile(
-    r"^```(?P<kind>\w*)\n(?P<body>.*?)^```$|`(?P<inline>tailslap [^`\n]+)`", re.MULTILINE | re.DOTALL
-)
+BLOCK, INLINE = r"^```(?P<kind>\w*)\n(?P<body>.*?)^```$", r"`(?P<inline>tailslap [^`\n]+)`"
+FENCE = re.compile(f"{BLOCK}|{INLINE}", re.MULTILINE | re.DOTALL)
 FILE_NAME = re.compile(r"# (?P<name>[\w-]+\.(?:toml|py|csv))\n")
 PLACEHOLDER = re.compile(r"\b(?:SCENE|RESULT|NAME|KEY|DIR|FORMAT|COMMAND|SHELL|N|X)\b")
 BARE = ("tailslap scenes", "tailslap paper")
@@ -66,23 +65,15 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
         "--site-dir",
         str(tmp_path / "site"),
     ]
-    environment = {
-        "PATH": "/usr/bin:/bin",
-        "http_proxy": "http://127.0.0.1:9",
-        "https_proxy": "http://127.0.0.1:9",
-    }
+    nowhere = dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
+    environment = {"PATH": "/usr/bin:/bin"} | nowhere
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     site = tmp_path / "site"
     assert (site / "reference" / "scene" / "index.html").is_file()
     assert not (site / "generate.py").exists()
-    fetched = [
-        page
-        for page in site.rglob("*.html")
-        if re.search(
-            r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//', page.read_text(encoding="utf-8")
-        )
-    ]
+    link = r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//'
+    fetched = [page for page in site.rglob("*.html") if re.search(link, page.read_text(encoding="utf-8"))]
     assert fetched == []
 
 
@@ -94,10 +85,8 @@ def test_a_reference_is_as_the_program_is(name):
 def keys(model: type[SceneTable], prefix: str = "") -> list[str]:
     found = []
     for name, field in model.model_fields.items():
-        kinds = [
-            k for k in (field.annotation, *getattr(field.annotation, "__args__", ())) if inspect.isclass(k)
-        ]
-        table = next((k for k in kinds if issubclass(k, SceneTable)), None)
+        kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
+        table = next((k for k in kinds if inspect.isclass(k) and issubclass(k, SceneTable)), None)
         found += keys(table, f"{prefix}{name}.") if table else [f"{prefix}{name}"]
     return found
 
@@ -115,9 +104,8 @@ def test_every_key_of_a_scene_has_a_meaning_and_a_row():
 def test_every_column_of_a_history_has_a_row():
     for scene in ("paper-table-3", "impact-mash-tl4-sut"):
         for name, unit in tailslap.rigid(scene).history.units.items():
-            assert re.search(
-                rf"^\| `{name}` \| {re.escape(unit)} \| \S", PAGES["results.md"], re.MULTILINE
-            ), name
+            row = rf"^\| `{name}` \| {re.escape(unit)} \| \S"
+            assert re.search(row, PAGES["results.md"], re.MULTILINE), name
 
 
 def test_every_column_of_a_run_has_a_row():
@@ -164,9 +152,8 @@ def steps(page: Path) -> list[Step]:
 
 
 def commands_of(text: str) -> list[Step]:
-    lines = [
-        part.strip().removeprefix(".venv/bin/") for line in text.splitlines() for part in line.split(" && ")
-    ]
+    parts = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
+    lines = [part.removeprefix(".venv/bin/") for part in parts]
     return [
         Step("command", line)
         for line in lines
@@ -183,14 +170,8 @@ def shown() -> dict[str, list[Step]]:
 
 
 SHOWN = shown()
-LONG_COMMANDS = sorted(
-    {
-        step.text
-        for each in SHOWN.values()
-        for step in each
-        if step.kind == "command" and LONG.search(step.text)
-    }
-)
+COMMANDS = {step.text for each in SHOWN.values() for step in each if step.kind == "command"}
+LONG_COMMANDS = sorted(filter(LONG.search, COMMANDS))
 
 
 def do(step: Step, namespace: dict[str, Any]) -> None:
@@ -227,12 +208,8 @@ def test_a_long_command_runs(line, tmp_path, monkeypatch):
 
 
 def test_commands_and_code_are_found():
-    assert {
-        "docs/first-steps.md",
-        "docs/howto/python.md",
-        "docs/theory/rigid.md",
-        "README.md",
-    } <= SHOWN.keys()
+    shown = {"docs/first-steps.md", "docs/howto/python.md", "docs/theory/rigid.md", "README.md"}
+    assert shown <= SHOWN.keys()
     kinds = [step.kind for step in SHOWN["docs/howto/own-vehicle.md"]]
     assert kinds == ["file", "command", "command", "command", "file", "command", "command"]
     assert "tailslap study cost paper-table-3" in LONG_COMMANDS

@@ -1,7 +1,6 @@
-"""Verification: the largest eigenvalue against spectra that are known, and the bound that the time step is made from,
-against dense solutions.
-"""
+"""Verification: highest and lowest frequencies, modes and displacements of plates against exact and dense solutions."""
 
+import json
 import math
 from collections.abc import Callable
 from typing import Any
@@ -10,8 +9,18 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.plate import spectrum
+from fem import lazy
+from fem.modal import mode_kinds
+from fem.plate import elastic, spectrum
+from fem.plate import elastic as multigrid
+from fem.plate.elastic import ElasticSolver, FreeModes, Inverse, free_modes, lowest_frequency, most_modes
 from fem.plate.spectrum import Spectrum, hold_of, largest_eigenpair
+from fem.start.inertia_relief import relieved_fields
+from fem.start.rigid_state import RigidStart
+from meshes import plate_mesh
+from postprocess.figures.plates import draw_mode, mesh_edges
+from tailslap.cli import DONE, WRONG_INPUT, _status
+from tailslap.files.manifest import NAME as MANIFEST
 
 ANGLES = (0.26, 0.13, 0.0)
 MESHES = ((6, 3), (10, 3), (20, 6), (3, 12))
@@ -125,11 +134,272 @@ def test_time_step_has_the_same_digits_whatever_the_rounding(plate_model, monkey
         spectra = (spectrum.Spectrum(each.stiffness, each.loop.mass) for each in models)
         return np.array([each.stable_time_step() for each in spectra])
 
+    def noisy(values: np.ndarray) -> np.ndarray:
+        return values * (1.0 + 2e-16 * noise.choice((-1.0, 1.0), values.size))
+
     def rounded(product: Callable[[np.ndarray], np.ndarray], *given: Any) -> tuple[float, np.ndarray]:
-        return plain(
-            lambda vector: product(vector) * (1.0 + 2e-16 * noise.choice((-1.0, 1.0), vector.size)), *given
-        )
+        return plain(lambda vector: noisy(product(vector)), *given)
 
     exact = steps()
     monkeypatch.setattr(spectrum, "largest_eigenpair", rounded)
     assert 0.0 < np.abs(steps() / exact - 1.0).max() < 1e-10
+
+
+START = RigidStart(0.26, 0.707, 25.053)
+PLATES = (
+    {},
+    {"element": "quad9"},
+    {"element": "tri6"},
+    {"element": "quad4-reduced"},
+    {"poissons_ratio": 0.45},
+)
+
+
+def solver_of(model: Any) -> Inverse:
+    """A solver of its own, that has solved nothing."""
+    return Inverse(model.stiffness, model.loop.mass, model.discretisation.positions)
+
+
+@pytest.fixture
+def all_large(monkeypatch):
+    """Every plate counts as large, and has several levels."""
+    monkeypatch.setattr(elastic, "LARGE", 0)
+    monkeypatch.setattr(multigrid, "COARSEST", 30)
+
+
+@pytest.mark.usefixtures("all_large")
+@pytest.mark.parametrize("plate", PLATES, ids=str)
+def test_iteration_gives_what_a_factorisation_gives(plate_model, plate):
+    model = plate_model(elements=(40, 12), plate=plate)
+    solver, body = solver_of(model), model.discretisation.positions
+    masses = np.tile(model.loop.mass, 2)
+    load = masses * np.sin(3.0 * np.arange(masses.size) / masses.size)
+    rigid = elastic.rigid_motions(body)
+    load -= masses * (rigid @ np.linalg.solve(rigid.T @ (masses[:, None] * rigid), rigid.T @ load))
+    expected, found = solver.factorised(load), solver(load)
+    assert len(solver.multigrid._levels.levels) > 1
+    assert not np.array_equal(found, expected)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+
+
+@pytest.mark.usefixtures("all_large")
+def test_iteration_repeats_to_the_bit(plate_model):
+    model = plate_model(elements=(40, 12))
+    load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
+    np.random.seed(1)  # noqa: NPY002
+    first = solver_of(model)(load)
+    np.random.seed(2)  # noqa: NPY002
+    np.testing.assert_array_equal(first, solver_of(model)(load))
+
+
+@pytest.mark.parametrize("plate", PLATES, ids=str)
+def test_lowest_frequency_by_iteration(plate_model, plate, monkeypatch):
+    model = plate_model(elements=(40, 12), plate=plate)
+    expected = lowest_frequency(ElasticSolver(solver_of(model), 1.0))
+    monkeypatch.setattr(elastic, "LARGE", 0)
+    monkeypatch.setattr(Inverse, "factorised", None)
+    assert lowest_frequency(ElasticSolver(solver_of(model), 1.0)) == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.usefixtures("all_large")
+def test_without_convergence_a_factorisation_takes_over(plate_model, monkeypatch):
+    model = plate_model(elements=(40, 12))
+    load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
+    monkeypatch.setattr(multigrid, "MOST", 2)
+    solver = solver_of(model)
+    np.testing.assert_array_equal(solver(load), solver.factorised(load))
+
+
+def test_start_takes_two_loads_and_statics_none_more(plate_model, monkeypatch):
+    from fem.start.inertia_relief import elastic_energy, statics
+
+    loads = []
+    plain = Inverse._solved
+    monkeypatch.setattr(Inverse, "_solved", lambda self, load: loads.append(load) or plain(self, load))
+    lazy.forget()
+    model = plate_model(elements=(10, 3))
+    fields = relieved_fields(model, START)
+    statics(model, START)
+    elastic_energy(model, START)
+    assert len(loads) == 2
+    span = 1e-4
+    states = (RigidStart(0.26 - 0.707 * t, 0.707 + angular(model) * t, 25.053) for t in (span, -span))
+    late, early = (relieved_fields(model, state).elastic for state in states)
+    rate = (late - early) / (2.0 * span)
+    np.testing.assert_allclose(fields.rate, rate, rtol=0.0, atol=1e-5 * np.abs(rate).max())
+
+
+def angular(model: Any) -> float:
+    """Angular acceleration of the rigid body at the start [rad/s^2]."""
+    from fem.start.rigid_state import at_corner, rigid_accelerations
+
+    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
+    return rigid_accelerations(model, body, 0.26, 0.707, 25.053).angular
+
+
+STEEL = {"youngs_modulus": 200e9, "poissons_ratio": 0.3, "density": 7800.0}
+THICKNESS = 0.053
+
+
+def hertz(modes: FreeModes) -> np.ndarray:
+    return modes.frequencies / (2.0 * math.pi)
+
+
+def strip(plate_model: Callable[..., Any], depth: float, elements: tuple[int, int], **plate: Any) -> Any:
+    return plate_model(mesh=plate_mesh(10.0, depth, elements), plate=plate)
+
+
+def of_kind(model: Any, modes: FreeModes, kind: str) -> np.ndarray:
+    names = mode_kinds.mode_kinds(model, modes, THICKNESS).names
+    return hertz(modes)[[name == kind for name in names]]
+
+
+def test_a_slender_plate_bends_as_a_beam(plate_model):
+    """Depth a fiftieth of the length: 1.4e-3 below Euler and Bernoulli, which leaves Timoshenko 2e-5."""
+    model = strip(plate_model, 0.2, (100, 2), element="quad9")
+    found = hertz(free_modes(model, 3))
+    beam = mode_kinds.Beam(10.0, 0.2, **STEEL)
+    off = found / mode_kinds.euler_bernoulli_frequencies(beam, 3) - 1.0
+    assert -1.5e-3 < off[0] < -1.3e-3
+    assert np.abs(found / mode_kinds.timoshenko_frequencies(beam, 3) - 1.0).max() < 6e-5
+
+
+@pytest.mark.parametrize(("depth", "limit"), [(0.2, 1e-4), (0.5, 2e-4), (1.0, 6e-4), (2.438, 1.5e-3)])
+def test_bending_with_timoshenkos_correction(plate_model, depth, limit):
+    """First three bending modes; without the correction the third is off by up to 43 %."""
+    model = strip(plate_model, depth, (60, 4), element="quad9")
+    bending = of_kind(model, free_modes(model, 5), "bending")[:3]
+    beam = mode_kinds.Beam(10.0, depth, **STEEL)
+    assert np.abs(bending / mode_kinds.timoshenko_frequencies(beam, 3) - 1.0).max() < limit
+    assert np.all(bending < mode_kinds.euler_bernoulli_frequencies(beam, 3))
+
+
+def test_longitudinal_modes_of_a_thin_strip(plate_model):
+    """n c / (2 L); the sides draw in, which slows them by nu^2 B^2 (n pi / L)^2 / 24 (Rayleigh, Love)."""
+    model = strip(plate_model, 0.2, (100, 1), element="quad9")
+    found = of_kind(model, free_modes(model, 12), "longitudinal")
+    beam = mode_kinds.Beam(10.0, 0.2, **STEEL)
+    theory = mode_kinds.longitudinal_frequencies(beam, found.size)
+    assert found.size == 2
+    assert np.abs(found / theory - 1.0).max() < 1e-4
+    waves = np.arange(1, 3) * math.pi / 10.0
+    slowed = theory / np.sqrt(1.0 + 0.3**2 * 0.2**2 / 12.0 * waves**2)
+    assert np.abs(found / slowed - 1.0).max() < 2e-7
+
+
+@pytest.mark.parametrize("elements", [10, 20, 40])
+def test_exact_frequencies_of_a_lattice(plate_model, elements):
+    """Without Poisson's effect and with row-sum masses a row of quads is a chain: 2 c/h sin(n pi h / 2 L)."""
+    model = strip(plate_model, 1.0, (elements, 2), poissons_ratio=0.0, lumping="row-sum")
+    found = of_kind(model, free_modes(model, 16), "longitudinal")[:2]
+    size, speed = 10.0 / elements, math.sqrt(200e9 / 7800.0)
+    exact = 2.0 * speed / size * np.sin(np.array([1, 2]) * math.pi * size / 20.0) / (2.0 * math.pi)
+    assert found == pytest.approx(exact, rel=1e-11)
+
+
+def test_order_in_the_mesh(plate_model):
+    """Without Poisson's effect n c / (2 L) is exact for the plate; and bending against elements of second order."""
+    exact = math.sqrt(200e9 / 7800.0) / 20.0
+    fine = plate_model(elements=(80, 24), plate={"element": "quad9"})
+    bending = hertz(free_modes(fine, 1))[0]
+    errors = []
+    for n in (2, 4, 8):
+        model = plate_model(elements=(10 * n, 3 * n), plate={"poissons_ratio": 0.0})
+        along = of_kind(model, free_modes(model, 4), "longitudinal")[0]
+        bent = hertz(free_modes(plate_model(elements=(10 * n, 3 * n)), 1))[0]
+        errors.append((abs(along / exact - 1.0), abs(bent / bending - 1.0)))
+    slopes = np.diff(np.log2(errors), axis=0)
+    assert np.abs(slopes + 2.0).max() < 0.1, slopes
+    assert np.array(errors)[-1].max() < 4e-4
+
+
+@pytest.mark.parametrize("element", ["quad4", "quad4-reduced", "quad9", "tri3", "tri6"])
+def test_all_modes_against_lapack(plate_model, element):
+    model = plate_model(elements=(6, 2), plate={"element": element})
+    count = most_modes(model.loop.mass.size)
+    modes = free_modes(model, count)
+    masses = np.tile(model.loop.mass, 2)
+    squares = scipy.linalg.eigvalsh(model.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))
+    assert modes.frequencies**2 == pytest.approx(squares[3 : 3 + count], rel=1e-9)
+    shapes = np.concatenate([modes.rigid, modes.shapes]).reshape(3 + count, -1)
+    assert np.abs((shapes * masses) @ shapes.T - np.eye(3 + count)).max() < 1e-9
+    stiff = shapes @ (model.stiffness @ shapes.T) / modes.frequencies[-1] ** 2
+    squares = [0.0] * 3 + list(modes.frequencies**2 / modes.frequencies[-1] ** 2)
+    assert np.abs(stiff - np.diag(squares)).max() < 1e-9
+
+
+def test_three_modes_of_no_frequency(plate_model):
+    modes = free_modes(plate_model(), 4)
+    assert modes.rigid_frequencies.shape == (3,)
+    assert modes.rigid_frequencies.max() < 1e-6 * modes.frequencies[0]
+    for motion in modes.rigid:  # the distances of nodes do not change to first order: no strain
+        assert np.ptp(motion, axis=1).min() < 1.0
+
+
+def test_frequencies_go_with_the_root_of_the_modulus(plate_model):
+    one, four = (free_modes(plate_model(plate={"youngs_modulus": e}), 5).frequencies for e in (1e9, 4e9))
+    assert four == pytest.approx(2.0 * one, rel=1e-12)
+
+
+def test_kinds_add_up(plate_model):
+    """Each mode of the rectangle is symmetric or antisymmetric to rounding, also those of a distorted mesh nearly."""
+    model = plate_model()
+    kinds = mode_kinds.mode_kinds(model, free_modes(model, 10), THICKNESS)
+    assert np.minimum(kinds.symmetric, 1.0 - kinds.symmetric) == pytest.approx(0.0, abs=1e-9)
+    assert kinds.names[:5] == ("bending", "bending", "longitudinal", "bending", "longitudinal")
+    wide = plate_model(mesh=plate_mesh(4.0, 3.0, (8, 6)))
+    assert "transverse" in mode_kinds.mode_kinds(wide, free_modes(wide, 8), THICKNESS).names
+
+
+@pytest.mark.parametrize("count", [-1, 291])
+def test_too_many(plate_model, count):
+    with pytest.raises(ValueError, match="0 to 290"):
+        free_modes(plate_model(), count)
+
+
+def test_beam_theory():
+    """Known roots of cosh x cos x = 1; Timoshenko's correction falls with the square of the depth, and converges."""
+    known = np.array([4.7300407448627, 7.8532046240958, 10.9956078380017])
+    thin, thinner, stubby = (mode_kinds.Beam(10.0, depth, **STEEL) for depth in (0.2, 0.1, 5.0))
+    roots = mode_kinds.euler_bernoulli_frequencies(thin, 3) * 2.0 * math.pi * 10.0**2 * math.sqrt(12.0)
+    assert roots / (thin.wave_speed * thin.depth) == pytest.approx(known**2, rel=1e-12)
+    shares = [
+        1.0 - mode_kinds.timoshenko_frequencies(b, 3) / mode_kinds.euler_bernoulli_frequencies(b, 3)
+        for b in (thin, thinner)
+    ]
+    assert shares[0] / shares[1] == pytest.approx(4.0, rel=0.015)
+    more = mode_kinds.timoshenko_frequencies(stubby, 12)[:5]
+    assert mode_kinds.timoshenko_frequencies(stubby, 5) == pytest.approx(more, rel=1e-10)
+
+
+def test_edges_of_a_mesh():
+    edges, outline = mesh_edges(np.array([[0, 1, 4, 3], [1, 2, 5, 4]]))
+    assert (edges.tolist(), len(outline)) == ([[1, 4]], 6)
+
+
+def test_picture_is_svg_with_its_caption():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    picture = draw_mode("one", "first mode", square, np.array([[0, 1, 2, 3]]), 0.0 * square)
+    assert picture.svg.startswith("<svg")
+    assert 'aria-label="first mode"' in picture.svg
+
+
+def test_command(tmp_path, capsys):
+    out = tmp_path / "result"
+    assert _status(["modes", "paper-table-3", "--count", "6", "--out", str(out)]) == DONE
+    assert "bending 1" in capsys.readouterr().out
+    pictures = {f"mode-{number}.svg" for number in range(1, 7)}
+    assert {path.name for path in out.iterdir()} == {"report.html", "summary.json", MANIFEST} | pictures
+    summary = json.loads((out / "summary.json").read_text())
+    assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
+    assert abs(summary["modes"][0]["difference"]) < 6e-3
+    page = (out / "report.html").read_text()
+    assert page.count("<svg") == 6
+    assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
+
+
+@pytest.mark.parametrize("count", ["0", "-3", "291"])
+def test_wrong_count_writes_nothing(tmp_path, count):
+    out = tmp_path / "result"
+    assert _status(["modes", "paper-table-3", "--count", count, "--out", str(out)]) == WRONG_INPUT
+    assert not out.exists()

@@ -1,60 +1,69 @@
-"""Verification: the stability study calls each kind of cell by its name, and an interrupted study goes on."""
+"""Verification: cells of the study of stability are judged rightly, on its axes and at random, and are kept."""
 
 import contextlib
+import csv
 import json
 import math
 import operator
+import re
 import signal
 import sqlite3
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
+from itertools import combinations
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from test_sweep_run import alive, children
 
-from postprocess.report.report import write_report
+from postprocess.report.report import report_text, write_report
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
+from tailslap.case.checks import Check, advice
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.error import NumericalError
+from tailslap.case.cost import expected_effort
+from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted, Verbatim
-from tailslap.scene.read import read_scene
+from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.schema import Scene
-from tailslap.scene.vary import Changes, changed_tables
+from tailslap.scene.validate import validate
+from tailslap.scene.vary import Changes, changed_tables, vary
+from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute as study
-from tailslap.studies.stability.compute import MAP_KINDS, Found, axes_of, base_source, map_cells
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report
 
 COARSE = ("plate.elements=[10,3]",)
 
 
-def verdict(first: str, x: float, second: str, y: float, *changes: str) -> dict[str, Any]:
+def verdict_at(first: str, x: float, second: str, y: float, *changes: str) -> dict[str, Any]:
     scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
-    by_name = {axis.name: axis for axis in axes_of(scene, 3)}
+    by_name = {axis.name: axis for axis in study.axes_of(scene, 3)}
     return verdict_of(scene, {**by_name[first].changes(scene, x), **by_name[second].changes(scene, y)})
 
 
 def verdict_of(scene: Scene, changes: Changes) -> dict[str, Any]:
     tolerance = 1e-2 if scene.contact else 1e-3
-    return study.judge(base_source(scene), changes, partial(study.against_rigid, tolerance=tolerance))
+    return study.judge(study.base_source(scene), changes, partial(study.against_rigid, tolerance=tolerance))
 
 
 def test_eight_axes_with_ten_values_make_2800_cells():
     scene = read_scene("paper-table-3")[0]
-    assert len(map_cells(scene, axes_of(scene, 10))[0]) == 28 * 100
+    assert len(study.map_cells(scene, study.axes_of(scene, 10))[0]) == 28 * 100
     frictionless = read_scene("paper-abaqus", ("corner.constraint=exact",))[0]
-    assert {axis.name for axis in axes_of(frictionless, 10)}.isdisjoint({"friction", "penalty"})
+    assert {axis.name for axis in study.axes_of(frictionless, 10)}.isdisjoint({"friction", "penalty"})
 
 
 def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact():
     scene = read_scene("mash-tl4-sut")[0]
-    base = base_source(scene)
-    axes = tuple(axis for axis in axes_of(scene, 3) if axis.name in ("speed", "angle"))
-    cells, places = map_cells(scene, axes)
+    base = study.base_source(scene)
+    axes = tuple(axis for axis in study.axes_of(scene, 3) if axis.name in ("speed", "angle"))
+    cells, places = study.map_cells(scene, axes)
     changes = next(cells[key] for key, place in places.items() if place["first_value"] > 1.0)
     changed = changed_tables(base.given, changes)[0]
     assert changed["impact"]["speed"] == 10.0 * base.given["impact"]["speed"]
@@ -63,17 +72,17 @@ def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact():
     assert 0.2 < base.given["impact"]["angle"] < 0.3
 
 
-@pytest.mark.parametrize(
-    ("cell", "kind"),
-    [
-        (("stiffness", 1.0, "friction", 0.2), "right"),
-        pytest.param(("stiffness", 1e-4, "friction", 0.2), "flexible", marks=pytest.mark.long),
-        (("time step", 1.2, "friction", 0.2), "refused"),
-        (("stiffness", 1e-4, "penalty", 0.01), "caught"),
-    ],
-)
+CELLS = [
+    (("stiffness", 1.0, "friction", 0.2), "right"),
+    pytest.param(("stiffness", 1e-4, "friction", 0.2), "flexible", marks=pytest.mark.long),
+    (("time step", 1.2, "friction", 0.2), "refused"),
+    (("stiffness", 1e-4, "penalty", 0.01), "caught"),
+]
+
+
+@pytest.mark.parametrize(("cell", "kind"), CELLS)
 def test_each_kind_of_cell(cell, kind):
-    assert verdict(*cell)["kind"] == kind
+    assert verdict_at(*cell)["kind"] == kind
 
 
 def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed():
@@ -81,19 +90,18 @@ def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed():
     scene = read_scene("paper-table-3")[0]
     strip = {"vehicle.width": 0.46415888336127774, "plate.youngs_modulus": 0.000774263682681127 * 2e11}
     found = verdict_of(scene, strip)
-    assert found["kind"] == "flexible"
-    assert found["difference"] == pytest.approx(0.0358, rel=0.01)
+    assert (found["kind"], found["difference"]) == ("flexible", pytest.approx(0.0358, rel=0.01))
     assert found["error"] < 5e-4
 
 
 @pytest.mark.long
 def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch):
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
-    soft_spring = verdict("stiffness", 1e-4, "penalty", 0.01)
+    soft_spring = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
     assert "its own numerical error" in soft_spring["reason"]
     monkeypatch.setattr("tailslap.case.corner.checks.Evidence.error", NumericalError(*7 * [0.0]))
-    unaware = verdict("stiffness", 1e-4, "penalty", 0.01)
+    unaware = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert unaware["kind"] == "wrong"
     assert "changes it by" in unaware["reason"]
 
@@ -112,7 +120,7 @@ def test_a_program_that_breaks_has_not_refused(monkeypatch):
         raise ZeroDivisionError("boom")
 
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
-    broken = verdict("stiffness", 1.0, "friction", 0.2)
+    broken = verdict_at("stiffness", 1.0, "friction", 0.2)
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
@@ -121,19 +129,18 @@ TRUCK = "impact-mash-tl4-sut"
 
 def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene():
     scene = read_scene(TRUCK)[0]
-    axes = {axis.name: axis for axis in axes_of(scene, 6)}
-    assert len(map_cells(scene, axes_of(scene, 6))[0]) == 28 * 36
+    axes = {axis.name: axis for axis in study.axes_of(scene, 6)}
+    assert len(study.map_cells(scene, study.axes_of(scene, 6))[0]) == 28 * 36
     stiffness = axes["contact stiffness"].values
     assert (stiffness[0], stiffness[-1]) == (pytest.approx(1e4), pytest.approx(1e9))
     ends = [axes[name].values[-1] for name in ("restitution", "friction", "angle")]
     assert ends == [1.0, 2.0, pytest.approx(85.0)]
-    assert [next(iter(axis.changes(scene, axis.values[0]))) for axis in axes.values()] == [
-        *("contact.stiffness", "contact.restitution", "contact.friction", "impact.angle", "impact.speed"),
-        *("plate.youngs_modulus", "time.safety_factor", "vehicle.width"),
-    ]
+    keys = [next(iter(axis.changes(scene, axis.values[0]))) for axis in axes.values()]
+    assert keys[:4] == ["contact.stiffness", "contact.restitution", "contact.friction", "impact.angle"]
+    assert keys[4:] == ["impact.speed", "plate.youngs_modulus", "time.safety_factor", "vehicle.width"]
     stiff = read_scene(TRUCK, ("contact.stiffness=", "contact.restitution=", "contact.enforcement=exact"))[0]
     absent = {"contact stiffness", "restitution", "penalty"}
-    assert {axis.name for axis in axes_of(stiff, 6)}.isdisjoint(absent)
+    assert {axis.name for axis in study.axes_of(stiff, 6)}.isdisjoint(absent)
 
 
 @pytest.mark.long
@@ -151,35 +158,31 @@ def impact(impulse: float, error: float, passed: bool = True, corner: str = "rea
 
     def answer(corner: str, impulse: float) -> Any:
         strikes = [("front", 1.0), (corner, 1.0 + impulse)]
-        return SimpleNamespace(
-            strikes=[SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
-        )
+        found = [SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
+        return SimpleNamespace(strikes=found)
 
     plate = SimpleNamespace(element="quad9", counts=(4, 2))
+    case = SimpleNamespace(scene=read_scene(TRUCK)[0])
+    difference = {"strike_1.impulse": 0.0, "strike_2.impulse": impulse, "strike_2.duration": 9.0}
     return SimpleNamespace(
-        fe=answer(corner, impulse),
-        rigid=answer("rear", 0.0),
-        difference={"strike_1.impulse": 0.0, "strike_2.impulse": impulse, "strike_2.duration": 9.0},
-        mesh_error={"strike_2.impulse": error},
-        passed=passed,
+        **{"fe": answer(corner, impulse), "rigid": answer("rear", 0.0), "difference": difference},
+        **{"mesh_error": {"strike_2.impulse": error}, "passed": passed},
         checks=(SimpleNamespace(name="mesh", passed=passed),),
-        fe_plan=SimpleNamespace(plate=plate, case=SimpleNamespace(scene=read_scene(TRUCK)[0])),
+        fe_plan=SimpleNamespace(plate=plate, case=case),
     )
 
 
-@pytest.mark.parametrize(
-    ("own", "refined", "kind"),
-    [
-        (impact(5e-3, 0.0), None, "right"),
-        (impact(0.1, 0.0, passed=False), None, "caught"),
-        (impact(0.1, 0.0), None, "wrong"),
-        (impact(0.1, 0.0), impact(0.1, 0.0), "flexible"),
-        (impact(0.1, 0.01), impact(0.14, 0.0), "flexible"),
-        (impact(0.1, 0.01), impact(0.16, 0.0), "wrong"),
-        (impact(0.1, 0.0), impact(0.1, 0.0, corner="front"), "wrong"),
-        (impact(0.0, 0.0, corner="front"), None, "wrong"),
-    ],
-)
+IMPACTS = [
+    *((impact(5e-3, 0.0), None, "right"), (impact(0.1, 0.0, passed=False), None, "caught")),
+    *((impact(0.1, 0.0), None, "wrong"), (impact(0.1, 0.0), impact(0.1, 0.0), "flexible")),
+    (impact(0.1, 0.01), impact(0.14, 0.0), "flexible"),
+    (impact(0.1, 0.01), impact(0.16, 0.0), "wrong"),
+    (impact(0.1, 0.0), impact(0.1, 0.0, corner="front"), "wrong"),
+    (impact(0.0, 0.0, corner="front"), None, "wrong"),
+]
+
+
+@pytest.mark.parametrize(("own", "refined", "kind"), IMPACTS)
 def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
     """Right near the rigid vehicle; beyond, the refined model decides, within tolerance and three claimed errors."""
     monkeypatch.setattr(study, "refined_run", lambda case, changes: refined)
@@ -263,16 +266,15 @@ def test_parts_that_the_journal_has_are_not_run_again(journal):
 
 def test_page_and_summary_say_what_was_found(tmp_path):
     case = CornerCase(*read_scene("paper-table-3"))
-    axes = axes_of(case.scene, 2)[:2]
-    cells, places = map_cells(case.scene, axes)
-    verdicts = (
-        study.verdict("right"),
-        study.verdict("caught", failed="energy balance, mesh"),
-        study.verdict("refused", reason="k: given 3; allowed less"),
-        study.verdict("wrong", reason="x"),
+    axes = study.axes_of(case.scene, 2)[:2]
+    cells, places = study.map_cells(case.scene, axes)
+    caught = study.verdict("caught", failed="energy balance, mesh")
+    refused = study.verdict("refused", reason="k: given 3; allowed less")
+    verdicts = (study.verdict("right"), caught, refused, study.verdict("wrong", reason="x"))
+    rows = {key: places[key] | verdict_at for key, verdict_at in zip(cells, verdicts, strict=True)}
+    found = study.Found(
+        case, study.base_source(case.scene), axes, {"tolerance": 1e-3}, study.MAP_KINDS, cells, rows, 1.0
     )
-    rows = {key: places[key] | verdict for key, verdict in zip(cells, verdicts, strict=True)}
-    found = Found(case, base_source(case.scene), axes, {"tolerance": 1e-3}, MAP_KINDS, cells, rows, 1.0)
     assert "1 are wrong without" in headline(found)
     assert caught_by(found) == {"energy balance": 1, "mesh": 1}
     assert refused_by(found) == {"k: allowed less": 1}
@@ -296,11 +298,8 @@ def test_page_and_summary_say_what_was_found(tmp_path):
 def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(tmp_path, sent):
     """Two parts sleep for ten minutes; the study ends at once, however it is ended, and its workers with it."""
     code = (
-        "import time\n"
-        "from pathlib import Path\n"
-        "from tailslap.campaign.engine import run_parts\n"
-        "from tailslap.campaign.records import Journal\n"
-        "if __name__ == '__main__':\n"
+        "import time\nfrom pathlib import Path\nfrom tailslap.campaign.engine import run_parts\n"
+        "from tailslap.campaign.records import Journal\nif __name__ == '__main__':\n"
         "    parts = {'short': (0.0,), 'long': (600.0,), 'longer': (600.0,)}\n"
         f"    with Journal(Path({str(tmp_path / 'out')!r}), {{}}) as journal:\n"
         "        run_parts(time.sleep, parts, journal, 'x', workers=2)\n"
@@ -308,37 +307,20 @@ def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(tmp_pat
     script = tmp_path / "script.py"
     script.write_text(code)
     journal = tmp_path / ".out.journal"
-    study = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.PIPE, text=True)
     for _ in range(4800):
         if journal.is_file() and count(journal):
             break
         time.sleep(0.05)
-    below = children(study.pid)
+    below = children(process.pid)
     assert len(below) >= 2
     began = time.monotonic()
-    study.send_signal(sent)
-    _, error = study.communicate(timeout=120)
+    process.send_signal(sent)
+    _, error = process.communicate(timeout=120)
     while any(map(alive, below)):
         assert time.monotonic() - began < 120.0
         time.sleep(0.05)
-    assert ("1 parts are kept" in error) == (sent == signal.SIGINT)
-    assert count(journal) == 1
-
-
-def children(pid: int) -> list[int]:
-    """Processes that this one has started, and those that they have."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
-                found.append(int(path.parent.name))
-    return [*found, *(below for child in found for below in children(child))]
-
-
-def alive(pid: int) -> bool:
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    return False
+    assert ("1 parts are kept" in error, count(journal)) == (sent == signal.SIGINT, 1)
 
 
 @pytest.mark.long
@@ -356,3 +338,339 @@ def raising(number: int) -> int:
         time.sleep(1.0)
         raise InputError("SCENE", Verbatim(f"nothing-{number}"), "x")
     return number
+
+
+SCENE = read_scene("mash-tl4-sut")[0]
+BASE = study.base_source(SCENE)
+DRAWN = [changed_tables(BASE.given, study.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
+
+
+def test_a_draw_is_known_by_seed_and_number():
+    assert study.draw(SCENE, BASE, 1, 7) == study.draw(SCENE, BASE, 1, 7) != study.draw(SCENE, BASE, 2, 7)
+    assert DRAWN[7] != DRAWN[8]
+
+
+@pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
+def test_draws_are_scenes_that_can_be_planned_and_afforded(scene):
+    own = read_scene(scene)[0]
+    base = study.base_source(own)
+    for number in range(20):
+        plan = CornerCase(*vary(base, study.draw(own, base, 3, number)))
+        assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
+
+
+def test_a_third_starts_unstressed_and_the_others_share_the_rest():
+    starts = [tables["plate"]["start"] for tables in DRAWN]
+    kinds = ("unstressed", "inertia-relief", "inertia-relief-momenta")
+    assert {name: starts.count(name) for name in starts} == dict.fromkeys(kinds, 30)
+
+
+def test_every_choice_of_the_scene_is_drawn():
+    def seen(table: str, key: str) -> set[Any]:
+        return {tables.get(table, {}).get(key, "open") for tables in DRAWN}
+
+    assert seen("plate", "element") == {"open", *study.ELEMENTS}
+    assert seen("corner", "constraint") == {"open", "penalty", "exact"}
+    assert seen("corner", "reaction") == {"drag", "none", "signed"}
+    assert seen("plate", "lumping") == {"open", "row-sum"}
+    assert seen("material", "law") == {"open", "neo-hookean"}
+    assert seen("damping", "kind") == {"open", "none"}
+    for table, key in (("plate", "elements"), ("damping", "ratio"), ("damping", "bulk_viscosity")):
+        assert "open" in seen(table, key)
+        assert len(seen(table, key)) > 1
+    for key in ("patch_length", "penalty_scale", "damping_ratio"):
+        assert len(seen("corner", key)) > 5
+    assert len(seen("plate", "first_frequency")) > 10
+
+
+def test_cells_of_a_combination_share_choices_and_nothing_else():
+    """What is compiled for one serves the others; starts, which need no code of their own, go round."""
+    cells = [study.draw(SCENE, BASE, 1, 5 + k * study.COMBINATIONS) for k in range(6)]
+    chosen = study.choices_of(1, 5, 0)
+    for key in ("corner.reaction", "material.law", "plate.lumping"):
+        assert len({cell.get(key) for cell in cells}) == 1
+    assert {cell["corner.reaction"] for cell in cells} == {chosen["reaction"]}
+    assert {"corner.patch_length" in cell for cell in cells} == {chosen["patch"]}
+    assert len({cell["plate.start"] for cell in cells}) == 3
+    assert len({cell["vehicle.length"] for cell in cells}) == 6
+
+
+def test_nearly_any_two_choices_meet():
+    drawn = [study.choices_of(1, number, 0).items() for number in range(study.COMBINATIONS)]
+    values = {item for choices in drawn for item in choices}
+    pairs = {frozenset(pair) for choices in drawn for pair in combinations(choices, 2)}
+    possible = {frozenset(pair) for pair in combinations(values, 2) if pair[0][0] != pair[1][0]}
+    assert len(pairs) > 0.93 * len(possible)
+
+
+def test_a_scene_without_possible_draws_is_refused(monkeypatch):
+    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_STEPS", 10)
+    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_TRIES", 5)
+    with pytest.raises(InputError, match="none of 5 draws"):
+        study.draw(SCENE, BASE, 1, 0)
+
+
+def test_a_draw_read_from_its_file_is_the_same_scene():
+    for tables in DRAWN:
+        assert vary(source_of_text(scene_file(tables, "x")), {})[0] == validate(tables)
+
+
+def five(value: float) -> dict[str, float]:
+    return {"t": value, "v_gx": 0.0, "v_gy": -value, "omega": 0.5 * value, "slide": value}
+
+
+VERDICTS = [
+    *((0.10, (), 0.11, "right"), (0.10, (), 0.13, "right"), (0.10, (), 0.05, "wrong")),
+    *((0.0021, (), 0.0005, "wrong"), (0.0010, (), 0.0005, "right")),
+    (0.10, ("reaction against rigid",), 0.105, "reaction only"),
+    (0.10, ("reaction against rigid",), 0.12, "caught"),
+    *((0.10, ("mesh", "mean residual"), 0.105, "good but failed"), (0.10, ("mesh",), 0.12, "caught")),
+    *((0.10, ("mesh",), 0.5, "caught"), (0.10, (), None, "unjudged")),
+    *((0.10, ("mesh",), None, "unjudged"), (None, ("tail-slap reached",), None, "caught")),
+    *((None, (), None, "wrong"), (float("nan"), (), 0.1, "wrong")),
+    (float("inf"), ("finite numbers",), 0.1, "caught"),
+]
+
+
+@pytest.mark.parametrize(("found", "failed", "truth", "kind"), VERDICTS)
+def test_verdicts(found, failed, truth, kind):
+    reference = None if truth is None else study.Reference(five(truth), "quad9", 1.0, ({}, {}))
+    graded = study.grade({} if found is None else five(found), failed, reference, 0.0)
+    assert (graded["kind"], graded["failed"]) == (kind, ", ".join(failed))
+
+
+def test_the_distance_is_that_of_the_quantity_that_is_farthest_off():
+    graded = study.grade(
+        five(0.01) | {"omega": 0.5}, (), study.Reference(five(0.01), "quad9", 1.0, ({}, {})), 0.0
+    )
+    assert graded["distance"] == pytest.approx(0.495)
+    assert graded["allowed"] == pytest.approx(1e-3 + 0.25 * 0.01)
+
+
+def test_what_is_right_by_chance_is_not_right_beyond_doubt():
+    """Oscillations that agree at the strike, and lie apart before it: a check that fails for it has its reason."""
+    reference = study.Reference(five(0.1), "quad9", 1.0, ({}, {}))
+    kinds = [
+        study.grade(five(0.1), ("numerical error",), reference, apart)["kind"] for apart in (0.008, 0.009)
+    ]
+    assert kinds == ["good but failed", "caught"]
+    assert study.grade(five(0.1), (), reference, 0.5)["kind"] == "right"
+
+
+@pytest.mark.parametrize(("other", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")])
+def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
+    """One may agree by chance, and where there is no other there is doubt."""
+    outcome = CornerCase(*vary(SMALL, {})).run()
+    histories = outcome.fe_history, outcome.rigid_history
+    mesh = Check.at_most("mesh", 1.0, 0.0, "made to fail")
+    failed = replace(outcome, difference=five(0.1), checks=(mesh,))
+    first = study.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
+    second = None if other is None else study.Reference(five(other), "quad9 20 x 6", 1.0, histories)
+    found = {study.FINER: iter([first]), study.FINEST: iter([first, second] if second else [first])}
+    monkeypatch.setattr(study, "references", lambda cell, plate, finest: found[finest])
+    assert study.against_reference(failed)["kind"] == kind
+
+
+def test_a_second_reference_is_another_model():
+    plate = vary(SMALL, {})[0].needed_plate
+    assert next(study.references(SMALL, plate, study.FINER)).model == "quad9 15 x 5"
+    assert [found.model for found in study.references(SMALL, plate, study.FINEST)][:2] == [
+        "quad9 20 x 6",
+        "quad9 10 x 3",
+    ]
+
+
+def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
+    asked = []
+
+    def noted(plate: Any, finer: float, ratio: float = 0.0) -> Any:
+        asked.append(ratio)
+        raise InputError("plate.elements", finer, "no model")
+
+    monkeypatch.setattr("tailslap.studies.stability.compute.reference_changes", noted)
+    for start, damped in (("inertia-relief", True), ("unstressed", False)):
+        asked.clear()
+        plate = vary(SMALL, {"plate.start": start})[0].plate
+        assert plate is not None
+        assert next(study.references(SMALL, plate, study.FINER), None) is None
+        assert any(asked) is damped
+
+
+SMALL = study.base_source(
+    read_scene("paper-table-3", ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa"))[0]
+)
+"""A cell that runs at once, of a plate soft enough to matter."""
+
+
+def verdict_by_reference(changes: Changes) -> dict[str, Any]:
+    return study.judge(SMALL, changes, study.against_reference)
+
+
+def test_a_refined_model_is_the_same_plate_held_exactly():
+    plate_keys = {"element": "quad4-reduced", "distortion": 0.1, "start": "unstressed"}
+    corner_keys = {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
+    changes = {f"plate.{key}": value for key, value in plate_keys.items()}
+    changes |= {f"corner.{key}": value for key, value in corner_keys.items()}
+    own, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
+    plate = own.plate
+    assert plate is not None
+    refined = vary(cell, study.reference_changes(plate, 1.5))[0]
+    assert refined.plate is not None
+    assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
+    assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
+    assert refined.material == own.material
+    assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
+    calmed = vary(cell, study.reference_changes(plate, 1.5, 0.05))[0]
+    assert calmed.damping is not None
+    assert calmed.damping.ratio == 0.05
+
+
+def test_a_refined_mesh_has_its_limit():
+    plate = vary(SMALL, {})[0].needed_plate
+    plates = {counts: plate.model_copy(update={"elements": counts}) for counts in ((10, 4), (40, 12))}
+    refined = {counts: study.reference_changes(p, 1.5)["plate.elements"] for counts, p in plates.items()}
+    assert refined[10, 4] == (15, 6)
+    along, across = refined[40, 12]
+    assert along * across <= 1.1 * study.MAX_ELEMENTS
+
+
+@pytest.mark.long
+def test_a_right_cell_and_a_spring_too_soft():
+    assert verdict_by_reference({"plate.element": "quad9"})["kind"] == "right"
+    assert verdict_by_reference({"corner.penalty_scale": 0.01})["kind"] == "caught"
+
+
+def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch):
+    monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
+    assert verdict_by_reference({"corner.penalty_scale": 0.01})["kind"] == "wrong"
+
+
+@pytest.mark.long
+def test_refused_broken_and_unjudged_cells(monkeypatch):
+    assert verdict_by_reference({"plate.element": "hexagon"})["kind"] == "refused"
+    monkeypatch.setattr(study, "references", lambda *arguments: iter(()))
+    assert verdict_by_reference({})["kind"] == "unjudged"
+
+    def breaks(*arguments: Any) -> None:
+        raise ZeroDivisionError("boom")
+
+    monkeypatch.setattr(study, "references", breaks)
+    assert verdict_by_reference({})["reason"] == "reference broke: ZeroDivisionError: boom"
+    monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
+    broken = verdict_by_reference({})
+    assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
+
+
+def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted():
+    outcome = CornerCase(*vary(SMALL, {})).run()
+    assert study.trustworthy(outcome)
+    ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
+    assert study.trustworthy(replace(outcome, checks=(ringing,)))
+    for name in ("energy balance", "friction work", "contact work"):
+        failed = Check.at_most(name, 1.0, 0.0, "made to fail")
+        assert not study.trustworthy(replace(outcome, checks=(failed,)))
+    for energy in (1.0, 2.0):  # over that of the start: twice as much has come from friction
+        swings = Check.at_most("oscillation", energy, 9.0, "made to pass")
+        assert study.trustworthy(replace(outcome, checks=(swings,))) == (energy < 1.25)
+    assert not study.trustworthy(replace(outcome, error=replace(outcome.error, damping=0.1)))
+    assert not study.trustworthy(replace(outcome, difference={}))
+
+
+def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
+    plate = vary(SMALL, {})[0].plate
+    assert plate is not None
+    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_REFERENCE_S", 0.0)
+    assert not list(study.references(SMALL, plate, study.FINER))
+
+
+def campaign_of(*kinds: str) -> study.Found:
+    case = CornerCase(*read_scene("mash-tl4-sut"))
+    failed, cells, rows = {"caught": "mesh, time step", "good but failed": "mesh"}, {}, {}
+    for number, kind in enumerate(kinds):
+        key = f"{number:04d}"
+        cells[key] = study.draw(SCENE, BASE, 1, number)
+        rows[key] = {"number": number, **study.flat(DRAWN[number])}
+        rows[key] |= study.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
+    return study.Found(case, BASE, (), {"seed": 1}, study.RANDOM_KINDS, cells, rows, 1.0)
+
+
+def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
+    made = report(campaign_of(*study.RANDOM_KINDS))
+    write_report(made, tmp_path)
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"report.html", "cells.csv", "summary.json", "cell-0002.toml", "cell-0006.toml"}
+    assert json.loads((tmp_path / "summary.json").read_text())["counts"] == dict.fromkeys(
+        study.RANDOM_KINDS, 1
+    )
+    with (tmp_path / "cells.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == list(study.RANDOM_KINDS)
+    assert "time.safety_factor" in rows[list(study.RANDOM_KINDS).index("caught")]["what could be changed"]
+    assert float(rows[0]["vehicle.length"]) == study.flat(DRAWN[0])["vehicle.length"]
+    page = (tmp_path / "report.html").read_text()
+    assert "unjudged" in page
+    assert "failed</span>" in page
+    assert re.search("0006 +wrong", report_text(made, tmp_path))
+
+
+@pytest.mark.long
+def test_a_cells_file_can_be_run(tmp_path):
+    found = campaign_of("wrong")._replace(base=SMALL, cells={"0000": {}})
+    write_report(report(found), tmp_path)
+    assert CornerCase(*read_scene(str(tmp_path / "cell-0000.toml"))).run().fe
+
+
+def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatch):
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
+    case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
+    found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [changed_tables(found.base.given, cell)[0] for cell in found.cells.values()] == DRAWN[:4]
+    assert (len(found.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
+
+
+def all_right(stop_at: str = "") -> Any:
+    """Instead of run_parts: every part that the journal lacks is right; an interrupt at the key `stop_at`."""
+
+    def run(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+        for key in parts:
+            if key == stop_at:
+                raise KeyboardInterrupt
+            if key not in journal.records:
+                journal.add(key, study.verdict("right", steps=len(parts)))
+
+    return run
+
+
+def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
+    case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
+    with pytest.raises(Interrupted, match="2 parts are kept"):
+        study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
+    found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [row["steps"] for row in found.rows.values()] == [3, 3, 4, 4]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("arguments", "folder", "cells"),
+    [(("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112)],
+)
+def test_map_and_random_cells_have_folders_of_their_own(tmp_path, monkeypatch, arguments, folder, cells):
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
+    monkeypatch.chdir(tmp_path)
+    assert _status(["study", "stability", "paper-table-3", *arguments]) == 0
+    summary = json.loads((tmp_path / "results" / folder / "summary.json").read_text())
+    assert (summary["cells"], summary["counts"]["right"], summary["passed"]) == (cells, cells, True)
+
+
+@pytest.mark.parametrize("start", ["inertia-relief", "unstressed"])
+def test_every_check_has_advice(start):
+    scene, source = vary(SMALL, {"plate.start": start, "verify.tolerance": 1e-3})
+    names = {check.name for check in CornerCase(scene, source).run().checks}
+    assert names <= {name for name, kind in CHECKS.items() if kind.advice}
+
+
+def test_advice_says_each_thing_once():
+    assert advice(CHECKS, ["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
+    assert advice(CHECKS, ["penetration", "time step"]).endswith("; a smaller time.safety_factor")

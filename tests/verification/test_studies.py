@@ -29,20 +29,13 @@ def heavier(case: Case, place: Path, factor: float) -> list[dict[str, Any]]:
 
 def masses_report(found: list[dict[str, Any]]) -> Report:
     table = Table((Column("what", "Vehicle"), Column("mass", "Mass", "kg", form=".5g")), found)
-    page = Page(
-        "Masses", "a toy", "Two masses.", (Section("Masses", tables=(table,)),), "", passed=len(found) == 2
-    )
+    section = Section("Masses", tables=(table,))
+    page = Page("Masses", "a toy", "Two masses.", (section,), "", passed=len(found) == 2)
     return Report(page, {"masses": found}, (table,), {"masses.csv": table})
 
 
-TOY = Study(
-    name="toy",
-    summary="Masses of a vehicle.",
-    compute=heavier,
-    report=masses_report,
-    options=(click.Option(["--factor"], type=float, default=2.0),),
-    needs_plate=False,
-)
+FACTOR = click.Option(["--factor"], type=float, default=2.0)
+TOY = Study("toy", "Masses of a vehicle.", heavier, masses_report, options=(FACTOR,), needs_plate=False)
 
 
 @pytest.fixture
@@ -100,10 +93,8 @@ def test_a_name_is_taken_once():
 
 def test_a_study_is_found_by_its_folder(tmp_path, monkeypatch, capsys):
     (tmp_path / "demo").mkdir()
-    (tmp_path / "demo" / "__init__.py").write_text(
-        "from tailslap.studies.study import Study\n"
-        "STUDY = Study('demo', 'A demonstration.', 'json:loads', 'json:dumps')\n"
-    )
+    study = "STUDY = Study('demo', 'A demonstration.', 'json:loads', 'json:dumps')\n"
+    (tmp_path / "demo" / "__init__.py").write_text(f"from tailslap.studies.study import Study\n{study}")
     monkeypatch.setattr(tailslap.studies, "__path__", [*tailslap.studies.__path__, str(tmp_path)])
     assert _status(["study", "demo", "--help"]) == 0
     assert "A demonstration." in capsys.readouterr().out

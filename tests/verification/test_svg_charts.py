@@ -1,15 +1,25 @@
-"""Verification: ticks of charts are round and in range, places are those of the values, and all of it is XML."""
+"""Verification: charts are XML with round ticks, and show the numbers that they are given where they belong."""
 
+import itertools
+import math
 import re
-import xml.etree.ElementTree as ElementTree
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from postprocess.svg.chart import Axis, Plot, draw_chart
-from postprocess.svg.drawing import PALETTE
-from postprocess.svg.marks import Layer, Level, Line, Span, Swatch, Words
+from postprocess.figures import loglog
+from postprocess.figures import rows as bars
+from postprocess.figures.histories import draw_histories, power_of_ten, thinned
+from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings, draw_mode
+from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.drawing import PALETTE, text_width
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Shades, Span, Swatch, Words, cells_about
 from postprocess.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
+from postprocess.units import SI
+from tailslap.scene.read import read_scene
+from tailslap.studies.stability.compute import MAP_KINDS as KINDS
+from tailslap.studies.stability.compute import axes_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 X = np.linspace(0.0, 2.0, 5)
@@ -35,17 +45,14 @@ def test_ticks_are_round_and_in_range(low, span):
     assert low - 1e-6 * span <= ticks[0] <= ticks[-1] <= low + (1.0 + 1e-6) * span
 
 
-@pytest.mark.parametrize(
-    ("ticks", "texts"),
-    [
-        ([-0.5, 0.0, 0.5], ["−0.5", "0.0", "0.5"]),
-        ([0.0, 200.0], ["0", "200"]),
-        ([0.0, 2e-6, 4e-6], ["0", "2×10⁻⁶", "4×10⁻⁶"]),
-        ([0.0, 1e6, 2e6], ["0", "10⁶", "2×10⁶"]),
-        ([0.25], ["0.2"]),
-        ([23.28, 23.30], ["23.28", "23.30"]),
-    ],
-)
+TICKS = [
+    *(([-0.5, 0.0, 0.5], ["−0.5", "0.0", "0.5"]), ([0.0, 200.0], ["0", "200"])),
+    *(([0.0, 2e-6, 4e-6], ["0", "2×10⁻⁶", "4×10⁻⁶"]), ([0.0, 1e6, 2e6], ["0", "10⁶", "2×10⁶"])),
+    *(([0.25], ["0.2"]), ([23.28, 23.30], ["23.28", "23.30"])),
+]
+
+
+@pytest.mark.parametrize(("ticks", "texts"), TICKS)
 def test_texts_of_ticks(ticks, texts):
     if len(ticks) > 1:
         assert tick_texts(ticks) == texts
@@ -70,8 +77,7 @@ def test_logarithmic_scales():
 
 def test_ranges():
     assert fitted(0.0, 1.0, 0.05) == pytest.approx((-0.05, 1.05))
-    assert fitted(7.0, 7.0) == pytest.approx((6.3, 7.7))
-    assert fitted(0.0, 0.0) == (-1.0, 1.0)
+    assert (fitted(7.0, 7.0), fitted(0.0, 0.0)) == (pytest.approx((6.3, 7.7)), (-1.0, 1.0))
     assert fitted(np.inf, -np.inf) == (0.0, 1.0)
 
 
@@ -94,30 +100,23 @@ def test_points_are_where_their_values_are():
     found = places(root, "FE")
     np.testing.assert_allclose(low + (found[:, 0] - left) / (right - left) * (high - low), X, atol=1e-4)
     assert (found[:, 1].min() > top, found[:, 1].max() < bottom) == (True, True)
-    tick = {
-        "".join(each.itertext()): float(each.get("y", "nan")) - 4.0
-        for each in root.iter(SVG + "text")
-        if each.get("text-anchor") == "end"
-    }
-    assert found[-1, 1] == pytest.approx(tick["4"], abs=0.02)
-    assert found[0, 1] == pytest.approx(tick["0"], abs=0.02)
+    ends = [each for each in root.iter(SVG + "text") if each.get("text-anchor") == "end"]
+    tick = {"".join(each.itertext()): float(each.get("y", "nan")) - 4.0 for each in ends}
+    assert found[[-1, 0], 1] == pytest.approx([tick["4"], tick["0"]], abs=0.02)
 
 
 def test_words_are_escaped_and_subscripts_set():
     root = chart(Line("a < b & c", X, X), Words("v_GY", 1.0, 1.0))
     assert root.get("aria-label") == 'a "caption" < b'
-    said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
-    assert "a < b & c" in said
-    assert sum(each.text == "GX" for each in root.iter(SVG + "tspan")) == 1
-    assert sum(each.text == "GY" for each in root.iter(SVG + "tspan")) == 1
+    assert "a < b & c" in ["".join(each.itertext()) for each in root.iter(SVG + "text")]
+    assert sorted(each.text for each in root.iter(SVG + "tspan") if each.text in ("GX", "GY")) == ["GX", "GY"]
 
 
 def test_gaps_are_gaps():
     y = np.array([0.0, 1.0, np.nan, 2.0, 3.0])
     root = chart(Line("FE", X, y))
     (path,) = [each for each in root.iter() if each.get("data-label") == "FE"]
-    assert path.get("d", "").count("M") == 2
-    assert path.get("data-values") == "0 1 2 3"
+    assert (path.get("d", "").count("M"), path.get("data-values")) == (2, "0 1 2 3")
 
 
 def test_levels_stay_in_the_picture_and_clear_of_each_other():
@@ -132,12 +131,15 @@ def test_levels_stay_in_the_picture_and_clear_of_each_other():
 
 
 def test_the_legend_names_what_is_drawn_once():
-    root = chart(
-        Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X), Swatch("60 kN", "#123456")
+    marks = (
+        Span("front", 0.0, 1.0),
+        Layer("strain", X, 0.0 * X, X),
+        Line("FE", X, X),
+        Swatch("60 kN", "#123456"),
     )
+    root = chart(*marks)
     said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
-    for label in ("front", "strain", "FE", "60 kN"):
-        assert said.count(label) == 1
+    assert [said.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
     assert {each.get("class") for each in root.iter(SVG + "g")} - {None, "plot"} <= set(PALETTE)
 
 
@@ -147,3 +149,394 @@ def test_a_long_legend_takes_rows():
     assert float(many.get("height", "nan")) > float(few.get("height", "nan")) + 30.0
     shifts = re.findall(r"translate\(([\d.]+) ", ElementTree.tostring(many).decode())
     assert max(map(float, shifts)) + 100.0 < 400.0
+
+
+def texts_of(chart: Chart) -> list[str]:
+    return ["".join(text.itertext()) for text in ElementTree.fromstring(chart.svg).iter(SVG + "text")]
+
+
+def shown(chart: Chart) -> dict[str, list[str]]:
+    """What pages show, by label."""
+    found = re.findall('data-label="([^"]+)" data-values="([^"]*)"', chart.svg)
+    return {label: values.replace("\N{NO-BREAK SPACE}", "_").split(" ") for label, values in found}
+
+
+def boxes(svg: str, colour: str) -> np.ndarray:
+    """Left, top, right and bottom of the boxes of a colour."""
+    (path,) = re.findall(rf'<g class="{colour}"[^>]*><path d="(M[^"]*H[^"]*)"', svg)
+    return np.array(re.findall(r"M(\S+) (\S+)H(\S+)V(\S+?)H", path), float)
+
+
+def test_boxes_are_where_their_ends_are():
+    ends = np.array([[0.0, 1.0], [1.0, 3.0]]), np.array([[0.0, 2.0], [0.0, 4.0]])
+    plot = Plot((Boxes("share", *ends, "green", [2.0, 4.0]),), Axis(low=0.0, high=4.0))
+    svg = draw_chart("n", "", (plot,), Axis(margin=0.0)).svg
+    first, second = boxes(svg, "green")
+    (box,) = re.findall('data-box="([^"]*)"', svg)
+    left, top, right, bottom = map(float, box.split())
+    third = (right - left) / 3.0
+    assert first == pytest.approx([left, 0.5 * (top + bottom), left + third, bottom], abs=0.5)
+    assert second == pytest.approx([left + third, top, right, bottom], abs=0.5)
+    centres = re.findall(r"M(\S+) (\S+?)Z", svg.split("data-values")[1])
+    assert [float(x) for x, _ in centres] == pytest.approx([left + 0.5 * third, left + 2.0 * third], abs=0.02)
+
+
+def test_a_span_without_width_is_a_line():
+    plot = Plot((Span("here", 2.0, 2.0), Span("", 0.0, 1.0)))
+    svg = draw_chart("n", "", (plot,), Axis(low=0.0, high=4.0)).svg
+    assert (svg.count('fill-opacity="0.1"'), svg.count('stroke-dasharray="2 2"')) == (1, 1)
+
+
+def test_colours_of_numbers():
+    """Ends and middle of viridis; next to no variation is drawn in next to one colour."""
+    shades = Shades.of(np.array([1.0, np.nan, 100.0]), is_log=True)
+    assert shades.colours(np.array([1.0, 10.0, 100.0])) == ["#440154", "#21918c", "#fde725"]
+    assert [SI.rendered(key.label) for key in shades.keys("kN")] == [
+        f"{n} kN" for n in (1, 2, 5, 10, 20, 50, 100)
+    ]
+    assert set(Shades.of(np.array([5.0, 5.0 + 1e-5])).colours(np.array([5.0, 5.0 + 1e-5]))) == {"#21918c"}
+
+
+def test_a_histogram_says_each_share():
+    chart = bars.draw_histogram(np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5)
+    assert shown(chart) == {"fraction": ["25", "75"]}
+    assert {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"} <= set(
+        texts_of(chart)
+    )
+    low, high = boxes(chart.svg, "steel")
+    assert high[3] - high[1] == pytest.approx(3.0 * (low[3] - low[1]), rel=0.02)
+
+
+def test_sensitivity_is_a_row_an_input():
+    parts = ("first_order", 1, 1), ("total", 2, 2), ("first_order_interval", 1, 1), ("total_interval", 1, 3)
+    inputs = [
+        {"key": key} | {name: [a * s, b * s] if "_interval" in name else a * s for name, a, b in parts}
+        for key, s in (("a.x", 0.4), ("b.y", 0.1))
+    ]
+    chart = bars.draw_sensitivity(inputs)
+    assert shown(chart) == {"alone": ["0.4", "0.1"], "with interactions": ["0.8", "0.2"]}
+    assert chart.svg.count('data-at="a.x b.y"') == 2
+    first, second = boxes(chart.svg, "fe")
+    assert first[1] < second[1], "the first on top"
+    assert first[2] - first[0] == pytest.approx(4.0 * (second[2] - second[0]), rel=0.05)
+
+
+def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
+    axis = loglog.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
+    fe = loglog.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
+    chart = loglog.draw_sweep(
+        "s", axis, [fe, loglog.SweepLine("ring", [1e-4] * 3, form=loglog.RINGS)], "size", "", (0.01,)
+    )
+    assert shown(chart) == {"FE": ["0.01", "1"], "failed a check": ["50"], "ring": ["0.01"] * 3}
+    assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
+    xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
+    assert xs == sorted(xs)
+
+
+def bar(strike: int, dots: tuple[tuple[str, float, bool], ...] = ()) -> bars.BandBar:
+    return bars.BandBar(f"raw, strike {strike}", strike, (400.0, 500.0, 700.0), 450.0, dots)
+
+
+def test_bands_say_their_ends_and_the_rows_of_the_paper():
+    chart = bars.draw_bands([bar(1), bar(2, (("a", 600.0, False), ("b", 650.0, True)))])
+    found = shown(chart)
+    assert found["first strike"] == found["second strike"] == ["400_to_700_kN,_median_500_kN"]
+    assert (found["measured"], found["projected by the authors"]) == (["600_kN"], ["650_kN"])
+    assert {"a", "b", "raw, strike 1", "peak lateral force [kN]"} <= set(texts_of(chart))
+    first, second = boxes(chart.svg, "fe")[0], boxes(chart.svg, "rigid")[0]
+    assert first[[0, 2]] == pytest.approx(second[[0, 2]])
+    assert first[3] < second[1]
+
+
+def test_inputs_have_a_chart_each_and_one_legend():
+    x = np.linspace(0.5, 5.0, 4)
+    peaks = {1: {"raw": x, "50 ms": 2 * x}, 2: {"raw": 3 * x}}
+    lines = {"peak [kN]": peaks, "duration [ms]": {1: {"duration": x}}}
+    panels = [bars.InputPanel(f"against-{n}", f"input {n} [m]", x, 2.0, n == 1, lines) for n in (0, 1)]
+    legend, *charts = bars.draw_inputs("Against", panels)
+    assert [chart.name for chart in charts] == ["against-0", "against-1"]
+    first = ["first strike, raw", "first strike, 50 ms"]
+    assert (texts_of(legend), shown(legend)) == ([*first, "second strike, raw", "the scene's own"], {})
+    assert "first strike, raw" not in texts_of(charts[0])
+    assert shown(charts[0])["second strike, raw"] == ["1.5", "6", "10.5", "15"]
+    assert {"0.5", "1", "2", "5"} <= set(texts_of(charts[1])), "round ticks of a logarithmic axis"
+    assert charts[0].caption == "Against input 0"
+
+
+def test_plates_that_are_not_to_be_relied_on_are_red():
+    panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
+    chart = loglog.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
+    assert shown(chart) == {"first strike": ["5", "4"], "not to be relied on": ["9"]}
+
+
+def test_a_mode_says_how_far_its_outline_moves():
+    places = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+    moves = np.array([[0, 1.0], [0, 0], [0, 0], [0.5, 0]])
+    chart = draw_mode("m", "a mode", places, np.array([[0, 1, 2, 3]]), moves)
+    assert shown(chart) == {"displacement": ["1", "0", "0", "0.5"]}
+    assert 'data-at="0\xa0m;\xa00\xa0m 2\xa0m;\xa00\xa0m ' in chart.svg
+    assert texts_of(chart) == [], "no axes"
+    assert chart.svg.count("<rect") == 1, "the paper, and no frame"
+
+
+def crowded(lines: int = 9) -> list[Chart]:
+    """Lines that all end within a tenth of a decade of each other; one point failed."""
+    series = []
+    for n in range(lines):
+        errors = [1e-2 * (n + 1), 1e-4 * (n + 1), 1e-5 * (1.0 + 0.02 * n)]
+        series.append(loglog.Series(f"line {n}", [1e-3, 1e-2, 0.9 + 0.01 * n], errors, [True, n != 3, True]))
+    front = "Pareto front", [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
+    return loglog.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
+
+
+def test_each_line_has_a_plot_over_the_same_axes():
+    charts = crowded()
+    assert [chart.name for chart in charts] == [f"test-{n}" for n in range(1, 10)]
+    for number, chart in enumerate(charts):
+        named = re.findall('data-label="([^"]+)" data-values="([^"]*)"', chart.svg)
+        assert [name for name, _ in named][:3] == ["the truth is known", "Pareto front", f"line {number}"]
+        assert len(dict(named)[f"line {number}"].split()) == 3
+        assert ("failed a check" in dict(named)) == (number == 3)
+        behind = re.findall(r'<g class="steel"[^>]*><path d="[^"]+" fill="none"[^>]+/><circle', chart.svg)
+        assert len(behind) == 9, "all lines behind it, which say nothing"
+    assert len({re.findall('data-x="[^"]+"', chart.svg)[0] for chart in charts}) == 1
+
+
+def test_ticks_are_powers_of_ten():
+    first, *_ = crowded()
+    said = [re.sub("<[^>]+>", "", text) for text in re.findall("<text.*?</text>", first.svg)]
+    assert {"10⁻³", "10⁻²", "10⁻⁵", "10⁻⁴"} & set(said)
+    assert not [word for word in said if re.fullmatch(r"\d+e-?\d+", word)]
+
+
+def test_a_diagram_without_points_is_none():
+    """A scene may refuse every setting of a panel."""
+    empty = [loglog.Series("quad4", [], [], [])]
+    assert loglog.draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []
+
+
+AXES = {axis.name: axis for axis in axes_of(read_scene("paper-table-3")[0], 10)}
+
+
+ROUND = [
+    *(("stiffness", ["10⁻⁴", "0.01", "1", "100", "10⁴"]), ("penalty", ["0.01", "1", "100", "10⁴"])),
+    *(("friction", ["0.0", "0.5", "1.0", "1.5", "2.0"]), ("speed", ["0.01", "0.1", "1", "10"])),
+    *(("angle", ["1", "10", "100"]), ("slenderness", ["0.01", "0.1", "1"])),
+    *(("time step", ["0.6", "0.8", "1.0", "1.2"]), ("damping", ["0", "0.01", "0.1", "1"])),
+]
+
+
+@pytest.mark.parametrize(("name", "texts"), ROUND)
+def test_ticks_of_the_study_are_round(name, texts):
+    assert [text for _, text in MapAxis("", AXES[name].values).axis.named or ()] == texts
+
+
+def test_cells_are_of_equal_size_on_the_axis_own_scale():
+    """0 stands one ratio below the next value."""
+    axis = MapAxis("", [0.0, 0.01, 0.1, 1.0]).axis
+    assert (axis.low, axis.high) == pytest.approx((10.0**-3.5, 10.0**0.5))
+    assert (axis.named or ())[0] == (pytest.approx(1e-3), "0")
+    assert MapAxis("", [1.0, 2.0, 3.0]).axis.is_log is False
+    assert cells_about(np.array([1.0, 4.0, 2.0]), False).tolist() == [[0.5, 1.5], [3.0, 5.0], [1.5, 3.0]]
+    assert cells_about(np.array([1.0, 100.0, 1e4]), True)[:, 0] == pytest.approx([0.1, 10.0, 1e3])
+    assert cells_about(np.array([0.0, 1.0]), False)[0].tolist() == [0.0, 0.5], "no friction below zero"
+
+
+def small_map(points: int, across: str, up: str) -> Chart:
+    found = axes_of(read_scene("paper-table-3")[0], points)
+    axes = {axis.name: MapAxis(axis.meaning, axis.values) for axis in found}
+    return draw_map("m", axes[across], axes[up], [["right"] * points] * points, "")
+
+
+def test_each_cell_says_its_values_and_its_verdict():
+    across, up = MapAxis("a", [0.0, 0.01, 0.1]), MapAxis("b", [1.0, 2.0])
+    svg = draw_map("m", across, up, [["right", "caught", "right"], ["wrong", "right", "right"]], "").svg
+    (said,) = re.findall(r'data-values="([^"]*)" data-at="([^"]*)"', svg)
+    assert said[0].split(" ") == ["right", "caught", "right", "wrong", "right", "right"]
+    assert said[1].replace("\N{NO-BREAK SPACE}", " ").split(" ")[-2:] == ["0.1;", "2"]
+    red, *others = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', svg)
+    assert (red.count("M"), others) == (1, [])
+    left, top = map(float, re.findall(r"M([\d.]+) ([\d.]+)", red)[0])
+    places = [tuple(map(float, p)) for p in re.findall(r"M([\d.]+) ([\d.]+)Z", svg)]
+    assert (left, top) < places[3], "the fourth cell, the first of the upper row"
+    assert places[3][0] == places[0][0]
+    assert places[3][1] < places[0][1]
+
+
+@pytest.mark.parametrize("points", [2, 3, 4, 10, 40])
+def test_tick_labels_do_not_overlap(points):
+    for across, up in itertools.pairwise([*AXES, next(iter(AXES))]):
+        root = ElementTree.fromstring(small_map(points, across, up).svg)
+        words = [("".join(text.itertext()), text) for text in root.iter(SVG + "text")]
+        below = [
+            (float(text.get("x", "0")), text_width(said, 11.0))
+            for said, text in words
+            if text.get("text-anchor") == "middle" and text.get("font-size") == "11"
+        ]
+        beside = [float(text.get("y", "0")) for _, text in words if text.get("text-anchor") == "end"]
+        for (x, wide), (other, more) in itertools.pairwise(sorted(below)):
+            assert other - x > 0.5 * (wide + more)
+        assert all(after - before > 11.0 for before, after in itertools.pairwise(sorted(beside)))
+
+
+def test_legend_says_what_every_colour_means():
+    assert list(KINDS) == list(COLOURS)
+    chart = draw_meanings(KINDS, "what the colours mean")
+    for kind, meaning in KINDS.items():
+        assert f">{kind}: {meaning}<" in chart.svg
+        assert f'class="{COLOURS[kind]}"' in chart.svg
+        assert text_width(f"{kind}: {meaning}", 11.0) + 24.0 <= chart.width
+
+
+MOTION = ("theta", "omega", "v_gx", "v_gy", "slide")
+
+
+def histories(n: int = 2000) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """A plate that turns evenly while its centre slides, and the same with a ripple."""
+    t = np.linspace(0.0, 0.38, n)
+    theta = 0.26 - 0.684 * t
+    phase = theta + 0.239
+    columns = {
+        **{"t": t, "theta": theta, "omega": np.full(n, 0.684), "slide": 25.0 * t},
+        **{"v_gx": 25.0 - 3.4 * np.sin(phase), "v_gy": -3.5 * np.cos(phase)},
+        **{"reaction_normal": -3000.0 + 4000.0 * t, "reaction_tangential": -1400.0 + 1900.0 * t},
+        "kinetic_energy": 2.8e6 - 2.4e4 * t,
+    }
+    ripple = 1e-6 * np.sin(900.0 * t)
+    fe = {name: values + ripple * (name != "t") for name, values in columns.items()}
+    energies = {
+        "strain_energy": 0.02 + 0 * t,
+        "contact_energy": 0.05 - 0.1 * t,
+        "vibration_energy": 1e-3 + 0 * t,
+    }
+    works = {"friction_work": -2.4e4 * t, "damping_work": -0.01 * t, "energy_error": 1e-5 * np.cos(50 * t)}
+    return {**fe, **energies, **works}, columns
+
+
+def texts(curve: Chart) -> list[str]:
+    root = ElementTree.fromstring(curve.svg)
+    assert root.tag == SVG + "svg"
+    found = [element for element in root.iter() if element.tag == SVG + "text"]
+    return ["".join(element.itertext()).replace("\u200b", "").strip() for element in found]
+
+
+@pytest.fixture(scope="module")
+def curves():
+    return {curve.name: curve for curve in draw_histories(*histories())}
+
+
+def test_all_plots_are_there_in_order(curves):
+    reaction = ("reaction_normal", "reaction_tangential")
+    assert tuple(curves) == (*MOTION, *reaction, "energy_exchanged", "energy_stored", "energy_error")
+    assert [curve.group for curve in curves.values()] == ["Motion"] * 5 + ["Reaction"] * 2 + ["Energy"] * 3
+
+
+LABELS = [
+    *(("theta", "θ [rad]"), ("omega", "ω [rad/s]"), ("v_gx", "vGX [m/s]"), ("v_gy", "vGY [m/s]")),
+    *(("slide", "s [m]"), ("reaction_normal", "N [kN]"), ("reaction_tangential", "R [kN]")),
+]
+
+
+@pytest.mark.parametrize(("name", "label"), LABELS)
+def test_plots_over_rigid_are_labelled(curves, name, label):
+    shown = texts(curves[name])
+    for words in (label, "t [s]", "FE", "rigid, exact"):
+        assert shown.count(words) == 1
+    unit = label.split("[")[1].replace("kN", "N")
+    assert f"FE − rigid [10⁻⁹ {unit}" in shown
+
+
+def test_energy_plots_are_labelled(curves):
+    assert {"kinetic, change", "work of friction", "energy [kJ]"} <= {*texts(curves["energy_exchanged"])}
+    stored = {*texts(curves["energy_stored"])}
+    assert {"strain", "spring", "vibration", "damping", "energy [10⁻³ J]"} <= stored
+    assert {"error", "energy [10⁻⁶ J]"} <= {*texts(curves["energy_error"])}
+
+
+def test_kinetic_energy_is_shown_as_a_change(curves):
+    numbers = [float(w.replace("−", "-")) for w in texts(curves["energy_exchanged"]) if w[-1].isdigit()]
+    assert min(numbers) >= -10.0, "9.12 kJ are lost, of 2.8 MJ"
+    assert max(numbers) <= 1.0
+
+
+def test_the_ripple_is_drawn_at_its_size(curves):
+    """Height of the difference line in the panel of 10^-9, whose ticks tell its scale."""
+    assert {"−1000", "0", "1000"} <= {*texts(curves["slide"])}
+
+
+def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves):
+    """Several fit on a page, and each is a file: its name spaces are declared, it has a paper and a size."""
+    for curve in curves.values():
+        assert not re.search(r"\b(id|href)=|url\(", curve.svg)
+        root = ElementTree.fromstring(curve.svg)
+        assert root.get("aria-label") == curve.caption
+        assert (float(root.get("width", "nan")), root.get("role")) == (curve.width, "img")
+
+
+def test_values_are_those_of_the_history(curves):
+    """What a page shows at the pointer, to five digits, at as many points as the path has."""
+    fe, _ = histories()
+    (path,) = [e for e in ElementTree.fromstring(curves["slide"].svg).iter() if e.get("data-label") == "FE"]
+    values = np.array(path.get("data-values", "").split(), float)
+    assert len(values) == len(re.findall(r"[ML]", path.get("d", "")))
+    np.testing.assert_allclose(values, thinned(fe["t"], fe["slide"])[1], rtol=1e-4, atol=1e-12)
+
+
+def test_only_what_the_histories_have_is_drawn():
+    fe, rigid = histories(50)
+    history = {k: fe[k] for k in ("t", "omega", "slide", "strain_energy")}
+    few = draw_histories(history, {"t": rigid["t"], "omega": rigid["omega"]})
+    assert [curve.name for curve in few] == ["omega", "energy_stored"]
+    assert "spring" not in texts(few[1])
+
+
+def test_rigid_history_at_other_instants():
+    """Straight lines at other instants interpolate exactly: the difference is rounding, below a billionth."""
+    t, other = np.linspace(0.0, 1.0, 77), np.linspace(0.0, 1.0, 11)
+    (curve,) = draw_histories({"t": t, "slide": 3.1 * t}, {"t": other, "slide": 3.1 * other})
+    assert any("[10⁻¹⁵" in words or "[10⁻¹⁸" in words for words in texts(curve))
+
+
+def test_a_run_that_went_wrong_is_still_drawn():
+    """Its other plots are as they were; of the broken column the part before, and where it goes if that is finite."""
+    fe, rigid = histories(900)
+    good = {curve.name: curve for curve in draw_histories(fe, rigid)}
+    for bad, points, shown in ((np.nan, 150, ""), (np.inf, 150, ""), (1e300, 2, "10³⁰⁰")):
+        broken = fe | {"omega": np.where(fe["t"] > 0.2, bad, fe["omega"])}
+        found = {curve.name: curve for curve in draw_histories(broken, rigid)}
+        omega = found["omega"]
+        assert found | {"omega": good["omega"]} == good
+        assert points <= vertices(omega) <= vertices(good["omega"])
+        assert "nan" not in omega.svg
+        assert "inf" not in omega.svg
+        assert any(shown in words for words in texts(omega))
+
+
+def vertices(curve: Chart) -> int:
+    """Of the line of the FE history."""
+    (line,) = [e for e in ElementTree.fromstring(curve.svg).iter() if e.get("data-label") == "FE"]
+    return line.get("d", "").count("L")
+
+
+def test_equal_input_gives_equal_text():
+    assert draw_histories(*histories(50)) == draw_histories(*histories(50))
+
+
+def test_thinning_keeps_ends_and_peaks():
+    t = np.linspace(0.0, 1.0, 20_000)
+    values = np.sin(5000.0 * t + 0.3)
+    values[[7_001, 12_345]] = 9.0, -7.0
+    kept_t, kept = thinned(t, values)
+    assert len(kept) <= 402
+    assert (kept.max(), kept.min()) == (9.0, -7.0)
+    assert (kept_t[0], kept_t[-1], kept[0], kept[-1]) == (0.0, 1.0, values[0], values[-1])
+    assert np.all(np.diff(kept_t) > 0)
+    np.testing.assert_array_equal(kept, values[np.searchsorted(t, kept_t)])
+
+
+@pytest.mark.parametrize(
+    ("size", "power"),
+    [(0.0, 0), (1.0, 0), (999.0, 0), (1000.0, 3), (0.5, -3), (-2e-7, -9), (np.nan, 0), (np.inf, 0)],
+)
+def test_power_of_ten(size, power):
+    assert power_of_ten(np.array([0.0, size])) == power

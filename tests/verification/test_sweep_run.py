@@ -1,13 +1,14 @@
 """Verification: sweeps on local processes and on a cluster of `dask scheduler` and `dask worker` on loopback.
 
 Whatever is killed, after resuming each run has one row, and the rows are those of a sweep that was left alone, bit for
-bit but for times. Single rows are held against `tailslap run`.
-"""
+bit but for times. Single rows are held against `tailslap run`."""
 
 import contextlib
 import json
+import math
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -20,15 +21,17 @@ from typing import Any, NamedTuple
 import pytest
 
 import tailslap
-from tailslap.campaign import engine, pools
+from tailslap.campaign import engine, pools, records
 from tailslap.campaign.definition import Definition, make_definition
-from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform
+from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
-from tailslap.campaign.table import CIRCUMSTANCES, compute_row
+from tailslap.campaign.table import CIRCUMSTANCES, compute_row, read_columns, write_table
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import _status
 from tailslap.errors import InputError
+from tailslap.files.folder import result_folder
 from tailslap.files.manifest import NAME as MANIFEST
+from tailslap.files.manifest import demand_ours, listed_file
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 
@@ -83,9 +86,8 @@ def loopback(folder: Path, workers: int) -> Iterator[Loopback]:
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
-    environment = (
-        os.environ | settings | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    )  # it loads this module too
+    own = {"PYTHONPATH": os.pathsep.join(sys.path)}  # it loads this module too
+    environment = os.environ | settings | own
     scheduler = [*dask, "scheduler", *host, "--port", "0", "--scheduler-file", str(file)]
     processes = [subprocess.Popen(scheduler, env=environment, **quiet)]
     try:
@@ -133,9 +135,8 @@ def undisturbed(scene, cluster, tmp_path_factory):
     place = tmp_path_factory.mktemp("sweeps") / "undisturbed"
     done = perform(definition_of(scene), place, cluster)
     assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
-    assert {path.name for path in place.iterdir() if path.suffix != ".svg"} == {
-        *("sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", MANIFEST)
-    }
+    files = {"sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", MANIFEST}
+    assert {path.name for path in place.iterdir() if path.suffix != ".svg"} == files
     assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
     return table(place)
 
@@ -152,9 +153,7 @@ def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
         assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
     kept = (place / RECORDS).read_bytes()
     capsys.readouterr()
-    assert _status(arguments) == 0
-    assert (place / RECORDS).read_bytes() == kept
-    assert table(place) == rows
+    assert (_status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, kept, rows)
 
 
 @pytest.mark.long
@@ -163,10 +162,8 @@ def test_each_row_is_that_of_a_run(undisturbed, scene):
     assert [row["run"] for row in undisturbed] == list(range(RUNS))
     definition = definition_of(scene)
     for number in (0, 1, 157):
-        row, outcome = (
-            undisturbed[number],
-            CornerCase(*vary(definition.source, definition.changes_of(number))).run(),
-        )
+        row, case = undisturbed[number], CornerCase(*vary(definition.source, definition.changes_of(number)))
+        outcome = case.run()
         assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
         assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
         for group in ("fe", "rigid", "difference"):
@@ -191,9 +188,8 @@ def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
     """`tailslap sweep` as a process of its own, returned when its first rows are on disk, or it is done."""
     varied = [part for text in VARIED for part in ("--vary", text)]
     command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied, "--out", str(place), *more]
-    process = subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
-    )
+    silent: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    process = subprocess.Popen(command, start_new_session=True, **silent)
     wait_until(lambda: process.poll() is not None or ((place / RECORDS).exists() and count(place / RECORDS)))
     return process
 
@@ -229,8 +225,7 @@ def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp
     kept = records_of(scene, place)
     done = perform(definition_of(scene), place, cluster)
     assert {run: row for run, row in records_of(scene, place).items() if run in kept} == kept
-    assert done.effort.runs == RUNS - len(kept)
-    assert table(place) == undisturbed
+    assert (done.effort.runs, table(place)) == (RUNS - len(kept), undisturbed)
 
 
 def records_of(scene: str, place: Path) -> dict[Any, Any]:
@@ -253,10 +248,8 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     said = process.communicate(timeout=HANG)[1].decode()
     assert process.returncode == 130
     kept = table(place)
-    assert (
-        said.strip()
-        == f"tailslap: interrupted; {len(kept)} of {RUNS} rows are kept; the same command resumes"
-    )
+    kept_rows = f"{len(kept)} of {RUNS} rows are kept"
+    assert said.strip() == f"tailslap: interrupted; {kept_rows}; the same command resumes"
     assert [known(row) for row in kept] == [known(undisturbed[row["run"]]) for row in kept]
     done = perform(definition_of(scene), place, cluster)
     assert done.effort.runs == RUNS - len(kept) > 0
@@ -280,8 +273,7 @@ def test_a_worker_that_dies_is_survived(where, scene, cluster, undisturbed, tmp_
     compute = partial(dies_once, mark)
     done = perform(definition_of(scene), place, cluster if where == "cluster" else None, 2, compute)
     assert mark.exists()
-    assert done.failures == 0
-    assert table(place) == undisturbed
+    assert (done.failures, table(place)) == (0, undisturbed)
 
 
 def dies(runs: tuple[int, ...], pause: float, run: int, *rest: Any) -> dict[str, Any]:
@@ -325,10 +317,8 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch):
     source = source_of_text(SCENE)
     parts: Any = [(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
     rows = pools.run_batch(program(), compute_row, parts).records.values()
-    assert [(row["run"], row["status"], row["reason"]) for row in rows] == [
-        (3, "error", "ZeroDivisionError: by nought"),
-        (4, "error", "ZeroDivisionError: by nought"),
-    ]
+    found = [(row["run"], row["status"], row["reason"]) for row in rows]
+    assert found == [(run, "error", "ZeroDivisionError: by nought") for run in (3, 4)]
 
 
 @pytest.mark.long
@@ -342,24 +332,18 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
         return {"run": run, "status": "passed", "reason": ""}
 
     definition = definition_of(scene, ("corner.friction=0.1:0.5:14",))
-    with loopback(tmp_path, 1) as found:
+    with loopback(tmp_path, 1) as found, pytest.MonkeyPatch.context() as patched:
+        add = Records.add
 
-        def kill_all(show: Any) -> None:
+        def add_and_kill(file: Records, records: Any, seconds: Any) -> None:
+            add(file, records, seconds)
             for process in found.processes:
                 process.kill()
 
-        with pytest.MonkeyPatch.context() as patched:
-            add = Records.add
-
-            def add_and_kill(file: Records, records: Any, seconds: Any) -> None:
-                add(file, records, seconds)
-                kill_all(None)
-
-            patched.setattr(Records, "add", add_and_kill)
-            with pytest.raises(
-                StoppedError, match=r"the scheduler at tcp.* is gone; \d+ of 14 rows are kept"
-            ) as stop:
-                perform(definition, place, found.address, compute=compute)
+        patched.setattr(Records, "add", add_and_kill)
+        message = r"the scheduler at tcp.* is gone; \d+ of 14 rows are kept"
+        with pytest.raises(StoppedError, match=message) as stop:
+            perform(definition, place, found.address, compute=compute)
     assert stop.value.status == 3
     assert 0 < len(table(place)) < 14
 
@@ -367,15 +351,8 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
 def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(pools, "ANSWER_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
-        arguments = [
-            "--vary",
-            "corner.friction=0.1,0.2",
-            "--cluster",
-            address,
-            "--out",
-            str(tmp_path / "sweep"),
-        ]
-        assert _status(["sweep", scene, *arguments]) == 2
+        arguments = ["--cluster", address, "--out", str(tmp_path / "sweep")]
+        assert _status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2
         said = capsys.readouterr().err
         assert said.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler answers there')
         assert not (tmp_path / "sweep").exists()
@@ -427,3 +404,216 @@ def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path):
     assert engine.perform(parts, records, Flaky(gone=False), lambda threads: None).runs == 3
     assert dict(records) == {3: 3, 4: 4, 5: 5}
     records.close()
+
+
+def row(run: int, **more: Any) -> dict[int, dict[str, Any]]:
+    return {run: {"run": run, "status": "passed", "reason": ""} | more}
+
+
+def small_sweep(friction: str = "0:0.5:6") -> Definition:
+    return make_definition("paper-table-3", (), (f"corner.friction={friction}",), None, 307)
+
+
+def refused(message: str, opened: Callable[..., Any], *arguments: Any) -> None:
+    with pytest.raises(InputError, match=message), opened(*arguments):
+        pass
+
+
+def test_rows_come_back_in_the_order_of_their_runs(tmp_path):
+    with open_records(tmp_path, small_sweep()) as rows:
+        rows.add(row(4, deflection_ratio=0.1) | row(1))
+        rows.add(row(10) | row(0))
+    with open_records(tmp_path, small_sweep()) as rows:
+        assert [found["run"] for found in rows.in_order()] == list(rows) == [0, 1, 4, 10]
+        assert rows[4] == row(4, deflection_ratio=0.1)[4]
+        assert rows.statuses["passed"] == len(rows) == 4
+        assert 2 not in rows
+        with pytest.raises(KeyError):
+            rows[2]
+
+
+def test_a_second_row_of_the_same_run_is_not_taken(tmp_path):
+    with open_records(tmp_path, small_sweep()) as rows:
+        rows.add(row(1, deflection_ratio=0.1))
+        rows.add(row(1, deflection_ratio=0.3))
+        assert [found["deflection_ratio"] for found in rows.in_order()] == [0.1]
+        assert rows.statuses["passed"] == 1
+    assert records.count(tmp_path / RECORDS) == 1
+
+
+def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path):
+    """Also those that only some rows have, and numbers that JSON does not have; nothing lies beside the file."""
+    with open_records(tmp_path, small_sweep()) as rows:
+        rows.add(row(0, **{"fe.t": 1 / 3}), {0: 1.5})
+        rows.add(row(1, **{"fe.t": math.inf, "it's": "x"}))
+    (path,) = tmp_path.iterdir()
+    file = sqlite3.connect(path)
+    shown = file.execute('SELECT key, status, seconds, "fe.t", "it\'s" FROM result ORDER BY key').fetchall()
+    file.close()
+    assert shown == [(0, "passed", 1.5, 1 / 3, None), (1, "passed", None, '{"not finite":"inf"}', "x")]
+
+
+def test_records_of_another_definition_or_program_are_begun_anew(tmp_path, monkeypatch):
+    path = tmp_path / "r.sqlite"
+    definition: dict[str, Any] = {"a": 1}
+    for change, version, kept in (({}, "1", []), ({}, "1", [0]), ({"a": 2}, "1", []), ({"a": 2}, "2", [])):
+        definition |= change
+        monkeypatch.setattr(records, "program", lambda version=version: version)
+        found = records.Records(path, definition)
+        assert list(found) == kept
+        found.add({0: {"status": "passed"}})
+        found.close()
+
+
+def test_the_program_is_known_by_its_sources(python):
+    """By version and digest, of what another process finds as well."""
+    code = "from tailslap.campaign.records import program; print(program())"
+    said = python(code, check=True).stdout
+    assert (said.strip(), len(records.program().partition("+")[2])) == (records.program(), 16)
+
+
+WRITER = """
+import itertools, sys
+from pathlib import Path
+from tailslap.campaign.records import Records
+found = Records(Path(sys.argv[1]), {})
+for run in itertools.count():
+    found.add({run: {"run": run}})
+    print(run, flush=True)
+"""
+
+
+def test_what_was_added_before_a_kill_is_there(tmp_path):
+    path = tmp_path / "r.sqlite"
+    writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True)
+    assert writer.stdout is not None
+    for _ in range(20):
+        writer.stdout.readline()
+    time.sleep(0.003)
+    writer.send_signal(signal.SIGKILL)
+    said = 20 + len(writer.communicate()[0].splitlines())
+    found = records.Records(path, {})
+    assert list(found) == list(range(len(found)))
+    assert said <= len(found) <= said + 1
+    found.close()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("content", [b"my diary\n", b"", b"SQLite format 3\0" + bytes(4080)])
+def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
+    (tmp_path / RECORDS).write_bytes(content)
+    refused("no journal", open_records, tmp_path, small_sweep())
+    assert (tmp_path / RECORDS).read_bytes() == content
+
+
+def test_records_that_were_cut_off_are_refused_and_kept(tmp_path):
+    with open_records(tmp_path, small_sweep()) as rows:
+        rows.add(row(0, text="x" * 10_000))
+    whole = (tmp_path / RECORDS).read_bytes()
+    for length in (100, len(whole) // 2):
+        (tmp_path / RECORDS).write_bytes(whole[:length])
+        refused("no journal", open_records, tmp_path, small_sweep())
+        assert (tmp_path / RECORDS).read_bytes() == whole[:length]
+
+
+def test_the_table_has_what_the_records_have(tmp_path):
+    numbers = {"fe.t": 0.1 + 0.2, "check.energy_balance": math.inf, "check.time_step": math.nan}
+    with open_records(tmp_path, small_sweep()) as rows:
+        inputs = small_sweep().inputs_of
+        rows.add(row(5, **numbers, **inputs(5)))
+        rows.add(row(2, status="refused", reason="no", **inputs(2)))
+        path = write_table(tmp_path, small_sweep(), rows)
+    found = read_columns(path, ["run", "status", "reason", "corner.friction", *numbers])
+    assert (found["run"].tolist(), found["status"].tolist()) == ([2, 5], ["refused", "passed"])
+    assert (found["corner.friction"].tolist(), found["fe.t"][1]) == ([0.2, 0.5], 0.1 + 0.2)
+    assert math.isnan(found["fe.t"][0])
+    assert math.isnan(found["check.energy_balance"][1])  # null in the table: it has finite numbers alone
+
+
+def test_a_folder_is_one_sweep_s(tmp_path):
+    place = tmp_path / "sweep"
+    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
+        rows.add(row(0))
+    refused(r"it holds another sweep: vary differ", sweep_folder, place, small_sweep("0:1:6"))
+    refused("other files", result_folder, place)  # a run does not replace it, whatever it holds
+    (place / "summary.json").write_text("{}")
+    refused("other files", result_folder, place)
+    (place / "sweep.json").write_text("{")
+    refused("damaged", sweep_folder, place, small_sweep())
+
+
+def test_other_values_by_the_same_words_are_another_sweep(tmp_path):
+    """A new SciPy may draw other samples from the same seed: rows must not mix."""
+    place = tmp_path / "sweep"
+    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
+        rows.add(row(0))
+    definition = json.loads((place / "sweep.json").read_text())
+    (place / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
+    refused("another sweep: values differ", sweep_folder, place, small_sweep())
+
+
+def test_two_sweeps_in_a_folder_at_once(tmp_path):
+    with sweep_folder(tmp_path / "sweep", small_sweep()) as folder:
+        refused("another sweep is at work", sweep_folder, folder, small_sweep())
+
+
+def test_nothing_is_left_of_a_sweep_without_rows(tmp_path):
+    with sweep_folder(tmp_path / "a" / "b", small_sweep()), open_records(tmp_path / "a" / "b", small_sweep()):
+        assert (tmp_path / "a" / "b" / "sweep.json").is_file()
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path):
+    """Other files, a sweep.json of something else, one that is damaged, and a file that has the name of the lock."""
+    foreign = {"thesis.txt": {"thesis.txt": "x"}, r"\.lock": {".lock": "x"}}
+    foreign["another sweep"] = {"sweep.json": "{}", "report.html": "x"}
+    foreign["damaged"] = {"sweep.json": "{", "report.html": "x"}
+    for number, (named, texts) in enumerate(foreign.items()):
+        place = tmp_path / str(number)
+        place.mkdir()
+        for name, text in texts.items():
+            (place / name).write_text(text)
+        refused(named, sweep_folder, place, small_sweep())
+        assert {path.name: path.read_text() for path in place.iterdir()} == texts
+
+
+@pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
+def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path, name):
+    place = tmp_path / "sweep"
+    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
+        rows.add(row(0))
+        with listed_file(folder / name) as partial:
+            partial.write_text("ours")
+    with sweep_folder(place, small_sweep()) as folder, listed_file(folder / name) as partial:
+        partial.write_text("ours again")  # resumed, it is replaced
+    (place / name).write_text("mine")
+    refused(f"{name} in it was added or changed", sweep_folder, place, small_sweep())
+    refused(name, listed_file, place / name)
+    assert (place / name).read_text() == "mine"
+    (place / MANIFEST).unlink()
+    refused(name, sweep_folder, place, small_sweep())
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_killed_while_a_result_is_replaced_it_is_known_in_either_state(tmp_path, monkeypatch, step):
+    """Manifest of both states, the file, manifest of the new one: stopped before each in turn."""
+    path, replace, count = tmp_path / "report.html", os.replace, 0
+    with listed_file(path) as partial:
+        partial.write_text("old")
+
+    def killed(source: Any, target: Any) -> None:
+        nonlocal count
+        count += 1
+        if count == step:
+            raise SystemExit
+        replace(source, target)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "replace", killed)
+        with pytest.raises(SystemExit), listed_file(path) as partial:
+            partial.write_text("new")
+    assert path.read_text() == ("new" if step == 3 else "old")
+    demand_ours(path)
+    with listed_file(path) as partial:
+        partial.write_text("newest")
+    assert {found.name for found in tmp_path.iterdir()} == {"report.html", MANIFEST}

@@ -1,22 +1,37 @@
-"""Verification: what a sweep varies, against values known by hand, and the refusal of what makes no sense."""
+"""Verification: which values a sweep takes, and that its pictures and page show the rows that they are given alone."""
 
 import json
 import math
+import re
+import shlex
+from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from postprocess.comparison.quantities import KEYS
+from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
+from postprocess.report.page import Page, write_page
+from postprocess.svg.chart import Chart
+from postprocess.units import SI
 from tailslap.campaign.definition import (
     Definition,
     TypedRange,
+    Variation,
     latin_hypercube,
     make_definition,
     parse_varied,
     split_outside,
 )
+from tailslap.campaign.engine import CampaignEffort
+from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
+from tailslap.campaign.table import FinishedSweep
 from tailslap.cli import _status
 from tailslap.errors import InputError
+from tailslap.progress import clock, counted
+from tailslap.scene.vary import Source
 
 SCENE = "paper-table-3"
 MPH = 1609.344 / 3600.0
@@ -26,19 +41,16 @@ def grid(*varied: str, changes: tuple[str, ...] = ()) -> Definition:
     return make_definition(SCENE, changes, varied, None, 307)
 
 
-@pytest.mark.parametrize(
-    ("text", "found"),
-    [
-        ("0:0.6:13", TypedRange("0", "0.6", 13, False)),
-        ("log:1e8:1e13:40", TypedRange("1e8", "1e13", 40, True)),
-        ("50 mph : 60 mph : 5", TypedRange("50 mph", "60 mph", 5, False)),
-        ("10deg,15deg", ("10deg", "15deg")),
-        ("quad4, tri3", ("quad4", "tri3")),
-        ("[6, 2],[12,4]", ("[6, 2]", "[12,4]")),
-        ('"a,b",c', ('"a,b"', "c")),
-        ("0.3", ("0.3",)),
-    ],
-)
+TYPED = [
+    ("0:0.6:13", TypedRange("0", "0.6", 13, False)),
+    ("log:1e8:1e13:40", TypedRange("1e8", "1e13", 40, True)),
+    ("50 mph : 60 mph : 5", TypedRange("50 mph", "60 mph", 5, False)),
+    *(("10deg,15deg", ("10deg", "15deg")), ("quad4, tri3", ("quad4", "tri3"))),
+    *(("[6, 2],[12,4]", ("[6, 2]", "[12,4]")), ('"a,b",c', ('"a,b"', "c")), ("0.3", ("0.3",))),
+]
+
+
+@pytest.mark.parametrize(("text", "found"), TYPED)
 def test_values_as_typed(text, found):
     assert parse_varied(f"key={text}", False) == ("key", found)
 
@@ -53,8 +65,7 @@ def test_even_values_are_exact():
     (item,) = grid("corner.friction=0:0.6:13").variations
     exact = [float(Fraction(i, 20)) for i in range(13)]
     assert item.values == pytest.approx(exact, rel=4e-16)
-    assert (item.values[0], item.values[-1]) == (0.0, 0.6)
-    assert item.settings == item.values
+    assert ((item.values[0], item.values[-1]), item.settings) == ((0.0, 0.6), item.values)
 
 
 def test_equal_ratios_are_exact():
@@ -71,12 +82,10 @@ def test_units_become_si():
 
 
 def test_words_lists_and_whole_numbers():
-    element, counts, rows = grid(
-        "plate.element=quad4,tri3", "plate.elements=[6,2],[12,4]", "time.rows=100:300:3"
-    ).variations
+    varied = ("plate.element=quad4,tri3", "plate.elements=[6,2],[12,4]", "time.rows=100:300:3")
+    element, counts, rows = grid(*varied).variations
     assert (element.values, element.numeric) == (("quad4", "tri3"), False)
-    assert counts.values == ("6 x 2", "12 x 4")
-    assert counts.settings == ((6, 2), (12, 4))
+    assert (counts.values, counts.settings) == (("6 x 2", "12 x 4"), ((6, 2), (12, 4)))
     assert rows.values == rows.settings == (100, 200, 300)
 
 
@@ -105,8 +114,7 @@ def test_samples_fill_their_ranges_evenly():
     friction, modulus, element = definition.variations
     shares = (np.array(friction.values) - 0.1) / 0.4, np.log10(np.array(modulus.values) / 1e9) / 2.0
     assert [sorted((share * 20).astype(int)) for share in shares] == [list(range(20))] * 2
-    assert sorted(element.values) == ["quad4"] * 10 + ["tri3"] * 10
-    assert definition.runs == 20
+    assert (sorted(element.values), definition.runs) == (["quad4"] * 10 + ["tri3"] * 10, 20)
     assert definition.inputs_of(4) == {item.key: item.values[4] for item in definition.variations}
 
 
@@ -114,47 +122,39 @@ def test_the_definition_on_disk_tells_sweeps_apart():
     one = grid("corner.friction=0:0.6:3").as_written()
     assert one == grid("corner.friction=0:0.6:3").as_written() == json.loads(json.dumps(one))
     assert one != grid("corner.friction=0:0.6:4").as_written()
-    sampled = [
-        make_definition(SCENE, (), ("corner.friction=0:0.6",), 5, seed).as_written() for seed in (1, 2)
-    ]
+    varied = ("corner.friction=0:0.6",)
+    sampled = [make_definition(SCENE, (), varied, 5, seed).as_written() for seed in (1, 2)]
     assert sampled[0]["digest"] != sampled[1]["digest"]
 
 
+FRICTION, KEY_VALUES = "corner.friction", "KEY=VALUES"
 WRONG = [
-    (["--vary", "corner.friction=0:0.6"], "corner.friction", "how many values"),
-    (["--vary", "corner.friction=0:0.6:1"], "corner.friction", "from 2"),
-    (["--vary", "corner.friction=0:0.6:2.5"], "corner.friction", "whole number"),
-    (["--vary", "corner.friction=0.3:0.3:4"], "corner.friction", "must differ"),
-    (["--vary", "corner.friction=log:0:0.6:4"], "corner.friction", "above 0"),
-    (["--vary", "corner.friction=-0.1:0.6:4"], "corner.friction", "from 0 to"),
-    (["--vary", "corner.friction=0.1,,0.2"], "corner.friction", "KEY=VALUES"),
-    (["--vary", "corner.friction="], "--vary", "KEY=VALUES"),
-    (["--vary", "corner.friction"], "--vary", "KEY=VALUES"),
-    (["--vary", "corner..friction=1,2"], "--vary", "KEY=VALUES"),
-    (["--vary", "a:b:c:d=1"], "a:b:c:d", "no such key"),
-    (["--vary", "corner.friction=1:2:3:4"], "corner.friction", "KEY=VALUES"),
-    (["--vary", "corner.colour=1,2"], "corner.colour", "no such key; allowed are reaction"),
-    (["--vary", "corner.reaction=drag,push"], "corner.reaction", "allowed is 'drag', 'none' or 'signed'"),
-    (["--vary", "corner.reaction=drag:none:2"], "corner.reaction", "a range is of numbers"),
-    (["--vary", "impact.speed=50 kg:60 kg:3"], "impact.speed", "the unit does not fit"),
-    (["--vary", "time.rows=100:200:4"], "time.rows", "not all of its values are whole"),
-    (["--vary", "corner.friction=0:1:3", "--vary", "corner.friction=1,2"], "--vary", "varied twice"),
-    (["--vary", "corner.friction=0:1:3", "--set", "corner.friction=1"], "--vary", "--set fixes it"),
-    (
-        ["--vary", "corner.friction=0:1:2000", "--vary", "plate.poissons_ratio=0:0.4:501"],
-        "--vary",
-        "at most 1000000",
+    *(
+        ("corner.friction=0:0.6", FRICTION, "how many values"),
+        ("corner.friction=0:0.6:1", FRICTION, "from 2"),
     ),
-    (["--vary", "corner.friction=0:0.6:3", "--sample", "10"], "corner.friction", "--sample says how many"),
-    (["--vary", "time.rows=100:200", "--sample", "10"], "time.rows", "sampled from a list"),
-    (
-        ["--vary", "corner.friction=0:1:3", "--cluster", "tcp://x:1", "--workers", "2"],
-        "--workers",
-        "leave out",
-    ),
-    (["--vary", "corner.friction=0:1:3", "--out", "file"], "--out", "this is a file"),
-    (["--vary", "corner.friction=0:1:3", "--out", "full"], "--out", "it holds other files"),
-    (["--vary", "corner.friction=0:1:3", "--out", "file/below"], "--out", "the folder cannot be made"),
+    ("corner.friction=0:0.6:2.5", FRICTION, "whole number"),
+    ("corner.friction=0.3:0.3:4", FRICTION, "must differ"),
+    ("corner.friction=log:0:0.6:4", FRICTION, "above 0"),
+    ("corner.friction=-0.1:0.6:4", FRICTION, "from 0 to"),
+    ("corner.friction=0.1,,0.2", FRICTION, KEY_VALUES),
+    ("corner.friction=1:2:3:4", FRICTION, KEY_VALUES),
+    *(("corner.friction=", "--vary", KEY_VALUES), ("corner.friction", "--vary", KEY_VALUES)),
+    *(("corner..friction=1,2", "--vary", KEY_VALUES), ("a:b:c:d=1", "a:b:c:d", "no such key")),
+    ("corner.colour=1,2", "corner.colour", "no such key; allowed are reaction"),
+    ("corner.reaction=drag,push", "corner.reaction", "allowed is 'drag', 'none' or 'signed'"),
+    ("corner.reaction=drag:none:2", "corner.reaction", "a range is of numbers"),
+    ("impact.speed='50 kg:60 kg:3'", "impact.speed", "the unit does not fit"),
+    ("time.rows=100:200:4", "time.rows", "not all of its values are whole"),
+    ("corner.friction=0:1:3 --vary corner.friction=1,2", "--vary", "varied twice"),
+    ("corner.friction=0:1:3 --set corner.friction=1", "--vary", "--set fixes it"),
+    ("corner.friction=0:1:2000 --vary plate.poissons_ratio=0:0.4:501", "--vary", "at most 1000000"),
+    ("corner.friction=0:0.6:3 --sample 10", FRICTION, "--sample says how many"),
+    ("time.rows=100:200 --sample 10", "time.rows", "sampled from a list"),
+    ("corner.friction=0:1:3 --cluster tcp://x:1 --workers 2", "--workers", "leave out"),
+    ("corner.friction=0:1:3 --out file", "--out", "this is a file"),
+    ("corner.friction=0:1:3 --out full", "--out", "it holds other files"),
+    ("corner.friction=0:1:3 --out file/below", "--out", "the folder cannot be made"),
 ]
 
 
@@ -164,7 +164,7 @@ def test_wrong_input_is_told_and_nothing_is_written(arguments, key, message, tmp
     (tmp_path / "file").write_text("kept")
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "summary.json").write_text("{}")
-    assert _status(["sweep", SCENE, *arguments]) == 2
+    assert _status(["sweep", SCENE, "--vary", *shlex.split(arguments)]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"tailslap: {key}: given")
     assert message in said
@@ -176,3 +176,213 @@ def test_a_scene_without_plate_is_refused(tmp_path):
     scene.write_text('name = "x"\n[vehicle]\nlength = 10\nwidth = 2.4\nmass = 9979\n')
     with pytest.raises(InputError, match=r"plate: given nothing; a run needs"):
         make_definition(str(scene), (), ("vehicle.mass=1:2:3",), None, 307)
+
+
+def rows(*varied: Varied, status: str = "passed") -> SweepRows:
+    count = len(varied[0].values)
+    rigid = {key: np.linspace(1.0, 2.0, count) for key in KEYS}
+    difference = {key: np.geomspace(1e-6, 1e-3, count) for key in KEYS}
+    fe = {key: rigid[key] * (1.0 + difference[key]) for key in KEYS}
+    return SweepRows(varied, np.full(count, status, dtype=object), fe, rigid, difference)
+
+
+def key(name: str, *values: float | str, logarithmic: bool = False) -> Varied:
+    numbers = all(not isinstance(value, str) for value in values)
+    return Varied(name, "", np.array(values, dtype=float if numbers else object), logarithmic)
+
+
+def names(*varied: Varied) -> list[str]:
+    """Of the plots, the six against a key as one."""
+    found = [curve.name for curve in draw_sweep(rows(*varied))]
+    ends = tuple(f"-{key}" for key in (*KEYS, "difference"))
+    return list(dict.fromkeys(next((n.removesuffix(e) for e in ends if n.endswith(e)), n) for n in found))
+
+
+def test_which_plots_there_are():
+    """Some against each number; a map for two numbers and no words; parallels for three keys or more."""
+    a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
+    word, c = key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4)
+    assert names(a) == ["against-a-x"]
+    assert names(a, b) == ["against-a-x", "against-b-y", "map-result", "map-worst", "map-status"]
+    assert names(a, word) == ["against-a-x"]
+    assert names(a, word, c) == ["against-a-x", "against-d-w", "parallels"]
+    nothing = rows(a)
+    assert draw_sweep(replace(nothing, difference={k: np.full(4, np.nan) for k in KEYS})) == ()
+
+
+def values_drawn(curves: tuple[Chart, ...]) -> int:
+    return sum(len(found.split()) for c in curves for found in re.findall('data-values="([^"]*)"', c.svg))
+
+
+def test_each_row_is_a_point():
+    """Five plots with a rigid and an FE mark for each row, one with the differences: 11 marks a row; failed ones once
+    more in red, and without a result none."""
+    a = key("a.x", 1, 2, 3)
+    passed, failed = draw_sweep(rows(a)), draw_sweep(rows(a, status="failed"))
+    assert (len(passed), values_drawn(passed)) == (6, 3 * 11)
+    assert values_drawn(failed) == 3 * 11 + 3 * 5
+    assert "a check failed" in failed[0].svg
+    assert "a check failed" not in passed[0].svg
+
+
+def test_of_very_many_rows_all_that_failed_are_drawn():
+    """And the page stays small."""
+    some = rows(key("a.x", *np.linspace(0.0, 0.9, 20_000)))
+    some.status[777::4000] = "failed"
+    curves = draw_sweep(some)
+    assert sum(len(curve.svg) for curve in curves) < 1e6
+    (red,) = re.findall('data-label="FE, a check failed" data-values="([^"]*)"', curves[0].svg)
+    assert len(red.split()) >= 5
+
+
+def test_no_axis_shows_a_negative_friction():
+    first, *_ = draw_sweep(rows(key("impact.friction", 0.0, 0.3, 0.6, 0.9)))
+    (low,) = re.findall(r'data-x="(\S+) ', first.svg)
+    assert float(low) == 0.0
+
+
+def test_a_modulus_over_decades_has_a_logarithmic_axis():
+    """Its smallest value is next to nothing beside the range, and no reason to begin at zero."""
+    first, *_ = draw_sweep(rows(key("plate.youngs_modulus", 1e9, 1e10, 1e12, logarithmic=True)))
+    (low,) = re.findall(r'data-x="(\S+) ', first.svg)
+    assert 0.5e9 < float(low) < 1e9
+
+
+def test_maps_show_each_run():
+    """Cells of a complete grid, points where it is none; what failed is red; a value a run, and none for no result."""
+    a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
+    some = rows(a, b)
+    some.status[:] = ["refused", "passed", "failed", "passed"]
+    some.fe["v_gy"][0] = np.nan
+    result, _, status = draw_sweep(some)[-3:]
+    (values,) = re.findall('data-values="([^"]*)"', result.svg)
+    assert (values.split(" ")[0], len(values.split(" "))) == ("1.3333\N{NO-BREAK SPACE}m/s", 3)
+    assert re.findall('data-at="([^"]*)"', status.svg) == ["1;\xa01 1;\xa010 2;\xa01 2;\xa010"]
+    (red,) = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', status.svg)
+    assert red.count("M") == 1
+
+
+def test_parallels_say_each_row_where_it_meets_a_scale():
+    """Three inputs, five results, the difference; the rigid solution behind, and a row that failed in red."""
+    some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
+    some.status[2] = "failed"
+    chart = draw_sweep(some)[-1]
+    values, at = (re.findall(f'data-{name}="([^"]*)"', chart.svg)[0].split(" ") for name in ("values", "at"))
+    assert values[:8] == ["1", "1", "2", "2", "p", "q", "p", "q"]
+    assert len(values) == len(at) == 4 * (3 + 5 + 1)
+    assert at[6] == "run\N{NO-BREAK SPACE}2,\N{NO-BREAK SPACE}c.z"
+    pattern = '<g class="{}"[^>]*><path d="([^"]*)"'
+    red, behind = (re.findall(pattern.format(c), chart.svg)[0] for c in ("red", "rigid"))
+    assert (red.count("M"), red.count("L")) == (1, 8)
+    assert (behind.count("M"), behind.count("L")) == (4, 4 * 4)
+
+
+def test_heights_of_parallels():
+    assert scaled("x", np.array([2.0, 3.0, 4.0]), False).heights.tolist() == [0.0, 0.5, 1.0]
+    assert scaled("x", np.array([1.0, 10.0, 100.0]), True).heights == pytest.approx([0.0, 0.5, 1.0])
+    assert scaled("x", np.array([5.0, 5.0]), False).heights.tolist() == [0.5, 0.5]
+    words = scaled("x", np.array(["p", "q", "p"], dtype=object), False)
+    assert words.heights.tolist() == [0.25, 0.75, 0.25]
+
+
+def test_marks_of_parallels():
+    """Round numbers within the values, and the value itself where there is but one: friction is never negative."""
+    expected = [(pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.5)]
+    assert scaled("x", np.array([0.0, 0.91]), False).ticks == expected
+    assert [text for _, text in scaled("x", np.array([2e8, 3e11]), True).ticks] == ["10⁹", "10¹⁰", "10¹¹"]
+    assert scaled("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
+
+
+def test_the_worst_of_the_five_differences():
+    some = rows(key("a", 1, 2))
+    changed = dict(some.difference) | {"omega": np.array([-0.5, 0.0]), "t": np.array([0.1, np.nan])}
+    worst = replace(some, difference=changed).worst
+    assert worst[0] == 0.5
+    assert math.isnan(worst[1])
+
+
+def sweep_of(some: SweepRows) -> FinishedSweep:
+    """A sweep with these rows."""
+    varied = [Variation(v.key, v.unit, tuple(v.values.tolist()), v.logarithmic) for v in some.varied]
+    definition = Definition("a<b", "name = 1", (), Source(), (), tuple(varied), len(some.status), 307)
+    statuses = {name: int((some.status == name).sum()) for name in ("passed", "failed", "refused", "error")}
+    return FinishedSweep(definition, statuses, CampaignEffort())
+
+
+def test_the_page_holds_what_it_is_given(tmp_path):
+    some = rows(key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10))
+    some.status[:] = ["refused", "passed", "failed", "passed"]
+    reasons = np.array(["beyond <theory>", "", "energy <balance>", ""], dtype=object)
+    page = write_page(tmp_path / "report.html", sweep_page(sweep_of(some), some, reasons)).read_text()
+    plain = page.replace("\N{NO-BREAK SPACE}", " ")
+    statuses = "2 passed all checks, 1 failed a check, 1 refused"
+    for text in ("a&lt;b", statuses, "name = 1", "+1.00×10⁻³", "1, 10"):
+        assert text in plain
+    assert plain.index("energy &lt;balance&gt;") < plain.index("beyond &lt;theory&gt;")
+    assert plain.count('<tr class="failed">') == 1
+    assert "The first" not in plain
+    assert page.count("<svg") == 15
+    assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
+
+
+def test_a_page_of_runs_that_were_all_refused(tmp_path):
+    """No plots, no results; the first rows, and how many there are."""
+    count = MAX_LISTED + 5
+    some = rows(key("a.x", *range(count)), status="refused")
+    nothing = replace(some, difference={k: np.full(count, np.nan) for k in KEYS})
+    page = sweep_page(sweep_of(nothing), nothing, np.full(count, "no", dtype=object))
+    text = write_page(tmp_path / "e.html", page).read_text()
+    assert "<svg" not in text
+    assert f"The first {MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "At the tail-slap" not in text
+    assert "did not pass" not in write_page(tmp_path / "p.html", all_passed()).read_text()
+
+
+def all_passed() -> Page:
+    some = rows(key("a.x", 1, 2, 3))
+    return sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
+
+
+def test_the_largest_differences():
+    some = rows(key("a.x", 1, 2, 3))
+    some.status[2] = "failed"
+    (time, *_) = spreads(some)
+    assert (time["run"], time["difference"]) == (1, some.difference["t"][1])
+    assert (time["least"], time["most"]) == (some.fe["t"][0], some.fe["t"][1])
+
+
+def test_what_the_terminal_says():
+    said = sweep_text(sweep_of(rows(key("a.x", 1, 2, 3))), Path("results/x")).splitlines()
+    assert said[0] == "a<b: 3 runs, 3 passed all checks"
+    files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
+    assert said[1:] == ["Cost:   nothing was left to run", *files]
+
+
+def test_words():
+    angle = Variation("impact.angle", "rad", (math.radians(10), math.radians(15)), False)
+    assert SI.rendered(values_words(angle)) == "10 deg, 15 deg"
+    modulus = Variation("e", "Pa", (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
+    assert SI.rendered(values_words(modulus)) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
+    assert (shown("quad4", ""), SI.rendered(shown(0.25, ""))) == ("quad4", "0.25")
+
+
+def test_rate_and_overhead_by_hand():
+    """Two threads for 10 s are 20 s; 100 runs of 0.15 s leave 5 s, 0.05 s a run."""
+    effort = CampaignEffort(100, 2, 10.0, 15.0)
+    assert (effort.rate, effort.overhead_s) == (10.0, pytest.approx(0.05))
+    assert (CampaignEffort().rate, CampaignEffort().overhead_s) == (0.0, 0.0)
+    assert [clock(seconds) for seconds in (0.4, 59.6, 61, 3725)] == ["0:00", "1:00", "1:01", "1:02:05"]
+
+
+def test_progress_where_there_is_no_terminal(monkeypatch, capsys):
+    """Silent for half a minute; then 40 runs made in 40 s are one a second, and 40 are left."""
+    now = [0.0]
+    monkeypatch.setattr("tailslap.progress.time.monotonic", lambda: now[0])
+    with counted("sut", 90, 10) as show:
+        now[0] = 5.0
+        show(20)
+        assert capsys.readouterr().err == ""
+        now[0] = 40.0
+        show(50, ", 1 failed")
+    said = capsys.readouterr().err
+    assert said == "tailslap: sut: 50 of 90, 1/s, 0:40 left, 1 failed\n"

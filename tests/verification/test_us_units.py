@@ -1,12 +1,17 @@
-"""Verification: American units in scenes and in what `tailslap rigid --units us` prints, by the units' definitions."""
+"""Verification: American units in scenes, commands, pages and pictures, by the units' definitions."""
 
 import json
-import subprocess
-import sys
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import tailslap
+from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
+from postprocess.figures.animation import write_animation
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table
@@ -26,23 +31,18 @@ POUND_FORCE = POUND * 9.80665
 KIP, KSI = 1000.0 * POUND_FORCE, 1000.0 * POUND_FORCE / INCH**2
 
 
-@pytest.mark.parametrize(
-    ("change", "value"),
-    [
-        ("plate.youngs_modulus=29000 ksi", 29000 * KSI),
-        ("plate.youngs_modulus=29e6 psi", 29000 * KSI),
-        ("plate.youngs_modulus=29000 kip/in^2", 29000 * KSI),
-        ("plate.youngs_modulus=4.176e9 lbf/ft^2", 4.176e9 * POUND_FORCE / FOOT**2),
-        ("plate.density=490 lb/ft^3", 490 * POUND / FOOT**3),
-        ("plate.thickness=2 in", 2 * INCH),
-        ("vehicle.length=32 ft", 32 * FOOT),
-        ("vehicle.mass=22000 lb", 22000 * POUND),
-        ("vehicle.mass=22 klb", 22000 * POUND),
-        ("vehicle.mass=683.8 slug", 683.8 * POUND_FORCE / FOOT),
-        ("impact.speed=82 ft/s", 82 * FOOT),
-        ("impact.speed=56 mph", 56 * MPH),
-    ],
-)
+IN_SCENES = [
+    *(("plate.youngs_modulus=29000 ksi", 29000 * KSI), ("plate.youngs_modulus=29e6 psi", 29000 * KSI)),
+    ("plate.youngs_modulus=29000 kip/in^2", 29000 * KSI),
+    ("plate.youngs_modulus=4.176e9 lbf/ft^2", 4.176e9 * POUND_FORCE / FOOT**2),
+    *(("plate.density=490 lb/ft^3", 490 * POUND / FOOT**3), ("plate.thickness=2 in", 2 * INCH)),
+    *(("vehicle.length=32 ft", 32 * FOOT), ("vehicle.mass=22000 lb", 22000 * POUND)),
+    *(("vehicle.mass=22 klb", 22000 * POUND), ("vehicle.mass=683.8 slug", 683.8 * POUND_FORCE / FOOT)),
+    *(("impact.speed=82 ft/s", 82 * FOOT), ("impact.speed=56 mph", 56 * MPH)),
+]
+
+
+@pytest.mark.parametrize(("change", "value"), IN_SCENES)
 def test_scenes_take_american_units(change, value):
     key = change.partition("=")[0]
     table, _, name = key.partition(".")
@@ -58,31 +58,22 @@ def test_a_force_is_no_mass_and_no_stress(change):
         read_scene("mash-tl4-sut", (change,))
 
 
-@pytest.mark.parametrize(
-    ("unit", "size"),
-    [
-        *(
-            ("m", FOOT),
-            ("m/s", FOOT),
-            ("N", KIP),
-            ("N s", KIP),
-            ("J", KIP * FOOT),
-            ("kg", POUND),
-            ("Pa", KSI),
-        ),
-        *(("mm", 1e3 * INCH), ("kN", KIP / 1e3), ("kg/m^3", POUND / FOOT**3), ("N/m", KIP / FOOT)),
-        *(("MN/m", KIP / FOOT / 1e6), ("kN/m", KIP / FOOT / 1e3), ("GPa", KSI / 1e9), ("MPa", KSI / 1e6)),
-        *(("t", POUND / 1e3), ("kg m^2", POUND * FOOT**2), ("kN s", KIP / 1e3), ("kJ", KIP * FOOT / 1e3)),
-    ],
-)
+DEFINITIONS = [
+    *(("m", FOOT), ("m/s", FOOT), ("N", KIP), ("N s", KIP), ("J", KIP * FOOT), ("kg", POUND), ("Pa", KSI)),
+    *(("mm", 1e3 * INCH), ("kN", KIP / 1e3), ("kg/m^3", POUND / FOOT**3), ("N/m", KIP / FOOT)),
+    *(("MN/m", KIP / FOOT / 1e6), ("kN/m", KIP / FOOT / 1e3), ("GPa", KSI / 1e9), ("MPa", KSI / 1e6)),
+    *(("t", POUND / 1e3), ("kg m^2", POUND * FOOT**2), ("kN s", KIP / 1e3), ("kJ", KIP * FOOT / 1e3)),
+]
+
+
+@pytest.mark.parametrize(("unit", "size"), DEFINITIONS)
 def test_definitions(unit, size):
     """How many of the American unit one of the SI unit is."""
     assert US.of(unit)[0] * size == pytest.approx(1.0, rel=1e-14)
 
 
 def test_what_is_shown():
-    assert shown(25.0, "m/s") == "25 m/s"
-    assert shown(653321.7, "N") == "653.3217 kN"
+    assert (shown(25.0, "m/s"), shown(653321.7, "N")) == ("25 m/s", "653.3217 kN")
     assert shown(KIP * 100.0, "N", "us") == "100 kip"
     assert shown(56 * MPH, "m/s", "us") == "82.13333 ft/s (56 mph)"
     assert shown(np.pi / 12.0, "rad", "us", width=8) == "      15 deg"
@@ -109,31 +100,31 @@ def test_rigid_prints_american_units_and_labels_them(capsys):
         assert metric not in text
 
 
-@pytest.mark.parametrize(
-    ("text", "si", "us"),
-    [
-        (f"a peak of {measure(445e3, 'N', '.0f')}.", "a peak of 445 kN.", "a peak of 100 kip."),
-        (
-            f"between {measure(339, 'kN', 'g', named=False)} and {measure(850, 'kN', 'g')}",
-            "between 339 and 850 kN",
-            "between 76.2 and 191 kip",
-        ),
-        (measure(4.5, "m", "g"), "4.5 m", "14.8 ft"),
-        (measure(10000.0, "kg", ".0f"), "10000 kg", "22046 lb"),
-        (measure(25.034, "m/s", ".5g"), "25.034 m/s", "82.133 ft/s"),
-        (measure(20.0, "GPa", "g"), "20 GPa", "2900 ksi"),
-        (measure(2e6, "N/m", ".4g"), "2e+06 N/m", "137 kip/ft"),
-        (measure(-1250.0, "N s", ".3g"), "-1.25 kN s", "-0.281 kip s"),
-        (measure(np.float64(-2), "mm", "g"), "-2 mm", "-0.0787 in."),
-        (measure(np.pi / 12.0, "rad", ".3g"), "15 deg", "15 deg"),
-        (measure(8.0, "Hz", "g"), "8 Hz", "8 Hz"),
-        (
-            "as `impact.speed = 25 m/s` has it",
-            "as `impact.speed = 25 m/s` has it",
-            "as `impact.speed = 25 m/s` has it",
-        ),
-    ],
-)
+MEASURES = [
+    (f"a peak of {measure(445e3, 'N', '.0f')}.", "a peak of 445 kN.", "a peak of 100 kip."),
+    (
+        f"between {measure(339, 'kN', 'g', named=False)} and {measure(850, 'kN', 'g')}",
+        "between 339 and 850 kN",
+        "between 76.2 and 191 kip",
+    ),
+    (measure(4.5, "m", "g"), "4.5 m", "14.8 ft"),
+    (measure(10000.0, "kg", ".0f"), "10000 kg", "22046 lb"),
+    (measure(25.034, "m/s", ".5g"), "25.034 m/s", "82.133 ft/s"),
+    (measure(20.0, "GPa", "g"), "20 GPa", "2900 ksi"),
+    (measure(2e6, "N/m", ".4g"), "2e+06 N/m", "137 kip/ft"),
+    (measure(-1250.0, "N s", ".3g"), "-1.25 kN s", "-0.281 kip s"),
+    (measure(np.float64(-2), "mm", "g"), "-2 mm", "-0.0787 in."),
+    (measure(np.pi / 12.0, "rad", ".3g"), "15 deg", "15 deg"),
+    (measure(8.0, "Hz", "g"), "8 Hz", "8 Hz"),
+    (
+        "as `impact.speed = 25 m/s` has it",
+        "as `impact.speed = 25 m/s` has it",
+        "as `impact.speed = 25 m/s` has it",
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "si", "us"), MEASURES)
 def test_measures_are_rendered_in_the_units_of_the_reader(text, si, us):
     """Values by the units' definitions, to as many digits, but three at least; texts without a measure as they are."""
     assert (SI.rendered(text), US.rendered(text)) == (si, us)
@@ -165,13 +156,8 @@ def test_a_report_is_in_american_units_everywhere():
     assert [column.text(made.rows[0]) for column in made.columns] == ["6.56 ft", "100.0", "`2 m`"]
     assert (made.title, made.columns[1].heading, shown.terminal[0]) == ("of 6.56 ft", "b [kip]", "6.56 ft")
     assert isinstance(figure, Chart)
-    for text in (
-        ">x [kip]<",
-        ">100\xa0kip<",
-        ">100<",
-        'data-at="6.56\xa0ft 9.84\xa0ft"',
-        'data-values="100\xa0kip ',
-    ):
+    pointer = 'data-at="6.56\xa0ft 9.84\xa0ft"', 'data-values="100\xa0kip '
+    for text in (">x [kip]<", ">100\xa0kip<", ">100<", *pointer):
         assert text in figure.svg
     assert "kN" not in figure.svg
     assert shown.page.footer == "US units, files in SI; x along"
@@ -181,9 +167,8 @@ def test_a_report_is_in_american_units_everywhere():
 
 def test_records_that_name_their_unit_are_in_american_units():
     """Occupant risk, and the moduli of the study of flexibility."""
-    risk = Table(RISK, [{"name": "THIV", "value": 9.144, "unit": "m/s", "time": 0.1, "lacks": ""}]).in_units(
-        US
-    )
+    row = {"name": "THIV", "value": 9.144, "unit": "m/s", "time": 0.1, "lacks": ""}
+    risk = Table(RISK, [row]).in_units(US)
     assert [column.text(risk.rows[0]) for column in risk.columns[1:3]] == ["30", "ft/s"]
     stiff = Table(STIFF, [{"youngs_modulus": 200e9, "damping": 1.0}]).in_units(US)
     assert (stiff.columns[0].heading, stiff.columns[0].text(stiff.rows[0])) == ("E [ksi]", "2.90e+04")
@@ -206,8 +191,168 @@ def test_json_is_si_always(capsys):
     assert _status(["rigid", "mash-tl4-sut", "--units", "uk"]) == 2
 
 
-def test_rigid_imports_neither_statistics_nor_plots():
+def test_rigid_imports_neither_statistics_nor_plots(python):
     code = "import sys; from tailslap.cli import _status; _status(['rigid','mash-tl4-sut','--units','us'])\n"
     code += "print(sorted({'scipy.stats', 'scipy.special', 'matplotlib', 'rich', 'jinja2'} & {*sys.modules}))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = python(code, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+PSI = KIP / 1e3 / (FOOT / 12.0) ** 2
+SQUARE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
+
+
+@pytest.fixture(scope="module")
+def result():
+    return tailslap.run("paper-table-3", {"output.fields": 3, "plate.elements": [8, 2]})
+
+
+@pytest.fixture(scope="module")
+def folder(result, tmp_path_factory):
+    return result.save(tmp_path_factory.mktemp("us") / "reference", pictures=False)
+
+
+def texts_of(monkeypatch: pytest.MonkeyPatch, draw: Callable[[], Any]) -> list[str]:
+    """Words of a picture: the rulers' numbers and what stands beside them."""
+    said: list[str] = []
+    plain = Sheet.write
+
+    def write(sheet: Sheet, text: str, *more: Any, **others: Any) -> None:
+        said.append(text)
+        plain(sheet, text, *more, **others)
+
+    monkeypatch.setattr(Sheet, "write", write)
+    draw()
+    monkeypatch.undo()
+    return said
+
+
+def numbers(texts: list[str]) -> list[float]:
+    return [float(text) for text in texts if re.fullmatch(r"[\d.]+", text)]
+
+
+def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
+    field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
+    situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
+    metres, feet = (
+        texts_of(monkeypatch, lambda units=units: draw_contours(situation, [field], tmp_path, *units))  # type: ignore[misc]
+        for units in ((), (US,))
+    )
+    for said, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
+        middle = {"m": "G: 1.5 m/s", "ft": "G: 4.921 ft/s"}[length]
+        axes = {f"X [{length}], driving direction →", f"Y [{length}]", f"Velocity [{speed}]"}
+        assert axes | {middle} <= {*said}
+    assert max(numbers(metres)) == 3.0
+    assert 3.0 / FOOT - 1.0 <= max(numbers(feet)) <= 3.0 / FOOT + 1.0
+    assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
+
+
+def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
+    """Title, range and rulers; the picture itself is the same but for round numbers."""
+    series = result.fields
+    feet, metres = (
+        texts_of(
+            monkeypatch,
+            lambda units=units: draw_instants(  # type: ignore[misc]
+                tmp_path, series, "stress_von_mises", instants=[1], **units
+            ),
+        )
+        for units in ({"units": US}, {})
+    )
+    stress = series.elemental["stress_von_mises"][1]
+    least, most = (f"{end / (1e3 * PSI):.4g}" for end in (stress.min(), stress.max()))
+    assert {"stress_von_mises [ksi]", "Y [ft]", "X [ft], driving direction →"} <= {*feet}
+    assert f"element values from {least} to {most} ksi" in feet
+    assert {"stress_von_mises [Pa]", "Y [m]", f"t = {series.t[1]:.4f} s"} <= {*metres}
+    assert f"element values from {stress.min():.4g} to {stress.max():.4g} Pa" in metres
+
+
+def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, monkeypatch):
+    given: list[str] = []
+    draw = "postprocess.fields.contours.draw_instants"
+    monkeypatch.setattr(draw, lambda *_, units, **__: given.append(units.name))
+    tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
+    assert given == ["us"]
+    with pytest.raises(InputError, match="files of csv are in SI always"):
+        tailslap.export(result, "csv", tmp_path / "b", units="us")
+    with pytest.raises(InputError, match="allowed is one of si, us"):
+        tailslap.export(result, "png", tmp_path / "c", units="uk")
+
+
+def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
+    from matplotlib.axes import Axes
+
+    labels: list[str] = []
+    ends: list[float] = []
+    plain = Axes.set_ylabel
+
+    def set_ylabel(axes: Axes, label: str, *more: Any, **others: Any) -> Any:
+        labels.append(label)
+        ends.append(axes.get_ylim()[1])
+        return plain(axes, label, *more, **others)
+
+    monkeypatch.setattr(Axes, "set_ylabel", set_ylabel)
+    outlines, force = np.stack([SQUARE, SQUARE]), np.array([0.0, 10.0 * KIP])
+    write_animation(tmp_path / "a.gif", np.array([0.0, 0.1]), outlines, force, units=US)
+    write_animation(tmp_path / "b.gif", np.array([0.0, 0.1]), outlines, force)
+    assert labels == ["Y [ft]", "force [kip]", "Y [m]", "force [kN]"]
+    assert (ends[0], ends[1]) == (pytest.approx(ends[2] / FOOT), pytest.approx(10.0 * 1.05))
+
+
+def page_text(place: Path) -> str:
+    """Words of a page without tags, what is folded and drawn included."""
+    text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", _html(place), flags=re.DOTALL)
+    return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
+
+
+def _html(place: Path) -> str:
+    return (place / "report.html").read_text(encoding="utf-8")
+
+
+def test_modes_say_the_beam_in_feet(tmp_path, capsys):
+    arguments = ["modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8,2]", "--units", "us"]
+    assert _status([*arguments, "--out", str(tmp_path / "a")]) == 0
+    text = page_text(tmp_path / "a")
+    assert "free beam of length 32.8 ft and depth 7.999 ft" in text
+    assert not re.search(r"\d (m|m/s)\b", text)
+
+
+def test_a_modal_run_says_feet_and_json_stays_si(capsys):
+    assert _status(["modal", "paper-table-3", "--units", "us"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert _status(["modal", "paper-table-3", "--units", "us", "--json"]) == 0
+    values = json.loads(capsys.readouterr().out)["modal"]
+    for symbol, key in (("v_GX", "v_gx"), ("s", "slide")):
+        (row,) = (line for line in lines if line[:1] == [symbol])
+        assert row[1] == ("ft/s" if key == "v_gx" else "ft")
+        assert float(row[2]) == pytest.approx(values[key] / FOOT, rel=1e-6)
+
+
+def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
+    for units in ("us", "si"):
+        given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
+        assert _status(given) == 0
+    us, si = page_text(tmp_path / "us"), page_text(tmp_path / "si")
+    force = ("N [kip]", "N [kN]"), ("difference of R [kip]", "difference of R [kN]")
+    for unit, other in (("s [ft]", "s [m]"), *force):
+        assert unit in us
+        assert unit not in si
+        assert other in si
+    slide = json.loads((folder / "summary.json").read_text())["fe"]["slide"]
+    assert f"{slide / FOOT:.7g}" in us
+    assert f"{slide:.7g}" in si
+    assert (tmp_path / "us" / "metrics.csv").read_text() == (tmp_path / "si" / "metrics.csv").read_text()
+
+
+def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch):
+    given: list[str] = []
+
+    def draw(situation: Situation, fields: Any, out: Path, units: Any) -> list[Path]:
+        given.append(units.name)
+        return []
+
+    monkeypatch.setattr("tailslap.case.corner.report.draw_contours", draw)
+    for units in ("us", "si"):
+        place = ["--quiet", "--out", str(tmp_path / units)]
+        assert _status(["run", "paper-table-3", "--units", units, *place]) == 0
+    assert given == ["us", "si"]
