@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.modal.motion import MEASURED, measure_rows
+from fem.modal import motion
 from fem.modal.steps import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
-from fem.plate.elastic import free_modes
+from fem.plate import elastic
+from fem.start import rigid_state
 from fem.start.inertia_relief import ElasticFields
-from fem.start.rigid_state import RigidStart, to_global
 
 
 class ModalModel(NamedTuple):
@@ -88,7 +88,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     ValueError
         For a count that the mesh does not have, a dashpot at the corner, and damping of the plate.
     """
-    loop, modes = plate.loop, free_modes(plate, count)
+    loop, modes = plate.loop, elastic.free_modes(plate, count)
     if loop.corner.dashpot:
         raise ValueError("the modal model has no dashpot at the corner")
     if loop.viscosity is not None:
@@ -178,10 +178,10 @@ class ModalMotion:
 
 
 def modal_start(
-    plate: PlateModel, modal: ModalPlate, start: RigidStart, fields: ElasticFields
+    plate: PlateModel, modal: ModalPlate, start: rigid_state.RigidStart, fields: ElasticFields
 ) -> tuple[np.ndarray, np.ndarray]:
     """Place and speed at t = 0, shape (3 + modes,): the start by inertia relief, projected on the modes."""
-    turn = to_global(start.angle)
+    turn = rigid_state.to_global(start.angle)
     (q, shift), (q_rate, shift_rate) = (
         _split(plate, modal, field) for field in (fields.elastic, fields.rate)
     )
@@ -204,9 +204,9 @@ def integrate(
     began = time.perf_counter()
     end, rows, iterations = run_to_strike(duration / steps, modal.model, table, *workspace)
     elapsed = time.perf_counter() - began
-    measured = np.empty((rows, len(MEASURED)))
-    measure_rows(table[:rows], modal.model, measured)
-    history = {"t": table[:rows, 0], **dict(zip(MEASURED, measured.T, strict=True))}
+    measured = np.empty((rows, len(motion.MEASURED)))
+    motion.measure_rows(table[:rows], modal.model, measured)
+    history = {"t": table[:rows, 0], **dict(zip(motion.MEASURED, measured.T, strict=True))}
     strike = {name: float(column[-1]) for name, column in history.items()} if end == REACHED else None
     return ModalMotion(history, strike, ENDS[end], rows - 1, iterations, elapsed)
 

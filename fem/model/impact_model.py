@@ -11,22 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.explicit.impact_loop import ImpactLoop
+from fem.laws import materials, unilateral
 from fem.laws.elastic_wall import ElasticWall
-from fem.laws.materials import st_venant_kirchhoff
-from fem.laws.unilateral import Crush, ExactContact, PenaltyContact, penalty_stiffness
 from fem.laws.wall_contact import BoundaryContact
 from fem.model import plate_model
 from fem.model.plate_model import PlateModel
-from fem.plate.elements import Discretisation, stiffness_matrix
-from fem.plate.kinds import (
-    ContactProperties,
-    ModelError,
-    PlateProperties,
-    StepProperties,
-    WallProperties,
-    row_sum_masses,
-)
-from fem.plate.spectrum import FREE
+from fem.plate import elements, kinds, spectrum
 
 if TYPE_CHECKING:
     import meshio
@@ -34,10 +24,10 @@ if TYPE_CHECKING:
 
 def build_impact_model(
     mesh: meshio.Mesh,
-    plate: PlateProperties,
-    contact: ContactProperties,
-    step: StepProperties,
-    wall: WallProperties | None = None,
+    plate: kinds.PlateProperties,
+    contact: kinds.ContactProperties,
+    step: kinds.StepProperties,
+    wall: kinds.WallProperties | None = None,
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
@@ -69,12 +59,15 @@ def build_impact_model(
     touching = wall_contact(unit.discretisation, unit.masses, plate, contact)
     model = plate_model.unfinished_model(unit, plate, ImpactLoop, contact=touching, wall=None)
     # Contact does not bound the step: fem.laws.unilateral.
-    model = plate_model.with_time_step(model, FREE, plate, step)
+    model = plate_model.with_time_step(model, spectrum.FREE, plate, step)
     return model if wall is None else with_wall(model, wall, step)
 
 
 def wall_contact(
-    discretisation: Discretisation, masses: np.ndarray, plate: PlateProperties, contact: ContactProperties
+    discretisation: elements.Discretisation,
+    masses: np.ndarray,
+    plate: kinds.PlateProperties,
+    contact: kinds.ContactProperties,
 ) -> BoundaryContact:
     """Contact points with their law. A corner that crushes and has a layer is there twice.
 
@@ -83,10 +76,10 @@ def wall_contact(
     boundary, lengths = boundary_of(discretisation)
     points, count = [(np.array([node]), np.ones(1)) for node in boundary], len(boundary)
     if contact.law == "exact":
-        law: Any = ExactContact(count)
+        law: Any = unilateral.ExactContact(count)
     elif contact.law == "penalty":
-        stiffness = penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
-        law = PenaltyContact(np.full(count, stiffness))
+        stiffness = unilateral.penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
+        law = unilateral.PenaltyContact(np.full(count, stiffness))
     elif contact.law == "crush":
         points, law = _crushing(discretisation.positions, boundary, lengths, contact)
     else:
@@ -97,7 +90,7 @@ def wall_contact(
     return BoundaryContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
 
 
-def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:
+def boundary_of(discretisation: elements.Discretisation) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of the boundary, and lengths of the sides that each stands for [m], of shape (boundary nodes,) each."""
     import skfem
 
@@ -109,8 +102,8 @@ def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]
 
 
 def _crushing(
-    positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
-) -> tuple[list[Any], Crush]:
+    positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: kinds.ContactProperties
+) -> tuple[list[Any], unilateral.Crush]:
     """The corners, each a node or a patch of its side, and with a layer all nodes of the boundary.
 
     Corners are front and rear on the side of the wall, then on the far side.
@@ -124,7 +117,7 @@ def _crushing(
         points += [(np.array([node]), np.ones(1)) for node in boundary]
         stiffness = np.concatenate([stiffness, contact.side_stiffness * lengths])
         initial = np.concatenate([initial, np.zeros(len(boundary))])
-    return points, Crush(stiffness, initial, contact.restitution**2)
+    return points, unilateral.Crush(stiffness, initial, contact.restitution**2)
 
 
 def _corner(
@@ -147,7 +140,7 @@ MOST = 4000
 """Unknowns of a wall, whose modes are found all at once."""
 
 
-def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> PlateModel:
+def with_wall(model: PlateModel, wall: kinds.WallProperties, step: kinds.StepProperties) -> PlateModel:
     """The model with this wall in place of the rigid one. Its step is the plate's, unless the wall needs a shorter one,
     and the wall moves in all modes that the step is stable for.
 
@@ -155,7 +148,7 @@ def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> 
     """
     scalar = _basis(wall)
     depth = float(np.ptp(scalar.doflocs[1]))
-    masses = row_sum_masses(scalar, wall.density, wall.thickness)
+    masses = kinds.row_sum_masses(scalar, wall.density, wall.thickness)
     frequencies, modes = _free_modes(scalar, masses, wall)
     foundation = wall.foundation_stiffness / (wall.density * wall.thickness * depth)
     frequencies = np.sqrt(frequencies**2 + foundation)
@@ -168,29 +161,31 @@ def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> 
     return replace(model, undamped_time_step=stable, stable_time_step=stable, loop=loop)
 
 
-def _basis(wall: WallProperties) -> Any:
+def _basis(wall: kinds.WallProperties) -> Any:
     """Nine-node elements: one across the depth bends as a beam does, where four-node ones are far too stiff."""
     import skfem
     from skfem.io.meshio import from_meshio
 
     if wall.foundation_stiffness <= 0.0:
-        raise ModelError(
+        raise kinds.ModelError(
             "wall.foundation_stiffness",
             f"the foundation's stiffness is {wall.foundation_stiffness:g}; it must be above 0",
         )
     scalar = skfem.CellBasis(from_meshio(wall.mesh), skfem.ElementQuad2(), intorder=4)
     if 2 * scalar.N > MOST:
-        raise ModelError("wall.elements", f"the wall has {2 * scalar.N} unknowns; it may have up to {MOST}")
+        raise kinds.ModelError(
+            "wall.elements", f"the wall has {2 * scalar.N} unknowns; it may have up to {MOST}"
+        )
     return scalar
 
 
-def _free_modes(scalar: Any, masses: np.ndarray, wall: WallProperties) -> tuple[np.ndarray, np.ndarray]:
+def _free_modes(scalar: Any, masses: np.ndarray, wall: kinds.WallProperties) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [rad/s] of the wall without foundation, and mass-normalised modes, shape (2, nodes, modes)."""
     from scipy.linalg import eigh
 
-    moduli = st_venant_kirchhoff(wall.youngs_modulus, wall.poissons_ratio)
+    moduli = materials.st_venant_kirchhoff(wall.youngs_modulus, wall.poissons_ratio)
     root = 1.0 / np.sqrt(np.tile(masses, 2))
-    scaled = root[:, None] * stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
+    scaled = root[:, None] * elements.stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
     squares, vectors = eigh(scaled)
     return np.sqrt(np.maximum(squares, 0.0)), (root[:, None] * vectors).reshape(2, masses.size, -1)
 
@@ -203,7 +198,7 @@ def _elastic_wall(
     places = scalar.doflocs[0, nodes]
     spacing = float(places[-1] - places[0]) / (nodes.size - 1)
     if not np.allclose(np.diff(places), spacing, rtol=1e-9):
-        raise ModelError("wall.elements", "the nodes on the wall's face are not evenly spaced")
+        raise kinds.ModelError("wall.elements", "the nodes on the wall's face are not evenly spaced")
     return ElasticWall(
         start=float(places[0]),
         spacing=spacing,

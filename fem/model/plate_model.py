@@ -12,31 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem import lazy
 from fem.explicit.elastic_damping import damped_time_step, elastic_damping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.time_loop import LoopParameters
-from fem.laws.constraints import CONSTRAINTS, ConstraintInput
+from fem.laws import constraints, materials
 from fem.laws.corner import CornerConstraint
-from fem.laws.materials import MATERIALS, StVenantKirchhoff, st_venant_kirchhoff
-from fem.lazy import cached
+from fem.plate import elements, kinds
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
-from fem.plate.elements import (
-    Discretisation,
-    Hourglass,
-    discretise,
-    hourglass_control,
-    hourglass_matrix,
-    stiffness_matrix,
-)
-from fem.plate.kinds import (
-    ELEMENT_KINDS,
-    LUMPINGS,
-    CornerProperties,
-    ModelError,
-    PlateProperties,
-    StepProperties,
-    given_inertia_masses,
-)
 from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
 
 if TYPE_CHECKING:
@@ -65,13 +48,13 @@ class UnitPlate:
         Of the stiffness, which it holds, over the modulus [m].
     """
 
-    discretisation: Discretisation
+    discretisation: elements.Discretisation
     masses: np.ndarray
-    hourglass: Hourglass | None
+    hourglass: elements.Hourglass | None
     inverse: Inverse
 
 
-def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
+def unit_plate(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
     """The plate of these properties but for modulus and material, which it has none of.
 
     Raises ModelError where the mesh cannot carry the inertia.
@@ -81,18 +64,18 @@ def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     return made
 
 
-@cached("assembly")
-def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
-    d = discretise(mesh, plate.thickness, plate.element)
-    moduli = st_venant_kirchhoff(1.0, plate.poissons_ratio)
-    masses = LUMPINGS[plate.lumping].masses(d.scalar, plate.density, plate.thickness)
+@lazy.cached("assembly")
+def _assembled(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
+    d = elements.discretise(mesh, plate.thickness, plate.element)
+    moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
+    masses = kinds.LUMPINGS[plate.lumping].masses(d.scalar, plate.density, plate.thickness)
     if plate.inertia is not None:
-        masses = given_inertia_masses(d.positions, masses, plate.inertia)
-    stiffness: Any = stiffness_matrix(d.scalar, plate.thickness, moduli)
+        masses = kinds.given_inertia_masses(d.positions, masses, plate.inertia)
+    stiffness: Any = elements.stiffness_matrix(d.scalar, plate.thickness, moduli)
     hourglass = None
-    if ELEMENT_KINDS[plate.element].hourglass:
-        hourglass = hourglass_control(d, plate.thickness, moduli)
-        stiffness = stiffness + hourglass_matrix(d.table, hourglass, masses.size)
+    if kinds.ELEMENT_KINDS[plate.element].hourglass:
+        hourglass = elements.hourglass_control(d, plate.thickness, moduli)
+        stiffness = stiffness + elements.hourglass_matrix(d.table, hourglass, masses.size)
     return UnitPlate(d, masses, hourglass, Inverse(stiffness, masses, d.positions))
 
 
@@ -125,12 +108,12 @@ class PlateModel:
         not known.
     """
 
-    discretisation: Discretisation
+    discretisation: elements.Discretisation
     highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
     loop: Any  # LoopParameters, or the ImpactLoop of a whole impact
-    tangent_moduli: StVenantKirchhoff  # [Pa], at small strain
+    tangent_moduli: materials.StVenantKirchhoff  # [Pa], at small strain
     thickness: float  # [m]
     elastic: ElasticSolver
     highest_mode: np.ndarray | None = None
@@ -147,7 +130,10 @@ class PlateModel:
 
 
 def build_model(
-    mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties, step: StepProperties
+    mesh: meshio.Mesh,
+    plate: kinds.PlateProperties,
+    corner: kinds.CornerProperties,
+    step: kinds.StepProperties,
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
@@ -176,18 +162,23 @@ def build_model(
 
 
 def finished_model(
-    model: PlateModel, plate: PlateProperties, corner: CornerProperties, step: StepProperties
+    model: PlateModel,
+    plate: kinds.PlateProperties,
+    corner: kinds.CornerProperties,
+    step: kinds.StepProperties,
 ) -> PlateModel:
     """The static model of the same properties with its highest frequency, damping and time step."""
     held = hold_of(model.loop.corner, corner.angles, plate.youngs_modulus)
     return with_time_step(model, held, plate, step)
 
 
-def with_time_step(model: PlateModel, held: Hold, plate: PlateProperties, step: StepProperties) -> PlateModel:
+def with_time_step(
+    model: PlateModel, held: Hold, plate: kinds.PlateProperties, step: kinds.StepProperties
+) -> PlateModel:
     """The model with what its spectrum tells, its corner held like that, and damping."""
     d, spectrum = model.discretisation, _spectrum(model, held, step)
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
-    damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
+    damping = None if viscosity is None else elements.stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
         model,
         highest_frequency=spectrum.frequency,
@@ -198,7 +189,7 @@ def with_time_step(model: PlateModel, held: Hold, plate: PlateProperties, step: 
     return with_elastic_damping(model, step)
 
 
-def _spectrum(model: PlateModel, held: Hold, step: StepProperties) -> ScaledSpectrum | WindowBound:
+def _spectrum(model: PlateModel, held: Hold, step: kinds.StepProperties) -> ScaledSpectrum | WindowBound:
     """The spectrum, or of large uniform plates without other damping than of elastic velocities its bound."""
     damped = held.dashpot or step.damping_ratio or step.bulk_viscosity
     if (
@@ -214,13 +205,15 @@ def _spectrum(model: PlateModel, held: Hold, step: StepProperties) -> ScaledSpec
     return spectrum_of(model.elastic, held)
 
 
-def with_constraint(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
+def with_constraint(
+    model: PlateModel, plate: kinds.PlateProperties, corner: kinds.CornerProperties
+) -> PlateModel:
     """The static model with another constraint of its corner."""
     constrained = _corner(model.discretisation, model.loop.mass, plate, corner)
     return replace(model, loop=model.loop._replace(corner=constrained))
 
 
-def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
+def with_elastic_damping(model: PlateModel, step: kinds.StepProperties) -> PlateModel:
     """The model with the step's rate of damping of elastic velocities, and the time step for it."""
     # The step that is stable without it belongs to a mode of this frequency; with it, that mode bounds the step.
     stable = damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
@@ -230,21 +223,23 @@ def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
     return replace(model, stable_time_step=stable, loop=loop)
 
 
-def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
+def static_model(
+    mesh: meshio.Mesh, plate: kinds.PlateProperties, corner: kinds.CornerProperties
+) -> PlateModel:
     """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
     unit = unit_plate(mesh, plate)
     held = _corner(unit.discretisation, unit.masses, plate, corner)
     return unfinished_model(unit, plate, LoopParameters, corner=held, friction=corner.friction)
 
 
-def unfinished_model(unit: UnitPlate, plate: PlateProperties, loop: Any, **others: Any) -> PlateModel:
+def unfinished_model(unit: UnitPlate, plate: kinds.PlateProperties, loop: Any, **others: Any) -> PlateModel:
     """A model of this plate without frequency, time step and damping; others: fields of its loop for the contact."""
     d, modulus, hourglass = unit.discretisation, plate.youngs_modulus, unit.hourglass
     if hourglass is not None:
         hourglass = hourglass._replace(stiffness=modulus * hourglass.stiffness)
     parameters = loop(
         table=d.table,
-        material=MATERIALS[plate.material].make(modulus, plate.poissons_ratio),
+        material=materials.MATERIALS[plate.material].make(modulus, plate.poissons_ratio),
         mass=unit.masses,
         viscosity=None,
         hourglass=hourglass,
@@ -259,13 +254,13 @@ def unfinished_model(unit: UnitPlate, plate: PlateProperties, loop: Any, **other
         undamped_time_step=math.nan,
         stable_time_step=math.nan,
         loop=parameters,
-        tangent_moduli=st_venant_kirchhoff(modulus, plate.poissons_ratio),
+        tangent_moduli=materials.st_venant_kirchhoff(modulus, plate.poissons_ratio),
         thickness=plate.thickness,
         elastic=ElasticSolver(unit.inverse, modulus),
     )
 
 
-def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
+def modulus_for(mesh: meshio.Mesh, plate: kinds.PlateProperties, first_frequency: float) -> float:
     """Young's modulus [Pa] that gives the free plate this first elastic frequency in its plane [Hz].
 
     The stiffness is in proportion to the modulus: the frequency with the modulus of `plate` tells the other.
@@ -276,17 +271,20 @@ def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: floa
 
 
 def _corner(
-    d: Discretisation, masses: np.ndarray, plate: PlateProperties, corner: CornerProperties
+    d: elements.Discretisation,
+    masses: np.ndarray,
+    plate: kinds.PlateProperties,
+    corner: kinds.CornerProperties,
 ) -> CornerConstraint:
     nodes, weights = corner_weights(d, corner.patch_length)
     mobility = float((weights**2 / masses[nodes]).sum())
-    given = ConstraintInput(
+    given = constraints.ConstraintInput(
         plate.youngs_modulus, plate.thickness, mobility, corner.penalty_scale, corner.damping_ratio
     )
-    return CornerConstraint(nodes, weights, mobility, CONSTRAINTS[corner.constraint].make(given))
+    return CornerConstraint(nodes, weights, mobility, constraints.CONSTRAINTS[corner.constraint].make(given))
 
 
-def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
+def corner_weights(discretisation: elements.Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights by which the corner P is held; length [m] of side PE, 0 for the node alone.
 
     The weights are the nodes' parts of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
@@ -303,7 +301,7 @@ def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.nd
     """Nodes and weights of a patch of this length [m]; side: nodes of a side from its corner on, s: their distances
     from it [m]. Raises ModelError if the length is not between two nodes and the side."""
     if not s[1] * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
-        raise ModelError(
+        raise kinds.ModelError(
             "patch_length",
             f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
         )
@@ -330,11 +328,11 @@ def _hat_integrals(s: np.ndarray, length: float) -> np.ndarray:
 
 
 def plate_viscosity(
-    d: Discretisation, plate: PlateProperties, step: StepProperties, frequency: float
+    d: elements.Discretisation, plate: kinds.PlateProperties, step: kinds.StepProperties, frequency: float
 ) -> Viscosity | None:
     if not (step.damping_ratio or step.bulk_viscosity):
         return None
-    moduli = st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
+    moduli = materials.st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     time = 2.0 * step.damping_ratio / frequency
     size = math.sqrt(float(d.scalar.dx.sum(axis=1).min()))
     bulk = step.bulk_viscosity * math.sqrt(plate.density * moduli.c_11) * size

@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from fem.explicit.columns import COLUMNS, Measures, row_of
+from fem.explicit import columns, time_loop
 from fem.explicit.measures import advance_and_measure, all_forces, measure
-from fem.explicit.time_loop import State, advance, copy_state
-from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
+from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
+from fem.start import start_kinds
 from fem.start.rigid_state import RigidStart
-from fem.start.start_kinds import start_fields
 
 GLANCES = 50
 """Instants of a run at which it is asked whether it is corrupted."""
@@ -87,22 +86,22 @@ class Stepper(runner.PlateStepper):
             self._team = Team(self.loop, self._scratch, threads)
 
     @property
-    def form(self) -> State:
+    def form(self) -> time_loop.State:
         """A state, to copy its form."""
-        return State(self._reference, self._reference, np.zeros(4), np.zeros(1))
+        return time_loop.State(self._reference, self._reference, np.zeros(4), np.zeros(1))
 
     @property
     def step_call(self) -> tuple[Any, ...]:
         """The compiled function of the run, and arguments of its types."""
         if self._team:
             return self._team.step_call(self.form)
-        rows = np.zeros((0, len(Measures._fields)))
+        rows = np.zeros((0, len(columns.Measures._fields)))
         return advance_and_measure, self.form, self.form, 1, *self._all_parts, rows
 
-    def start(self, start: RigidStart, kind: str) -> State:
+    def start(self, start: RigidStart, kind: str) -> time_loop.State:
         """State at t = 0, its velocities set back by half a step."""
-        positions, velocities = map(np.ascontiguousarray, start_fields(self.model, start, kind))
-        loop, state = self.loop, State(positions, velocities, np.zeros(4), np.zeros(1))
+        positions, velocities = map(np.ascontiguousarray, start_kinds.start_fields(self.model, start, kind))
+        loop, state = self.loop, time_loop.State(positions, velocities, np.zeros(4), np.zeros(1))
         self._react(state)
         state.velocities[:] -= 0.5 * loop.time_step * self._force / loop.mass
         normal, tangential, damping = self._react(state)
@@ -111,7 +110,7 @@ class Stepper(runner.PlateStepper):
         state.sums[:] = -0.5 * loop.time_step * np.array([friction, damping, normal, abs(normal)])
         return state
 
-    def _react(self, state: State) -> tuple[float, float, float]:
+    def _react(self, state: time_loop.State) -> tuple[float, float, float]:
         """Put all forces into the workspace; returns the normal and the tangential reaction [N], and the power
         [W] of the elastic damping with the velocities half a step back."""
         forces: tuple[float, float, float] = all_forces(
@@ -119,50 +118,53 @@ class Stepper(runner.PlateStepper):
         )
         return forces
 
-    def advance(self, state: State, steps: int) -> State:
+    def advance(self, state: time_loop.State, steps: int) -> time_loop.State:
         """The state this many steps later; the one given stays as it is."""
-        later: State = copy_state(state)
+        later: time_loop.State = time_loop.copy_state(state)
         if self._team:
             self._team.advance(later, steps)
         else:
-            advance(later, steps, self._fixed, *self._parts, self._force, self._workspace)
+            time_loop.advance(later, steps, self._fixed, *self._parts, self._force, self._workspace)
         return later
 
-    def measure(self, state: State) -> Measures:
+    def measure(self, state: time_loop.State) -> columns.Measures:
         """The record of the state's instant."""
-        measures: Measures = measure(state, *self._all_parts)
+        measures: columns.Measures = measure(state, *self._all_parts)
         return measures
 
-    def record(self, state: State, stride: int, count: int) -> runner.Recorded:
+    def record(self, state: time_loop.State, stride: int, count: int) -> runner.Recorded:
         """Rows of `COLUMNS` from a state on, which stays as it is, `stride` steps apart: `count` of them, or fewer
         where the last has an angle that is not above zero, or a number that is not finite."""
-        if self._team or any(column.value for column in COLUMNS.values()):
+        if self._team or any(column.value for column in columns.COLUMNS.values()):
             return self._record_singly(state, stride, count)
-        later, before = copy_state(state), copy_state(state)
-        rows = np.empty((count, len(Measures._fields)))
+        later, before = time_loop.copy_state(state), time_loop.copy_state(state)
+        rows = np.empty((count, len(columns.Measures._fields)))
         made = advance_and_measure(later, before, stride, *self._all_parts, rows)
         return runner.Recorded(rows[:made], before, later)
 
-    def _record_singly(self, state: State, stride: int, count: int) -> runner.Recorded:
+    def _record_singly(self, state: time_loop.State, stride: int, count: int) -> runner.Recorded:
         """Make rows in Python: on several threads, and for columns that are worked out here."""
         rows: list[tuple[float, ...]] = []
         while len(rows) < count:
             before, state = state, self.advance(state, stride)
-            rows.append(row_of(self.measure(state), state, self.model))
+            rows.append(columns.row_of(self.measure(state), state, self.model))
             if not (rows[-1][0] > 0.0 and np.isfinite(rows[-1]).all()):
                 break
         return runner.Recorded(np.array(rows), before, state)
 
 
 def compile_loop(
-    model: PlateModel, start: RigidStart, threads: int = 1, on_compile: OnCompile = ignore_compiling
+    model: PlateModel,
+    start: RigidStart,
+    threads: int = 1,
+    on_compile: compiled.OnCompile = compiled.ignore_compiling,
 ) -> None:
     """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time.
 
     on_compile: see `fem.machine_code.compiled.compile_once`.
     """
     stepper = Stepper(model, threads)
-    compile_once(
+    compiled.compile_once(
         lambda: stepper.record(stepper.start(start, "unstressed"), 0, 1),
         *stepper.step_call,
         on_compile=on_compile,
@@ -257,10 +259,10 @@ def simulate(
 
 def _named(values: Iterable[Any]) -> dict[str, Any]:
     """Values of a row, or columns of a history, by name."""
-    return dict(zip(("t", *COLUMNS), values, strict=True))
+    return dict(zip(("t", *columns.COLUMNS), values, strict=True))
 
 
-def _locate(stepper: Stepper, state: State, step: int) -> tuple[StrikeState, int]:
+def _locate(stepper: Stepper, state: time_loop.State, step: int) -> tuple[StrikeState, int]:
     """StrikeState at angle zero, and the number of steps to just beyond it.
 
     Steps on singly to one step past the first angle <= 0, and interpolates by the polynomial, cubic where four
@@ -273,7 +275,7 @@ def _locate(stepper: Stepper, state: State, step: int) -> tuple[StrikeState, int
         found = [*found[-3:], (step, state, later.rows[0])]
     steps, states, rows = zip(*found, strict=True)
     weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
-    values = dict(zip(COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
+    values = dict(zip(columns.COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
     values |= {"t": float(weights @ np.array(steps)) * stepper.loop.time_step, "theta": 0.0}
     nodal = zip(*map(stepper.nodal, states), strict=True)
     return StrikeState(values, *(np.tensordot(weights, each, 1) for each in nodal)), step

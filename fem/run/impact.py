@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fem.explicit.impact_loop import ImpactLoopState, ImpactMeasures, Rows, advance_and_record
-from fem.explicit.time_loop import copy_state
+from fem.explicit import impact_loop, time_loop
 from fem.laws.wall_contact import ContactState
-from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
+from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.kinds import ModelError
 from fem.run import observers, runner
-from fem.start.rigid_state import to_global
+from fem.start import rigid_state
 
 CHUNK = 200
 """Rows between two looks at whether the run is over."""
@@ -84,21 +83,21 @@ class ImpactStepper(runner.PlateStepper):
     def step_call(self) -> tuple[Any, ...]:
         """The compiled function of the run, and arguments of its types."""
         state = self.at_touch(FirstTouch(0.0, 0.0, 0.0))
-        return advance_and_record, state, 1, *self._all_parts, self._room(0)
+        return impact_loop.advance_and_record, state, 1, *self._all_parts, self._room(0)
 
-    def at_touch(self, touch: FirstTouch) -> ImpactLoopState:
+    def at_touch(self, touch: FirstTouch) -> impact_loop.ImpactLoopState:
         """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
         points, wall = self.loop.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
-        arm = to_global(touch.angle) @ body
+        arm = rigid_state.to_global(touch.angle) @ body
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
         if self.loop.wall is not None:
-            from fem.laws.elastic_wall import at_rest
+            from fem.laws import elastic_wall
 
-            wall = at_rest(self.loop.wall)
+            wall = elastic_wall.at_rest(self.loop.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
-        return ImpactLoopState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
+        return impact_loop.ImpactLoopState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
 
     @property
     def points(self) -> np.ndarray:
@@ -108,17 +107,17 @@ class ImpactStepper(runner.PlateStepper):
             contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
         )
 
-    def _room(self, count: int) -> Rows:
-        sizes = (len(ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,))
-        return Rows(*(np.empty((count, size)) for size in sizes))
+    def _room(self, count: int) -> impact_loop.Rows:
+        sizes = (len(impact_loop.ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,))
+        return impact_loop.Rows(*(np.empty((count, size)) for size in sizes))
 
-    def record(self, state: ImpactLoopState, stride: int, count: int) -> runner.Recorded:
+    def record(self, state: impact_loop.ImpactLoopState, stride: int, count: int) -> runner.Recorded:
         """So many rows from a state on, which stays as it is, `stride` steps apart: the fields of `Rows` side by side.
 
         Raises ModelError where the plate presses on a deformable wall beyond its end.
         """
-        later, rows = copy_state(state), self._room(count)
-        advance_and_record(later, stride, *self._all_parts, rows)
+        later, rows = time_loop.copy_state(state), self._room(count)
+        impact_loop.advance_and_record(later, stride, *self._all_parts, rows)
         if later.wall is not None and (beyond := later.wall.beyond[0]) > 0.0:
             raise ModelError(
                 "wall.length", f"the plate presses {beyond:.3g} m beyond the wall's end; make it longer"
@@ -126,11 +125,13 @@ class ImpactStepper(runner.PlateStepper):
         return runner.Recorded(np.hstack(rows), state, later)
 
 
-def compile_impact_loop(model: PlateModel, on_compile: OnCompile = ignore_compiling) -> None:
+def compile_impact_loop(
+    model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling
+) -> None:
     """Compile, or load from disk, all that a run of this model needs; see `fem.run.corner.compile_loop`."""
     stepper = ImpactStepper(model)
     touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
-    compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, on_compile=on_compile)
+    compiled.compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, on_compile=on_compile)
 
 
 def simulate_impact(
@@ -206,11 +207,11 @@ def simulate_impact(
 
 def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     """The rows so far, impulses as mean forces since the row before; the first row, before any, has none."""
-    fields = len(ImpactMeasures._fields)
+    fields = len(impact_loop.ImpactMeasures._fields)
     values, (normal, tangential, depth, place) = rows[:, :fields], np.split(rows[:, fields:], 4, axis=1)
     interval = stride * stepper.loop.time_step
     history = {"t": interval * np.arange(len(values))}
-    history |= dict(zip(ImpactMeasures._fields, values.T, strict=True))
+    history |= dict(zip(impact_loop.ImpactMeasures._fields, values.T, strict=True))
     history["theta"] = np.unwrap(history["theta"])
     push, drag = (
         np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)

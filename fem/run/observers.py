@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.model.plate_model import PlateModel
 from fem.run.runner import Arrays, Observer
-from fem.stability.deformed import deformed_frequency
+from fem.stability import deformed
 
 LOOKS = 4
 """Instants of a run at which the stable time step is looked at again, in the deformed plate."""
@@ -84,7 +84,7 @@ class Shapes(Observer):
 def highest_frequency(model: PlateModel, shapes: Iterable[np.ndarray]) -> float:
     """The highest [rad/s] of the plate in these positions, but for what is not finite; infinite without any."""
     finite = [positions for positions in shapes if np.isfinite(positions).all()]
-    return max((deformed_frequency(model, positions) for positions in finite), default=np.inf)
+    return max((deformed.deformed_frequency(model, positions) for positions in finite), default=np.inf)
 
 
 @dataclass(frozen=True)

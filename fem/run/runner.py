@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.explicit.internal_force import scratch_for
+from fem.explicit import internal_force
 from fem.machine_code.arguments import Prepared
 from fem.model.plate_model import PlateModel
 
@@ -68,7 +68,7 @@ class PlateStepper:
         self._reference = model.discretisation.positions
         self._parts = (self.loop.viscosity, self.loop.hourglass)
         self._force = np.zeros_like(self._reference)
-        self._scratch = scratch_for(self.loop.table, self.loop.hourglass)
+        self._scratch = internal_force.scratch_for(self.loop.table, self.loop.hourglass)
         self._workspace, self._prepared = Prepared(self._scratch), Prepared(self.loop)
 
     @property

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.explicit import internal_force
 from fem.model.plate_model import PlateModel
-from fem.plate.elastic import elastic_solver
-from fem.plate.elements import hourglass_matrix
+from fem.plate import elastic, elements
 
 MAX_STEPS, TOLERANCE, GOOD = 15, 1e-10, 1e-3
 """Newton steps; the residual over the largest load at which they end; and the one from which on they end where rounding
@@ -39,7 +38,7 @@ def equilibrium(
             return place
         if not np.isfinite(size):
             break
-        solve = elastic_solver(tangent_matrix(model, place), model.loop.mass, place)
+        solve = elastic.elastic_solver(tangent_matrix(model, place), model.loop.mass, place)
         place, before = place + solve(residual.ravel()).reshape(2, -1), size
     raise ValueError(
         "the plate is too soft for a start by inertia relief: it finds no equilibrium under its reaction"
@@ -49,8 +48,8 @@ def equilibrium(
 def internal_forces(model: PlateModel, place: np.ndarray) -> np.ndarray:
     """Nodal forces [N] that hold the plate at these positions, shape (2, nodes)."""
     loop, force, place = model.loop, np.zeros(place.shape), np.ascontiguousarray(place)
-    scratch = scratch_for(loop.table, loop.hourglass)
-    subtract_internal_forces(
+    scratch = internal_force.scratch_for(loop.table, loop.hourglass)
+    internal_force.subtract_internal_forces(
         place, np.zeros(place.shape), None, loop.hourglass, force, loop.table, loop.material, scratch
     )
     return -force
@@ -76,7 +75,7 @@ def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
     coupling = block(0, 1)
     matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))
     if model.loop.hourglass is not None:
-        matrix = matrix + hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
+        matrix = matrix + elements.hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
     return matrix
 
 

@@ -12,14 +12,7 @@ import numpy as np
 
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import without_rigid_motion
-from fem.start.rigid_state import (
-    RigidStart,
-    at_corner,
-    corner_gap,
-    inertia_load,
-    rigid_accelerations,
-    to_global,
-)
+from fem.start import rigid_state
 
 
 class TooSoftError(ValueError):
@@ -47,48 +40,50 @@ class ElasticFields(NamedTuple):
     gap_rate: float
 
 
-def relieved_fields(model: PlateModel, start: RigidStart) -> ElasticFields:
+def relieved_fields(model: PlateModel, start: rigid_state.RigidStart) -> ElasticFields:
     """The start by inertia relief in the body frame: linear, so that the change of the load gives the rate."""
-    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
+    body = model.discretisation.positions - rigid_state.at_corner(model, model.discretisation.positions)
 
-    def load_at(now: RigidStart) -> tuple[np.ndarray, float]:
-        return inertia_load(model, body, now)
+    def load_at(now: rigid_state.RigidStart) -> tuple[np.ndarray, float]:
+        return rigid_state.inertia_load(model, body, now)
 
     (load, normal), (rate, normal_rate) = _and_rate(model, start, body, load_at)
     elastic, changing = (_displaced(model, each) for each in (load, rate))
-    return ElasticFields(elastic, changing, corner_gap(model, normal), corner_gap(model, normal_rate))
+    return ElasticFields(
+        elastic, changing, rigid_state.corner_gap(model, normal), rigid_state.corner_gap(model, normal_rate)
+    )
 
 
-def relieved_displacement(model: PlateModel, start: RigidStart) -> tuple[np.ndarray, float]:
+def relieved_displacement(model: PlateModel, start: rigid_state.RigidStart) -> tuple[np.ndarray, float]:
     """Elastic displacement and the corner's gap of `relieved_fields` [m], without their rates."""
-    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
-    load, normal = inertia_load(model, body, start)
-    return _displaced(model, load), corner_gap(model, normal)
+    body = model.discretisation.positions - rigid_state.at_corner(model, model.discretisation.positions)
+    load, normal = rigid_state.inertia_load(model, body, start)
+    return _displaced(model, load), rigid_state.corner_gap(model, normal)
 
 
-def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticFields:
+def relieved(model: PlateModel, start: rigid_state.RigidStart, body: np.ndarray) -> ElasticFields:
     """The fields of inertia relief; of a plate that deforms visibly, in equilibrium on its deformed shape."""
     fields = linear = relieved_fields(model, start)
 
-    def at(now: RigidStart) -> tuple[np.ndarray, float]:
+    def at(now: rigid_state.RigidStart) -> tuple[np.ndarray, float]:
         return _in_equilibrium(model, body, linear, now)
 
     if np.abs(linear.elastic).max() >= SMALL * np.ptp(body):
         (elastic, gap), (rate, gap_rate) = _and_rate(model, start, body, at)
         fields = ElasticFields(elastic, rate, gap, gap_rate)
     behind = lag_by_damping(model, fields.rate)
-    behind = behind - at_corner(model, behind)
+    behind = behind - rigid_state.at_corner(model, behind)
     if np.abs(behind).max() > FOLLOWS * np.abs(fields.elastic).max():
         return fields  # it is damped too strongly to follow its loads
     return fields._replace(elastic=fields.elastic + behind)
 
 
-def relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+def relieved_with_momenta(model: PlateModel, start: rigid_state.RigidStart, body: np.ndarray) -> Any:
     """The fields of inertia relief, and the spin [rad/s] and corner speed [m/s] that give the rigid body's momentum.
 
     The elastic state goes with the spin that it is to have, and is found again for it.
     """
-    fraction, turn = model.loop.mass / model.mass, to_global(start.angle)
+    fraction, turn = model.loop.mass / model.mass, rigid_state.to_global(start.angle)
     arm = turn @ (body @ fraction)
     wanted = np.array([start.corner_speed - start.omega * arm[1], start.omega * arm[0]])
     kept = start
@@ -97,7 +92,7 @@ def relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray
         elastic, rate, _, gap_rate = fields
         arm, drift = turn @ ((body + elastic) @ fraction), turn @ (rate @ fraction)
         spin = (wanted[1] - drift[1] - gap_rate) / arm[0]
-        kept = RigidStart(start.angle, float(spin), float(wanted[0] - drift[0] + spin * arm[1]))
+        kept = rigid_state.RigidStart(start.angle, float(spin), float(wanted[0] - drift[0] + spin * arm[1]))
     return (*fields, kept.omega, kept.corner_speed)
 
 
@@ -114,17 +109,17 @@ def lag_by_damping(model: PlateModel, rate: np.ndarray) -> np.ndarray:
 
 def _and_rate(
     model: PlateModel,
-    start: RigidStart,
+    start: rigid_state.RigidStart,
     body: np.ndarray,
-    at: Callable[[RigidStart], tuple[np.ndarray, float]],
+    at: Callable[[rigid_state.RigidStart], tuple[np.ndarray, float]],
 ) -> tuple[tuple[np.ndarray, float], tuple[np.ndarray, float]]:
     """Values of `at` for the start, an array and a number, and the rates of both as the rigid body moves on."""
-    now = rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
+    now = rigid_state.rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
     span = 1e-3 * start.angle / start.omega  # a thousandth of the motion: its change is linear over that
 
     def after(time: float) -> tuple[np.ndarray, float]:
         angle = start.angle - start.omega * time - 0.5 * now.angular * time**2
-        return at(RigidStart(angle, start.omega + now.angular * time, start.corner_speed))
+        return at(rigid_state.RigidStart(angle, start.omega + now.angular * time, start.corner_speed))
 
     first, (late, later), (early, earlier) = after(0.0), after(span), after(-span)
     return first, ((late - early) / (2.0 * span), (later - earlier) / (2.0 * span))
@@ -133,25 +128,25 @@ def _and_rate(
 def _displaced(model: PlateModel, load: np.ndarray) -> np.ndarray:
     """Elastic displacement relative to the corner [m], body frame, under this load [N], shape (2, nodes); linear."""
     displacement = model.elastic(load.ravel()).reshape(2, -1)
-    return np.asarray(displacement - at_corner(model, displacement))
+    return np.asarray(displacement - rigid_state.at_corner(model, displacement))
 
 
 def _in_equilibrium(
-    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
+    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: rigid_state.RigidStart
 ) -> tuple[np.ndarray, float]:
     """Elastic displacement and gap in equilibrium on the deformed shape, without best rigid rotation. Raises
     TooSoftError."""
     from fem.start.equilibrium import equilibrium
 
     def load_at(place: np.ndarray) -> np.ndarray:
-        return inertia_load(model, place - at_corner(model, place), start)[0]
+        return rigid_state.inertia_load(model, place - rigid_state.at_corner(model, place), start)[0]
 
     try:
         place = equilibrium(model, body + linear.elastic, load_at)
     except ValueError as error:  # Newton's method fails, or on its way the wall's reaction pushes
         raise TooSoftError(str(error)) from None
-    place = _unturned(model, body, place - at_corner(model, place))
-    return place - body, corner_gap(model, inertia_load(model, place, start)[1])
+    place = _unturned(model, body, place - rigid_state.at_corner(model, place))
+    return place - body, rigid_state.corner_gap(model, rigid_state.inertia_load(model, place, start)[1])
 
 
 def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndarray:
@@ -160,7 +155,7 @@ def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndar
     x, y = place - (place @ fraction)[:, None]
     r_x, r_y = (body - (body @ fraction)[:, None]) * fraction
     turned = np.arctan2((r_x * y - r_y * x).sum(), (r_x * x + r_y * y).sum())
-    return to_global(float(turned)) @ place
+    return rigid_state.to_global(float(turned)) @ place
 
 
 class Statics(NamedTuple):
@@ -178,7 +173,7 @@ class Statics(NamedTuple):
     gap: float
 
 
-def statics(model: PlateModel, start: RigidStart) -> Statics:
+def statics(model: PlateModel, start: rigid_state.RigidStart) -> Statics:
     """Effect of the reaction at the start on the plate.
 
     Parameters
@@ -194,22 +189,22 @@ def statics(model: PlateModel, start: RigidStart) -> Statics:
         Deflection and gap [m].
     """
     elastic, gap = relieved_displacement(model, start)
-    moved = (to_global(start.angle) @ elastic)[1] + gap
+    moved = (rigid_state.to_global(start.angle) @ elastic)[1] + gap
     return Statics(-float(model.loop.mass @ moved / model.mass), gap)
 
 
-def static_deflection(model: PlateModel, start: RigidStart) -> float:
+def static_deflection(model: PlateModel, start: rigid_state.RigidStart) -> float:
     """Displacement [m] of the centre of mass towards the wall by the reaction at the start."""
     return statics(model, start).deflection
 
 
-def damping_lag(model: PlateModel, start: RigidStart) -> float:
+def damping_lag(model: PlateModel, start: rigid_state.RigidStart) -> float:
     """Distance [m] by which the damping of elastic velocities holds back the corner in the slow change of the state."""
     behind = lag_by_damping(model, relieved_fields(model, start).rate)
-    return float(np.abs(at_corner(model, behind)).max())
+    return float(np.abs(rigid_state.at_corner(model, behind)).max())
 
 
-def elastic_energy(model: PlateModel, start: RigidStart) -> float:
+def elastic_energy(model: PlateModel, start: rigid_state.RigidStart) -> float:
     """Energy [J] of the elastic state at the start by inertia relief, that of the corner's constraint included."""
     elastic, gap = relieved_displacement(model, start)
     displacement = elastic.ravel()

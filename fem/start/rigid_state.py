@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.laws.friction import friction_slope
+from fem.laws import friction
 from fem.model.plate_model import PlateModel
 
 
@@ -80,7 +80,7 @@ def rigid_accelerations(
     masses = model.loop.mass
     total, inertia = masses.sum(), masses @ (body**2).sum(axis=0)
     s_x, s_y = to_global(angle) @ (body @ masses)
-    slope = friction_slope(model.loop.friction, speed)
+    slope = friction.friction_slope(model.loop.friction, speed)
     corner = omega**2 * (s_x - slope * s_y) / (total - s_y * (s_y + slope * s_x) / inertia)
     angular = s_y * corner / inertia
     normal = s_x * angular - omega**2 * s_y

@@ -62,9 +62,9 @@ def _inertia_relief(model: PlateModel, start: RigidStart, body: np.ndarray) -> A
 
 
 def _inertia_relief_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
-    from fem.start.inertia_relief import relieved_with_momenta
+    from fem.start import inertia_relief
 
-    return relieved_with_momenta(model, start, body)
+    return inertia_relief.relieved_with_momenta(model, start, body)
 
 
 def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
@@ -111,12 +111,12 @@ def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.nd
     positions, velocities : ndarray, shape (2, nodes)
         In the wall's frame [m], [m/s].
     """
-    from fem.start.rigid_state import at_corner, to_global
+    from fem.start import rigid_state
 
-    body = model.discretisation.positions - at_corner(model, model.discretisation.positions)
+    body = model.discretisation.positions - rigid_state.at_corner(model, model.discretisation.positions)
     elastic, rate, gap, gap_rate, *others = START_KINDS[kind].fields(model, start, body)
     spin, speed = others or (start.omega, start.corner_speed)
-    turn = to_global(start.angle)
+    turn = rigid_state.to_global(start.angle)
     arm = turn @ (body + elastic)
     positions = arm + np.array([[0.0], [gap]])
     velocities = turn @ rate + spin * np.array([-arm[1], arm[0]])

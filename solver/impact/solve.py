@@ -142,9 +142,14 @@ def solve_trains(
         )
         if not chosen.size:
             break
-        finer, coarse = run(chosen, 0.5 * found.step[chosen], interval), _rows(found, chosen)
+        finer = run(chosen, 0.5 * found.step[chosen], interval)
+        coarse = Trajectories(*(value[chosen] for value in found))
         error[chosen] = _difference(finer, coarse, turning[chosen])
-        found = _with(found, chosen, finer)
+        if len(chosen) == len(found.end):
+            found = finer
+            continue
+        for old, new in zip(found, finer, strict=True):
+            old[chosen] = new
     bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
         i = int(np.argmax(bad))
@@ -152,19 +157,6 @@ def solve_trains(
         why = f"steps of {found.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
         raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
     return found._replace(error=error)
-
-
-def _rows(found: Trajectories, chosen: NDArray[np.int64]) -> Trajectories:
-    return Trajectories(*(value[chosen] for value in found))
-
-
-def _with(found: Trajectories, chosen: NDArray[np.int64], finer: Trajectories) -> Trajectories:
-    """Trajectories with these samples replaced by the finer ones."""
-    if len(chosen) == len(found.end):
-        return finer
-    for old, new in zip(found, finer, strict=True):
-        old[chosen] = new
-    return found
 
 
 def _rates(train: Train, state: Array) -> tuple[Array, Array]:
