@@ -272,7 +272,7 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     refused = study.verdict("refused", reason="k: given 3; allowed less")
     verdicts = (study.verdict("right"), caught, refused, study.verdict("wrong", reason="x"))
     rows = {key: places[key] | verdict_at for key, verdict_at in zip(cells, verdicts, strict=True)}
-    found = study.Found(
+    found = study.StabilityResult(
         case, study.base_source(case.scene), axes, {"tolerance": 1e-3}, study.MAP_KINDS, cells, rows, 1.0
     )
     assert "1 are wrong without" in headline(found)
@@ -583,7 +583,7 @@ def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
     assert not list(study.references(SMALL, plate, study.FINER))
 
 
-def campaign_of(*kinds: str) -> study.Found:
+def campaign_of(*kinds: str) -> study.StabilityResult:
     case = CornerCase(*read_scene("mash-tl4-sut"))
     failed, cells, rows = {"caught": "mesh, time step", "good but failed": "mesh"}, {}, {}
     for number, kind in enumerate(kinds):
@@ -591,7 +591,7 @@ def campaign_of(*kinds: str) -> study.Found:
         cells[key] = study.draw(SCENE, BASE, 1, number)
         rows[key] = {"number": number, **study.flat(DRAWN[number])}
         rows[key] |= study.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
-    return study.Found(case, BASE, (), {"seed": 1}, study.RANDOM_KINDS, cells, rows, 1.0)
+    return study.StabilityResult(case, BASE, (), {"seed": 1}, study.RANDOM_KINDS, cells, rows, 1.0)
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):

@@ -114,13 +114,13 @@ OPEN = 0.3  # fraction of the cells that leave a choice to the program
 MAX_STEPS, MAX_SECONDS, MAX_TRIES, TRIES = 400_000, 0.5, 1000, 50
 
 
-class Found(NamedTuple):
+class StabilityResult(NamedTuple):
     """Cells by key: what each changes in the base, and its row: its place on the axes or all that was drawn, and the
     verdict. axes: of the map; none where cells are drawn. settings: points and tolerance, or the seed."""
 
     case: Any
     base: Source
-    axes: tuple[Axis, ...]
+    axes: tuple[StudyAxis, ...]
     settings: Mapping[str, float]
     kinds: Mapping[str, str]
     cells: Mapping[str, Changes]
@@ -140,14 +140,14 @@ def compute(
     count: int | None,
     seed: int,
     workers: int | None,
-) -> Found:
+) -> StabilityResult:
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
     began, scene = time.perf_counter(), case.scene
     base, usual = base_source(scene), (6, 1e-2) if scene.contact else (10, 1e-3)
     if scene.contact and count:
         raise InputError("--random", count, "a whole impact has the map alone; leave it out")
     if count:
-        axes: tuple[Axis, ...] = ()
+        axes: tuple[StudyAxis, ...] = ()
         settings: Row = {"seed": seed}  # their number is left out: more cells go on from those there are
         kinds = RANDOM_KINDS
         verify: Callable[[Any], Row] = against_reference
@@ -161,7 +161,7 @@ def compute(
         parts = {key: (base, changes, verify) for key, changes in cells.items()}
         engine.run_parts(judge, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
         rows = {key: places[key] | journal.records[key] for key in cells}
-    return Found(case, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
+    return StabilityResult(case, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
 
 
 def base_source(scene: Scene) -> Source:
@@ -169,7 +169,7 @@ def base_source(scene: Scene) -> Source:
     return vary(Source.of(scene), {"wall": None})[1]
 
 
-class Axis(NamedTuple):
+class StudyAxis(NamedTuple):
     """A quantity that varies: name, what its numbers mean, values, what a value changes in a scene."""
 
     name: str
@@ -178,7 +178,7 @@ class Axis(NamedTuple):
     changes: Callable[[Scene, float], Changes]
 
 
-def axes_of(scene: Scene, n: int) -> tuple[Axis, ...]:
+def axes_of(scene: Scene, n: int) -> tuple[StudyAxis, ...]:
     """The axes that mean something for this scene, each with n values."""
     contact, corner = scene.contact, scene.corner
     if contact is None:
@@ -188,7 +188,7 @@ def axes_of(scene: Scene, n: int) -> tuple[Axis, ...]:
         absent = {"penalty"} if contact.crushes else {"contact stiffness", "restitution"}
         absent |= {"penalty"} if contact.enforcement == "exact" else set()
     return tuple(
-        Axis(name, meaning, values(low, high, n), changes)
+        StudyAxis(name, meaning, values(low, high, n), changes)
         for name, meaning, values, low, high, changes in (IMPACT_AXES if contact else CORNER_AXES)
         if name not in absent
     )
@@ -269,7 +269,7 @@ IMPACT_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
 )
 
 
-def map_cells(scene: Scene, axes: Sequence[Axis]) -> tuple[dict[str, Changes], dict[str, Row]]:
+def map_cells(scene: Scene, axes: Sequence[StudyAxis]) -> tuple[dict[str, Changes], dict[str, Row]]:
     """What every cell of the map changes, and its place: each pair of axes, each pair of their values."""
     cells: dict[str, Changes] = {}
     places: dict[str, Row] = {}

@@ -18,7 +18,16 @@ from tailslap.case.report import study_page, study_summary
 from tailslap.scene.vary import changed_tables
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute
-from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, RIGHT, UNKNOWN, WRONG, Found, Row
+from tailslap.studies.stability.compute import (
+    CAUGHT,
+    GOOD,
+    REFUSED,
+    RIGHT,
+    UNKNOWN,
+    WRONG,
+    Row,
+    StabilityResult,
+)
 
 MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
 RANDOM = "Stability on scenes drawn at random: every quantity and every choice of the scene at once"
@@ -39,7 +48,7 @@ LISTED = (
 )
 
 
-def report(found: Found) -> Report:
+def report(found: StabilityResult) -> Report:
     """Page, summary, table of cells, and cells that matter as scene files, to run again."""
     said, name, counted = headline(found), found.case.scene.name, counts(found)
     verdicts = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in counted.items()]
@@ -72,18 +81,18 @@ def report(found: Found) -> Report:
     return Report(page, summary(found), shown, {"cells.csv": cells_table(found)}, texts=texts)
 
 
-def counts(found: Found) -> dict[str, int]:
+def counts(found: StabilityResult) -> dict[str, int]:
     """Number of cells by verdict."""
     return {kind: len(found.of_kind(kind)) for kind in found.kinds}
 
 
-def caught_by(found: Found) -> dict[str, int]:
+def caught_by(found: StabilityResult) -> dict[str, int]:
     """How many cells each check caught, the most first."""
     caught = found.of_kind(CAUGHT).values()
     return dict(Counter(name for row in caught for name in row["failed"].split(", ")).most_common())
 
 
-def refused_by(found: Found) -> dict[str, int]:
+def refused_by(found: StabilityResult) -> dict[str, int]:
     """How many cells were refused for what, the most first: the key and, unless it has numbers, what is allowed."""
     names: Counter[str] = Counter()
     for row in found.of_kind(REFUSED).values():
@@ -93,12 +102,12 @@ def refused_by(found: Found) -> dict[str, int]:
     return dict(names.most_common())
 
 
-def listed_kinds(found: Found) -> tuple[str, ...]:
+def listed_kinds(found: StabilityResult) -> tuple[str, ...]:
     """Kinds whose cells are listed; what is drawn is valid by itself, so that a refusal needs its reason."""
     return (WRONG, GOOD, compute.UNJUDGED) if found.axes else (WRONG, GOOD, compute.UNJUDGED, REFUSED)
 
 
-def headline(found: Found) -> str:
+def headline(found: StabilityResult) -> str:
     """The result in two sentences."""
     number, limit = counts(found), f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
     others = [f"{n} {kind}" for kind, n in number.items() if n and kind not in (RIGHT, WRONG)]
@@ -106,7 +115,7 @@ def headline(found: Found) -> str:
     return f"Of {len(found.rows)} cells {ends}. {f'{wrong} are' if wrong else 'None is'} wrong without being caught."
 
 
-def summary(found: Found) -> dict[str, Any]:
+def summary(found: StabilityResult) -> dict[str, Any]:
     """The numbers of the study."""
     return {
         **study_summary("stability" if found.axes else "stability, random", found.case),
@@ -122,7 +131,7 @@ def summary(found: Found) -> dict[str, Any]:
     }
 
 
-def cells_table(found: Found) -> Table:
+def cells_table(found: StabilityResult) -> Table:
     """Every cell with its verdict; an entry that a cell lacks is empty."""
     places = dict.fromkeys((name for row in found.rows.values() for name in row if name not in UNKNOWN), "")
     rows = []
@@ -132,7 +141,7 @@ def cells_table(found: Found) -> Table:
     return Table(tuple(Column(key, key) for key in rows[0]), rows)
 
 
-def _scene_file(found: Found, key: str) -> str:
+def _scene_file(found: StabilityResult, key: str) -> str:
     row, settings = found.rows[key], ", ".join(f"{name} {value}" for name, value in found.settings.items())
     off = f"{row['distance']:.1e} off, {row['allowed']:.1e} allowed, own estimate {row['error']:.1e}"
     why = _why(row) or "no check failed"
@@ -145,18 +154,18 @@ def _why(row: Row) -> str:
     return row["failed"] or row["reason"]
 
 
-def _records(found: Found, *kinds: str) -> list[Row]:
+def _records(found: StabilityResult, *kinds: str) -> list[Row]:
     rows = found.of_kind(*kinds)
     return [
         {"cell": key, "why": _why(row)} | {name: row[name] for name in UNKNOWN} for key, row in rows.items()
     ]
 
 
-def _listed(found: Found, shown: tuple[Column, ...], *kinds: str) -> Table:
+def _listed(found: StabilityResult, shown: tuple[Column, ...], *kinds: str) -> Table:
     return Table(shown, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
 
 
-def maps(found: Found) -> tuple[Chart, ...]:
+def maps(found: StabilityResult) -> tuple[Chart, ...]:
     """A picture of every pair of axes, and before them what the colours mean."""
     charts = [draw_meanings(found.kinds, "What the colours mean, in every picture")] if found.axes else []
     for across, up in combinations(found.axes, 2):
