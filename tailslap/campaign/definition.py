@@ -1,4 +1,4 @@
-"""What a sweep is: a scene, and the values of the keys that vary. Its runs are numbered, and follow from it.
+"""Definition of a sweep: a scene, and the values of the keys that vary. Its runs are numbered, and follow from it.
 
 VALUES of --vary are a range or a list; each is read as the scene would read it: with its units, bounds and messages.
 """
@@ -70,7 +70,7 @@ class Variation:
 
     @property
     def numeric(self) -> bool:
-        """Whether the values are numbers."""
+        """True if the values are numbers."""
         return all(isinstance(value, int | float) for value in self.settings)
 
 
@@ -98,11 +98,11 @@ class Definition:
 
     @property
     def runs(self) -> int:
-        """How many there are."""
+        """Number of runs."""
         return self.sample or math.prod(len(item.settings) for item in self.variations)
 
     def changes_of(self, run: int) -> dict[str, Any]:
-        """What a run changes in the scene; in a grid the last key's value changes from run to run."""
+        """Changes of a run in the scene; in a grid the last key's value changes from run to run."""
         places: Any = (run,) * len(self.variations)
         if not self.sample:
             places = np.unravel_index(run, [len(item.settings) for item in self.variations])
@@ -113,7 +113,7 @@ class Definition:
         return {key: plain(value) for key, value in self.changes_of(run).items()}
 
     def as_written(self) -> dict[str, Any]:
-        """What `sweep.json` holds: two sweeps are the same if this is. The digest is of all runs' values."""
+        """Contents of `sweep.json`: two sweeps are the same if this is. The digest is of all runs' values."""
         values = json.dumps([[item.key, item.settings] for item in self.variations])
         return {
             "scene": self.scene,

@@ -40,7 +40,7 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True)
 class CampaignEffort:
-    """What making parts took: how many, on how many threads, wall time [s] and the sum of the parts' own times [s]."""
+    """Effort of making parts: how many, on how many threads, wall time [s] and the sum of the parts' own times [s]."""
 
     runs: int = 0
     threads: int = 0
@@ -54,7 +54,7 @@ class CampaignEffort:
 
     @property
     def overhead_s(self) -> float:
-        """What a part costs a thread beyond its own time [s]."""
+        """Cost of a part to a thread beyond its own time [s]."""
         return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
 
 

@@ -31,7 +31,7 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class Reach:
-    """What is known of a level. frequency [Hz]: where it is crossed; the softest good plate if it is not reached; the
+    """Knowledge of a level. frequency [Hz]: where it is crossed; the softest good plate if it is not reached; the
     stiffest if all are above; the stiffest that is not known, NaN without any that passed."""
 
     level: float
@@ -100,7 +100,7 @@ def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: f
 
 
 def jointly(levels: Sequence[Reach]) -> Reach:
-    """What holds for each of several series of points, given what is known of the same level in each."""
+    """Level that holds for each of several series of points, by what is known of it in each."""
     for kind in (ABOVE_ALL, UNKNOWN):
         found = [level.frequency for level in levels if level.kind == kind]
         if found:

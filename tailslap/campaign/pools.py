@@ -30,7 +30,7 @@ from tailslap.errors import InputError, Verbatim
 NEEDED = ("fem.run.corner", "tailslap.case.corner.plan", "tailslap.case.corner.run")
 """Modules that runs need, imported before a worker has its first part."""
 LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
-"""What those import when they are called."""
+"""Modules that those import when they are called."""
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
@@ -71,10 +71,10 @@ class Pool(ABC):
 
     @abstractmethod
     def threads(self) -> int:
-        """How many workers there are. Raises LostError."""
+        """Number of workers. Raises LostError."""
 
     def fault(self, error: Exception) -> Exception:
-        """What to raise for another error of a call."""
+        """Error to raise for another error of a call."""
         return error
 
 
@@ -144,7 +144,7 @@ class _Processes(Pool):
             return self._executor.submit(function, *arguments)
 
     def threads(self) -> int:
-        """How many processes there are."""
+        """Number of processes."""
         return self._workers
 
     def close(self) -> None:
@@ -212,7 +212,7 @@ class _Cluster(Pool):
         return future
 
     def threads(self) -> int:
-        """How many threads all workers have, or had a second ago. Raises LostError without a scheduler."""
+        """Number of threads of all workers, or had a second ago. Raises LostError without a scheduler."""
         try:
             if self._client.status != "running":
                 raise TimeoutError
@@ -258,7 +258,7 @@ def cluster(address: str) -> Iterator[Pool]:
 
 
 async def _kind(address: str) -> str:
-    """What of Dask listens at the address, like Scheduler or Worker."""
+    """Part of Dask that listens at the address, like Scheduler or Worker."""
     from distributed.core import rpc
 
     async with rpc(address, timeout=ANSWER_S) as there:

@@ -201,7 +201,7 @@ class Journal:
 
 
 def count(path: Path) -> int:
-    """How many records a file has, whoever is at work on it: none where it is not one of ours."""
+    """Number of records of a file, whoever is at work on it: none where it is not one of ours."""
     if not _is_ours(path):
         return 0
     with closing(sqlite3.connect(path)) as file:
@@ -223,7 +223,7 @@ def _create(path: Path, head: tuple[str, str, str]) -> None:
 
 
 def _is_ours(path: Path) -> bool:
-    """Whether it is a plain file, and one that this program has made."""
+    """True if it is a plain file, and one that this program has made."""
     if path.is_symlink() or not path.is_file():
         return False
     with path.open("rb") as file:

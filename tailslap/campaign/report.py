@@ -1,4 +1,4 @@
-"""What a sweep reports: page and summary beside its table, and what the terminal says."""
+"""Report of a sweep: page and summary beside its table, and what the terminal says."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def write_sweep(sweep: FinishedSweep, folder: Path, units: str = "si") -> None:
 
 
 def sweep_text(sweep: FinishedSweep, place: Path) -> str:
-    """How many rows have each status, what the runs took, and where the files are."""
+    """Numbers of rows by status, what the runs took, and where the files are."""
     effort, cost = sweep.effort, "nothing was left to run"
     if effort.runs:
         cost = (
@@ -125,7 +125,7 @@ def summary(sweep: FinishedSweep, rows: SweepRows) -> dict[str, Any]:
 
 
 def spreads(rows: SweepRows) -> list[dict[str, Any]]:
-    """Of each compared quantity over the rows that passed and have it: least and largest value, of FE where there is
+    """Each compared quantity over the rows that passed and have it: least and largest value, of FE where there is
     FE, largest difference, its run."""
     return [found for quantity in rows.compared.quantities.values() if (found := _spread(rows, quantity))]
 
@@ -191,7 +191,7 @@ def _varied(item: Variation, values: np.ndarray, units: Units) -> Varied:
 
 
 def counts(sweep: FinishedSweep) -> str:
-    """How many rows have each status; those that none has are omitted."""
+    """Numbers of rows by status; those that none has are omitted."""
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 
@@ -208,7 +208,7 @@ def headline(sweep: FinishedSweep, rows: SweepRows) -> str:
 
 
 def _sentences(sweep: FinishedSweep) -> list[str]:
-    """What a reader must know beside the numbers."""
+    """Sentences that a reader needs beside the numbers."""
     definition = sweep.definition
     latin = (
         f"The runs are a Latin hypercube of {definition.sample} samples with the seed {definition.seed}: each range is "

@@ -203,7 +203,7 @@ def sampled(
 
 @dataclass(frozen=True)
 class Band:
-    """How a quantity spreads [SI]: percentiles are those of PERCENTILES; values: all known ones."""
+    """Spread of a quantity [SI]: percentiles are those of PERCENTILES; values: all known ones."""
 
     percentiles: tuple[float, ...]
     mean: float
@@ -215,14 +215,14 @@ class Band:
         return float(np.mean(self.values < value))
 
     def numbers(self) -> dict[str, float]:
-        """Of a summary."""
+        """Numbers of a summary."""
         ends = zip(PERCENTILES, self.percentiles, strict=True)
         moments = {"mean": self.mean, "standard_deviation": self.standard_deviation}
         return {**{f"percentile_{p}": x for p, x in ends}, **moments}
 
 
 def band_of(values: Array) -> Band:
-    """Of a sample without what is NaN; of the first two rows of a table."""
+    """Band of a sample without what is NaN; of the first two rows of a table."""
     values = values[:2].ravel() if values.ndim == 2 else values
     known = values[np.isfinite(values)]
     ends = tuple(np.percentile(known, PERCENTILES).tolist())

@@ -185,7 +185,7 @@ def made_records(order: float = 2.0, steps: dict[str, int] | None = None) -> dic
     return found
 
 
-def summed_up(truth: dict[str, float], steps: dict[str, int] | None = None) -> study.Found:
+def summed_up(truth: dict[str, float], steps: dict[str, int] | None = None) -> study.CostResult:
     return study.summed_up(STUDIED, TODO, made_records(steps=steps), ("plate.start=inertia-relief",), truth)
 
 

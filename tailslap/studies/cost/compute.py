@@ -61,7 +61,7 @@ REFINED["quad4-reduced"] = REFINED["quad4"]
 # Group of the soft plate's meshes whose corner is held by the program's own spring.
 SPRING = "quad4, penalty"
 
-# What the exact solution is held to: its distance from DOP853, at most, over 1000 inputs
+# Bound that the exact solution is held to: its distance from DOP853, at most, over 1000 inputs
 # (benchmarks/rigid.py).
 ROUNDING = 2.2e-12
 
@@ -118,8 +118,8 @@ class Limit(NamedTuple):
 NO_LIMIT = Limit({}, math.nan)
 
 
-class Found(NamedTuple):
-    """What the study found: a row a setting, and the limit that errors of the soft plate or the impact are from.
+class CostResult(NamedTuple):
+    """The finished study: a row a setting, and the limit that errors of the soft plate or the impact are from.
 
     mesh_limit: of the mesh that choices are made on; soft: what makes the plate soft; flexibility: distance of its
     limit from its rigid motion; patch: length that a corner's crush is spread over [m].
@@ -140,7 +140,7 @@ class Found(NamedTuple):
         return [row for row in self.rows if row["soft"] == soft]
 
 
-def compute(case: Any, place: Path) -> Found:
+def compute(case: Any, place: Path) -> CostResult:
     """Measure every setting; an interrupted study of the same scene goes on from its journal."""
     began, impact, patch = time.perf_counter(), case.scene.contact is not None, math.nan
     case = case if impact else with_elements(case)
@@ -159,17 +159,13 @@ def compute(case: Any, place: Path) -> Found:
     if not impact:
         return summed_up(case, todo, found, shown(changes), varied.tail_slap)._replace(seconds=seconds)
     limit = limit_of([found[s.key] for s in todo if s.group == "quad9"], NAMES)
-    return Found(case, [row_of(s, found[s.key], limit) for s in todo], limit, seconds, patch=patch)
+    return CostResult(case, [row_of(s, found[s.key], limit) for s in todo], limit, seconds, patch=patch)
 
 
 def summed_up(
-    case: Any,
-    todo: list[Setting],
-    noted: Mapping[str, Row],
-    soft: tuple[str, ...],
-    truth: Mapping[str, float],
-) -> Found:
-    """What the noted records of a constrained corner say; truth: the rigid motion of the soft plate's scene."""
+    case: Any, todo: list[Setting], noted: Row, soft: tuple[str, ...], truth: Mapping[str, float]
+) -> CostResult:
+    """The study of a constrained corner by its records; truth: the rigid motion of the soft plate's scene."""
     meshes = [s for s in todo if s.group == MESH and s.refinement >= 0.5]
     # The scene's own step is that of its own mesh; the others are halves of it.
     steps = [s for s in todo if not s.soft and (s.group == STEP or (s in meshes and s.refinement == 1.0))]
@@ -183,7 +179,7 @@ def summed_up(
     grids = {group: _grids(its) for group, its in found.items() if STEP not in group or _halved(_finite(its))}
     convergence = {group: each for group, each in grids.items() if each}
     flexibility = quantities.largest_relative(limit.values, truth)
-    return Found(case, rows, limit, 0.0, mesh_limit, convergence, soft, flexibility)
+    return CostResult(case, rows, limit, 0.0, mesh_limit, convergence, soft, flexibility)
 
 
 def _finite(records: Iterable[Row]) -> list[Row]:
@@ -191,7 +187,7 @@ def _finite(records: Iterable[Row]) -> list[Row]:
 
 
 def _halved(records: list[Row]) -> bool:
-    """Whether of the last three each has twice the steps of the one before; on soft plates the least number of steps
+    """True if of the last three each has twice the steps of the one before; on soft plates the least number of steps
     may stand against it."""
     steps = [record.get("steps", 0) for record in records[-3:]]
     return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
@@ -241,12 +237,12 @@ def row_of(setting: Setting, record: Row, limit: Limit, mesh_limit: Limit = NO_L
 
 
 def own_error(row: Row) -> float:
-    """What a choice adds; else the error."""
+    """Error that a choice adds; else the error."""
     return float(row["added" if row["choice"] else "error"])
 
 
 def is_valid(row: Row) -> bool:
-    """Whether it gave a result that passed the program's checks."""
+    """True if it gave a result that passed the program's checks."""
     return not row["refused"] and not row["failed"] and math.isfinite(row["error"])
 
 
@@ -274,18 +270,16 @@ def settings(scene: Scene) -> list[Setting]:
     meshes: list[tuple[str, float, Changes]] = [(MESH, factor, {}) for factor in (0.25, *halves)]
     meshes += [(CONSTRAINT, factor, {"corner.constraint": "exact"}) for factor in halves]
     meshes += [(ROWSUM, factor, {"plate.lumping": "row-sum"}) for factor in halves]
-    others: dict[str, dict[str, Any]] = {
-        name: {"plate.element": name} for name in ("quad9", "tri3", "tri6", "quad4-reduced")
-    }
+    elements = ("quad9", "tri3", "tri6", "quad4-reduced")
+    others: dict[str, Row] = {name: {"plate.element": name} for name in elements}
     others["quad4-reduced"] |= {"damping.ratio": 0.01}
     return [
         Setting(EXACT, "exact", "closed form"),
         *(Setting(ODE, name, f"rtol {rtol:g}", number=rtol) for name in INTEGRATORS for rtol in rtols),
         *(Setting(MODAL, MODES, f"{n} modes", number=n) for n in modes),
         *(_mesh(group, factor, plate.element, plate.counts, more) for group, factor, more in meshes),
-        *(
-            Setting(FE, ELEMENTS, *other) for other in others.items()
-        ),  # the soft plate shows how they converge
+        # How they converge is shown by the soft plate.
+        *(Setting(FE, ELEMENTS, *other) for other in others.items()),
         *_values(STEP, (0.45, 0.225)),
         *_values(PENALTY, (0.01, 0.1, 0.3, 3.0, 10.0)),
         *_values(DAMPING, (0.01, 0.1, 0.5)),
@@ -332,25 +326,21 @@ def impact_settings(case: Any) -> tuple[list[Setting], Changes, float]:
     return todo, changes | ({"contact.patch_length": patch} if contact.crushes else {}), patch
 
 
-def _mesh(
-    group: str, factor: float, element: str, counts: tuple[int, int], more: Changes | None = None
-) -> Setting:
+def _mesh(group: str, factor: float, element: str, counts: Any, more: Changes | None = None) -> Setting:
     """So many times the elements each way."""
     along, across = (max(2, round(factor * count)) for count in counts)
     changes = {"plate.element": element, "plate.elements": (along, across), **(more or {})}
     return Setting(FE, group, f"{along} x {across}", changes, factor)
 
 
-def _values(
-    group: str, values: tuple[float, ...], own: Changes | None = None, power: int = 0
-) -> list[Setting]:
+def _values(group: str, values: Sequence[float], own: Changes | None = None, power: int = 0) -> list[Setting]:
     """Values of the group's key, on a mesh of its own; power: of the refinement in the value."""
     label, key = LABELS[group], VARIED[group]
     return [Setting(FE, group, f"{label} {x:g}", {**(own or {}), key: x}, x**power) for x in values]
 
 
 def soft_changes(case: Any) -> dict[str, Any]:
-    """What makes the scene's plate soft.
+    """Changes that make the scene's plate soft.
 
     The modulus that gives a fine mesh the first frequency is found once, so that every mesh is of the same plate.
     Friction is left out: on refined meshes a soft plate flutters with it.
@@ -359,12 +349,9 @@ def soft_changes(case: Any) -> dict[str, Any]:
     frequency, patch, (along, across) = soft_plate(scene)
     fine: Row = {"element": "quad9", "elements": (4 * along, 4 * across)}
     fine |= {"first_frequency": frequency, "youngs_modulus": None}
-    changes = {
-        "plate.youngs_modulus": resolved_plate(scene, plate.model_copy(update=fine)).modulus,
-        "plate.start": "inertia-relief",
-        "corner.constraint": "exact",
-        "corner.patch_length": patch,
-    }
+    modulus = resolved_plate(scene, plate.model_copy(update=fine)).modulus
+    changes = {"plate.youngs_modulus": modulus, "plate.start": "inertia-relief"}
+    changes |= {"corner.constraint": "exact", "corner.patch_length": patch}
     removed = ["plate.first_frequency"] if plate.first_frequency is not None else []
     friction = {"corner.friction": 0} if corner.reaction != "none" else {}
     spring = sorted(corner.model_fields_set & {"penalty_scale", "damping_ratio"}, reverse=True)
@@ -382,7 +369,7 @@ def soft_plate(scene: Scene) -> tuple[float, float, tuple[int, int]]:
 
 
 def measure(source: Source, setting: Setting) -> Row:
-    """What the setting gives: values, times [s] of every repeat, steps, and failed checks; or what refused it."""
+    """Record of a setting: values, times [s] of every repeat, steps, and failed checks; or what refused it."""
     try:
         case = case_of(*vary(source, setting.changes))
         how = {FE: _finite_elements, MODAL: _modal}.get(setting.kind, _rigid)
@@ -402,37 +389,29 @@ def _repeated(
     once: Callable[[], tuple[float, float, Any]], least: int = 2, most: float = 7, patience: float = 1.0
 ) -> tuple[Any, Row]:
     """The last result, and the times [s] of all repeats; once: returns time of the set-up, of the loop, result."""
-    setups: list[float] = []
-    loops: list[float] = []
+    times: list[tuple[float, float]] = []
     found = None
-    while len(loops) < most and (len(loops) < least or sum(loops) + sum(setups) < patience):
-        setup, loop, found = once()
-        setups.append(setup)
-        loops.append(loop)
-    return found, {"setup": setups, "loop": loops}
+    while len(times) < most and (len(times) < least or sum(map(sum, times)) < patience):
+        *both, found = once()
+        times.append((both[0], both[1]))
+    return found, {"setup": [setup for setup, _ in times], "loop": [loop for _, loop in times]}
 
 
 def _rigid(case: Any, setting: Setting) -> Row:
     """A millisecond is easily disturbed: many repeats."""
-    scene = case.scene
-    solve: Callable[[], Any]
+    scene, rtol = case.scene, setting.number
     if scene.contact:
-        solve = partial(case.motion_until, None)
+        solve: Callable[[], Any] = partial(case.motion_until, None)
     else:
         motion = case.body, case.start.angle, case.start.omega, case.start.corner_speed
         inputs = *motion, scene.corner_friction, scene.corner.rigid_reaction
         solve = partial(plane_motion, *inputs)
         if setting.kind == ODE:
-            rtol = setting.number
             solve = partial(integrate_odes, *inputs, method=setting.group, rtol=rtol, atol=0.01 * rtol)
     solve()
     found, times = _repeated(lambda: (0.0, *_clocked(solve)), least=21, most=math.inf, patience=0.3)
-    values = (
-        strike_values(found.strikes)
-        if scene.contact
-        else {name: float(getattr(found.strike, name)) for name in KEYS}
-    )
-    return {"values": values, **times, "steps": 0, "failed": []}
+    values = {} if scene.contact else {name: float(getattr(found.strike, name)) for name in KEYS}
+    return {"values": values or strike_values(found.strikes), **times, "steps": 0, "failed": []}
 
 
 def _modal(case: Any, setting: Setting) -> Row:
@@ -501,9 +480,8 @@ class SingleStepper(Stepper):
 
     def __init__(self, model: PlateModel, threads: int = 1) -> None:
         table, mesh = model.loop.table, model.discretisation
-        table = table._replace(
-            gradients=_single(table.gradients), weights=_single(table.weights), mapping=None
-        )
+        singles = {name: _single(getattr(table, name)) for name in ("gradients", "weights")}
+        table = table._replace(**singles, mapping=None)
         mesh = replace(mesh, positions=_single(mesh.positions), table=table)
         loop = model.loop._replace(table=table, mass=_single(model.loop.mass))
         super().__init__(replace(model, discretisation=mesh, loop=loop), threads)

@@ -1,4 +1,4 @@
-"""What the study of cost reports."""
+"""Page, summary and tables of the study of cost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from postprocess.svg.scale import power_text
 from postprocess.units import duration, known, measure
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute
-from tailslap.studies.cost.compute import FE, LEVELS, Found, Row, cheapest, front, is_valid, own_error
+from tailslap.studies.cost.compute import FE, LEVELS, CostResult, Row, cheapest, front, is_valid, own_error
 
 ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
@@ -96,7 +96,7 @@ IMPACT = Question(
 )
 
 
-def report(found: Found) -> Report:
+def report(found: CostResult) -> Report:
     """Page, summary, points, and what the terminal says."""
     kicker, headline, best, said, sections = (_impact if found.case.scene.contact else _corner)(found)
     sections.append(Section("Every setting", tables=(_every(found.rows),)))
@@ -105,7 +105,7 @@ def report(found: Found) -> Report:
     return Report(page, summary(found), (*best, headline, *said, cost), {"points.csv": listed(found.rows)})
 
 
-def _corner(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
+def _corner(found: CostResult) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
     rigid, soft = found.of(soft=False), found.of(soft=True)
     limit, mesh_limit = found.limit.known, found.mesh_limit.known
     best = _best(RIGID, rigid), _best(SOFT, soft)
@@ -117,9 +117,8 @@ def _corner(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
     frequency, patch, _ = compute.soft_plate(found.case.scene)
     meshes = [row["label"] for row in soft if row["group"] == "quad9"]
     limits = (
-        f"The soft plate: {frequency:g} Hz first frequency, the corner held over {measure(patch, 'm', 'g')}, "
-        "no friction, no damping, "
-        "one modulus on all meshes: what is left of its error falls with refinement.",
+        f"The soft plate: {frequency:g} Hz first frequency, the corner held over {measure(patch, 'm', 'g')}, no "
+        "friction, no damping, one modulus on all meshes: what is left of its error falls with refinement.",
         f"Full lines: the error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
         f"{limit:.0e}, the largest GCI; smaller errors are shown as that.",
         f"Dashed lines: what one choice adds to its mesh, known to {mesh_limit:.0e}. What inertia relief leaves over "
@@ -140,7 +139,7 @@ def _corner(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
     return "every method and setting that the program has", headline, best, (), sections
 
 
-def _impact(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
+def _impact(found: CostResult) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
     rows, rigid, known_to = found.rows, found.rows[0], found.limit.known
     best = (_best(IMPACT, rows),)
     headline = (
@@ -156,7 +155,7 @@ def _impact(found: Found) -> tuple[str, str, tuple[Table, ...], tuple[str, ...],
     return "settings of a whole impact", headline, best, (reading,), [section]
 
 
-def summary(found: Found) -> dict[str, Any]:
+def summary(found: CostResult) -> dict[str, Any]:
     """The numbers of the study, SI."""
     rows, limit = found.rows, found.limit
     both = {"rigid": found.of(soft=False), "flexible": found.of(soft=True)}
@@ -189,11 +188,9 @@ def _best(question: Question, rows: list[Row]) -> Table:
             named = {kind: row and {**row, "name": _name(row)} for kind, row in each.items()}
             best.append({"level": f"{level:.0e}", **named})
     for kind, group in groups.items():
-        shown += [
-            Column(f"{kind}.name", "setting", group=group),
-            Column(f"{kind}.error", "error", form=ERROR, group=group),
-            Column(f"{kind}.seconds", "time", form=duration, group=group),
-        ]
+        shown.append(Column(f"{kind}.name", "setting", group=group))
+        shown.append(Column(f"{kind}.error", "error", form=ERROR, group=group))
+        shown.append(Column(f"{kind}.seconds", "time", form=duration, group=group))
     return Table((Column("level", "Error at most"), *shown), best, "The cheapest setting")
 
 
@@ -219,7 +216,7 @@ def _every(rows: list[Row]) -> Table:
     said = []
     for row in rows:
         words = [f"{how}: {row[how]}" for how in ("refused", "failed") if row[how]]
-        said.append({**row, "checks": words[0] if words else "passed"})
+        said.append({**row, "checks": (words or ["passed"])[0]})
     return Table(tuple(shown), said, notes=(NOTE,), marks=marks)
 
 
@@ -228,9 +225,8 @@ def charts(question: Question, rows: list[Row], known_to: float, mesh_known: flo
     series = []
     for line in lines(question, rows, known_to, mesh_known):
         ordered = question is SOFT and line["order"] > 0.5 and line["group"] != compute.MODES
-        series.append(
-            _series(line["label"] + (f", order {line['order']:.1f}" if ordered else ""), line["rows"])
-        )
+        order = f", order {line['order']:.1f}" if ordered else ""
+        series.append(_series(line["label"] + order, line["rows"]))
     others = [row for row in rows if row["group"] not in question.lines]
     series.append(_series(question.others, others)._replace(joined=False))
     best = question.front, [(row["seconds"], row["error"]) for row in front(rows)]
@@ -239,7 +235,7 @@ def charts(question: Question, rows: list[Row], known_to: float, mesh_known: flo
 
 
 def _series(label: str, rows: list[Row]) -> Series:
-    """What choices add is dashed."""
+    """A line of the chart; what choices add is dashed."""
     drawn = [row for row in rows if math.isfinite(own_error(row))]
     numbers = [row["seconds"] for row in drawn], [own_error(row) for row in drawn]
     passed = [not row["failed"] for row in drawn]
@@ -252,9 +248,8 @@ def lines(question: Question, rows: list[Row], known_to: float, mesh_known: floa
     found = []
     for group, label in question.lines.items():
         its = [row for row in rows if row["group"] == group and math.isfinite(own_error(row))]
-        errors, fineness = (
-            np.array(each) for each in ([own_error(r) for r in its], [r["refinement"] for r in its])
-        )
+        errors = np.array([own_error(row) for row in its])
+        fineness = np.array([row["refinement"] for row in its])
         level = 3.0 * (mesh_known if any(row["choice"] for row in its) else known_to)
         clear = (errors > level) & (fineness > 0.0)
         x, y = np.log(fineness[clear]), np.log(errors[clear])

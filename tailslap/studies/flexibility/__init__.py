@@ -6,18 +6,15 @@ from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.options import WORKERS, Whole
 from tailslap.studies.study import Study, later
 
-POINTS = click.Option(
-    ["--points"],
-    type=Whole(4, 100),
-    default=16,
-    show_default=True,
-    help="First frequencies, at even ratios.",
-)
-LOWEST = click.Option(
-    ["--lowest"], metavar="FREQUENCY", help="The softest plate  [default: 0.1 Hz; of a whole impact 2 Hz]"
-)
-HIGHEST = click.Option(
-    ["--highest"], default="1 kHz", show_default=True, metavar="FREQUENCY", help="The stiffest plate."
+POINTS = "First frequencies, at even ratios."
+SOFTEST = "The softest plate  [default: 0.1 Hz; of a whole impact 2 Hz]"
+OPTIONS = (
+    click.Option(["--points"], type=Whole(4, 100), default=16, show_default=True, help=POINTS),
+    click.Option(["--lowest"], metavar="FREQUENCY", help=SOFTEST),
+    click.Option(
+        ["--highest"], default="1 kHz", show_default=True, metavar="FREQUENCY", help="The stiffest plate."
+    ),
+    WORKERS,
 )
 
 STUDY = Study(
@@ -26,5 +23,5 @@ STUDY = Study(
     compute=later("tailslap.studies.flexibility.compute:compute"),
     report=later("tailslap.studies.flexibility.report:report"),
     analyses=(CORNER, WHOLE_IMPACT),
-    options=(POINTS, LOWEST, HIGHEST, WORKERS),
+    options=OPTIONS,
 )

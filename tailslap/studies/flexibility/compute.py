@@ -1,4 +1,4 @@
-"""How soft a vehicle may be for the rigid-body method still to hold: plates from stiff to soft, and what follows.
+"""Softest vehicle for which the rigid-body method still holds: plates from stiff to soft, and what follows.
 
 Of a constrained corner three starts and three meshes a plate, the modal model beside them, and at some plates the
 thickness in place of the modulus. Of a whole impact both strikes of each plate, and what is measured of them from 2 Hz
@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,8 +28,6 @@ from tailslap.case import case_of
 from tailslap.case.checks import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.model import MIN_STEPS
-from tailslap.case.corner.plan import CornerPlan
-from tailslap.case.corner.run import CornerOutcome
 from tailslap.case.cost import loop_seconds
 from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes, nearest_corner
 from tailslap.case.impact.case import ImpactCase
@@ -41,7 +38,7 @@ from tailslap.errors import InputError
 from tailslap.modal_analysis.run import modal_run
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
-from tailslap.scene.vary import Changes, Source, vary
+from tailslap.scene.vary import Changes, Source, parse_value, vary
 
 Record = dict[str, Any]
 
@@ -148,11 +145,8 @@ def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
     """First frequencies [Hz] from the highest to the lowest, at even ratios. Raises InputError."""
     ends = []
     for option, given in (("--lowest", lowest), ("--highest", highest)):
-        value: float | str = given
-        with suppress(ValueError):
-            value = float(given)
         try:
-            ends.append(HERTZ.parse(value))
+            ends.append(HERTZ.parse(parse_value(given)))
         except ValueError as error:
             raise InputError(option, given, str(error)) from None
     if not ends[0] < ends[1]:
@@ -161,10 +155,7 @@ def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
 
 
 def run_plates(
-    groups: Sequence[tuple[Callable[..., Record], Mapping[str, tuple[Any, ...]], str]],
-    definition: Record,
-    place: Path,
-    workers: int | None,
+    groups: Sequence[Any], definition: Record, place: Path, workers: int | None
 ) -> list[list[Record]]:
     """Records of each group: a function, its arguments by key, a label; an interrupted study goes on where it was."""
     with Journal(place, {"study": "flexibility", **definition}) as journal:
@@ -178,7 +169,7 @@ class Sweep(NamedTuple):
     thickness [m], density [kg/m^3] and modulus [Pa] of the scene's own plate."""
 
     case: CornerCase
-    fe_plan: CornerPlan
+    fe_plan: Any
     meshes: tuple[tuple[int, int], ...]
     support: Record
     own: tuple[float, float, float]
@@ -216,16 +207,15 @@ def corner_support(scene: Scene, coarsest: tuple[int, int]) -> Record:
 
 def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start: str = STARTS[0]) -> Changes:
     """Changes that give the scene this first frequency [Hz], mesh and start, and the study's support of the corner."""
+    plate: Record = {"youngs_modulus": None, "first_frequency": frequency, "elements": elements}
+    plate |= {"element": sweep.fe_plan.plate.element, "start": start}
+    # Not verified: plates that differ from the rigid body are the subject, and no failure.
     changes: dict[str, Any] = {
         "wall": None,
-        "verify": None,  # plates that differ from the rigid body are the subject, and no failure
-        "plate.youngs_modulus": None,
-        "plate.first_frequency": frequency,
-        "plate.elements": elements,
-        "plate.element": sweep.fe_plan.plate.element,
-        "plate.start": start,
-        "corner.patch_length": sweep.support["patch"],
+        "verify": None,
+        **{f"plate.{key}": x for key, x in plate.items()},
     }
+    changes["corner.patch_length"] = sweep.support["patch"]
     if not sweep.support["own_constraint"]:
         changes["corner.constraint"] = sweep.support["constraint"]
     if not START_KINDS[start].relieved:  # rows that show every swing
@@ -246,9 +236,7 @@ def mesh_changes(sweep: Sweep, frequency: float, start: str) -> list[Changes | N
     return found
 
 
-def corner_flexibility(
-    case: CornerCase, given: tuple[float, ...], place: Path, workers: int | None
-) -> Flexibility:
+def corner_flexibility(case: Any, given: Sequence[float], place: Path, workers: int | None) -> Flexibility:
     """Every plate of a constrained corner. given: first frequencies, falling [Hz]."""
     began, sweep, parts = time.perf_counter(), define(case), {}
     thin = {round(part * (len(given) - 1)) for part in THICKNESSES}
@@ -295,13 +283,7 @@ def start_samples(rows: Sequence[Record], start: str) -> list[Sample]:
     return found
 
 
-def measure(
-    base: Source,
-    starts: dict[str, list[Changes | None]],
-    modal: Changes,
-    own: tuple[float, float, float] | None,
-    half: bool,
-) -> Record:
+def measure(base: Source, starts: Record, modal: Changes, own: Any, half: bool) -> Record:
     """The record of a plate.
 
     Parameters
@@ -365,7 +347,7 @@ def fe_record(case: CornerCase) -> Record:
     }
 
 
-def largest_difference(outcome: CornerOutcome) -> float:
+def largest_difference(outcome: Any) -> float:
     """Largest difference of v_GY from the rigid body, at the strike and at any instant before it, over v_GY at the
     strike: an oscillating plate may strike in any phase. NaN without a strike."""
     if not outcome.fe:
@@ -467,9 +449,7 @@ def convergence_index(fine: float, medium: float, coarse: float) -> float:
     return metrics.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
 
 
-def impact_flexibility(
-    case: ImpactCase, given: tuple[float, ...], place: Path, workers: int | None
-) -> Flexibility:
+def impact_flexibility(case: Any, given: Sequence[float], place: Path, workers: int | None) -> Flexibility:
     """Every plate of a whole impact. given: first frequencies, falling [Hz]."""
     began, own, patch = time.perf_counter(), case.plan(), patch_length(case)
     along, across = own.plate.counts

@@ -17,16 +17,8 @@ from tailslap.campaign.levels import hertz
 from tailslap.case.impact.answers import COLUMNS, COMPARED
 from tailslap.case.impact.answers import QUANTITIES as OF_STRIKES
 from tailslap.case.report import study_page, study_summary
-from tailslap.studies.flexibility.compute import (
-    IMPACT_LEVELS,
-    KEPT,
-    LEVELS,
-    MEASURED,
-    NAMES,
-    STARTS,
-    Flexibility,
-    Record,
-)
+from tailslap.studies.flexibility import compute
+from tailslap.studies.flexibility.compute import LEVELS, NAMES, STARTS, Flexibility, Record
 
 START_NAMES = dict(zip(STARTS, ("inertia relief", "Stage 1's momenta", "unstressed"), strict=True))
 SYMBOLS = {name: quantity.symbol for name, quantity in QUANTITIES.items()}
@@ -51,21 +43,18 @@ LAWS = (
 )
 POINTS = [
     Column(column, SYMBOLS[name], form=SIZE, below=Column(f"error_{name}", "", form=SIZE))
-    for name, column in MEASURED.items()
+    for name, column in compute.MEASURED.items()
 ]
 PARTS = {"v_gy": "At the strike", "v_gy_largest": "Largest", "v_gy_error": "Error"}
-STARTED = [
-    column
-    for start, group in START_NAMES.items()
-    for column in columns({f"{start}:{k}": label for k, label in PARTS.items()}, form=SIZE, group=group)
-]
-KEPT_BY = [
-    column
-    for start in STARTS[:2]
-    for column in columns(
-        {f"{start}:{k}_at_start": SYMBOLS[k] for k in KEPT}, form=DEPARTURE, group=START_NAMES[start]
-    )
-]
+AT_START = {f"{name}_at_start": SYMBOLS[name] for name in compute.KEPT}
+
+
+def _of_starts(starts: Sequence[str], labels: dict[str, str], form: Any) -> list[Column]:
+    named = ({f"{start}:{key}": label for key, label in labels.items()} for start in starts)
+    groups = (columns(its, form=form, group=START_NAMES[k]) for k, its in zip(starts, named, strict=True))
+    return [column for group in groups for column in group]
+
+
 STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping_rate", "Damping", "1/s", form=SIZE))
 PLATE_COLUMNS = {
     "deflection_ratio": "Static deflection ratio",
@@ -74,8 +63,8 @@ PLATE_COLUMNS = {
 }
 EVERY_PLATE = {
     "At the strike, with inertia relief": (Column("checks", "Checks"), *POINTS),
-    "v_GY from each start": STARTED,
-    "What each start departs from at t = 0": KEPT_BY,
+    "v_GY from each start": _of_starts(STARTS, PARTS, SIZE),
+    "What each start departs from at t = 0": _of_starts(STARTS[:2], AT_START, DEPARTURE),
     "The plates": (*STIFF, *columns(PLATE_COLUMNS, form=SIZE)),
 }
 MODAL = {"modal_v_gy": "v_GY", "modal_apart": "Largest of five from FE", "modal_estimate": "Own estimate"}
@@ -116,7 +105,7 @@ def report(found: Flexibility) -> Report:
 
 
 def corner_report(found: Flexibility) -> Report:
-    """Of a constrained corner: three starts, the other quantities, the modal model."""
+    """Report of a constrained corner: three starts, the other quantities, the modal model."""
     starts, rows = {**found.levels, "any of the three": found.band}, [_shown(row) for row in found.rows]
     good = [{"what": START_NAMES.get(name, name), "levels": its} for name, its in starts.items()]
     marked = {len(STARTS): "marked"}
@@ -203,17 +192,20 @@ def figures(found: Flexibility) -> list[Chart]:
     """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
     values = {name: [row[name] for row in found.rows] for name in found.rows[0]}
     passed, relative = values["passed"], "size of the relative difference"
-    begun = [[*its] for its in zip(passed, *(values[f"{start}:passed"] for start in STARTS), strict=True)]
+    largest = "largest deviation over the rigid reaction"
+    begun = zip(passed, *(values[f"{start}:passed"] for start in STARTS), strict=True)
 
     def size(name: str) -> SweepLine:
-        return SweepLine(SYMBOLS[name], [abs(x) for x in values[MEASURED[name]]], values[f"error_{name}"])
+        return SweepLine(
+            SYMBOLS[name], [abs(x) for x in values[compute.MEASURED[name]]], values[f"error_{name}"]
+        )
 
     def start_line(start: str) -> SweepLine:
         largest, error = values[f"{start}:v_gy_largest"], values[f"{start}:v_gy_error"]
         return SweepLine(START_NAMES[start], largest, error, passed=values[f"{start}:passed"])
 
     def chart(name: str, caption: str, label: str, lines: Sequence[SweepLine], levels: Any = ()) -> Chart:
-        good = [any(its) for its in begun] if name == "starts" else passed
+        good = [*map(any, begun)] if name == "starts" else passed
         axis = SweepAxis(values["first_frequency"], good, found.own_frequency)
         return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels)
 
@@ -230,21 +222,16 @@ def figures(found: Flexibility) -> list[Chart]:
     return [
         chart("starts", three, relative, [start_line(start) for start in STARTS], LEVELS),
         chart("difference", five, relative, [size(name) for name in KEYS], LEVELS),
-        chart(
-            "reaction",
-            "Normal reaction of the wall",
-            "largest deviation over the rigid reaction",
-            [size("reaction")],
-        ),
+        chart("reaction", "Normal reaction of the wall", largest, [size("reaction")]),
         chart("stored", energy, "elastic over kinetic energy", [size("stored")]),
         chart("modal", both, relative, modal, LEVELS[:2]),
     ]
 
 
 def impact_report(found: Flexibility) -> Report:
-    """Of a whole impact: both strikes of each plate against the rigid vehicle's, and from 2 Hz to rigid."""
+    """Report of a whole impact: both strikes of each plate against the rigid vehicle's, and from 2 Hz to rigid."""
     rows = [{"what": WORDS[name], "levels": found.levels[name]} for name in NAMES]
-    good = Table(_good(IMPACT_LEVELS), rows, "The rigid vehicle is good down to a first frequency of")
+    good = Table(_good(compute.IMPACT_LEVELS), rows, "The rigid vehicle is good down to a first frequency of")
     marks = {i: "failed" for i, row in enumerate(found.rows) if row["failed"]}
     heads = (F1, *STRIKE_POINTS, Column("failed", "Checks failed"))
     points = Table(heads, found.rows, "Differences of the two strikes", marks=marks)
@@ -298,7 +285,7 @@ def _strikes_figure(found: Flexibility) -> Chart:
     ]
     axis = SweepAxis([row["frequency"] for row in rows], [not row["failed"] for row in rows], own)
     caption = "Difference of plate and rigid vehicle in both strikes, over the plate's first frequency"
-    return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, IMPACT_LEVELS)
+    return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, compute.IMPACT_LEVELS)
 
 
 def _plate_figures(found: Flexibility) -> list[Chart]:

@@ -165,7 +165,7 @@ def compute(
 
 
 def base_source(scene: Scene) -> Source:
-    """What the cells change: the scene in SI, without its wall, since slides differ."""
+    """Source of the cells: the scene in SI, without its wall, since slides differ."""
     return vary(Source.of(scene), {"wall": None})[1]
 
 
@@ -188,22 +188,14 @@ def axes_of(scene: Scene, n: int) -> tuple[StudyAxis, ...]:
         absent = {"penalty"} if contact.crushes else {"contact stiffness", "restitution"}
         absent |= {"penalty"} if contact.enforcement == "exact" else set()
     return tuple(
-        StudyAxis(name, meaning, values(low, high, n), changes)
-        for name, meaning, values, low, high, changes in (IMPACT_AXES if contact else CORNER_AXES)
+        StudyAxis(name, meaning, tuple(spaced(low, high, n).tolist()), changes)
+        for name, meaning, spaced, low, high, changes in (IMPACT_AXES if contact else CORNER_AXES)
         if name not in absent
     )
 
 
-def _ratios(low: float, high: float, n: int) -> tuple[float, ...]:
-    return tuple(np.geomspace(low, high, n).tolist())
-
-
-def _even(low: float, high: float, n: int) -> tuple[float, ...]:
-    return tuple(np.linspace(low, high, n).tolist())
-
-
-def _zero_and_ratios(low: float, high: float, n: int) -> tuple[float, ...]:
-    return 0.0, *_ratios(low, high, n - 1)
+def _zero_and_ratios(low: float, high: float, n: int) -> np.ndarray:
+    return np.append(0.0, np.geomspace(low, high, n - 1))
 
 
 def _of(key: str) -> Callable[[Scene, float], Changes]:
@@ -228,7 +220,7 @@ def _angle(scene: Scene, degrees: float) -> Changes:
 
 
 def _given(scene: Scene, *keys: str) -> dict[str, float]:
-    """Those of these keys that the scene gives."""
+    """Values of these keys that the scene gives."""
     paths = {key: key.split(".") for key in keys}
     found = {key: getattr(getattr(scene, table), name, None) for key, (table, name) in paths.items()}
     return {key: value for key, value in found.items() if value is not None}
@@ -247,30 +239,30 @@ def _damping(scene: Scene, ratio: float) -> Changes:
 
 # Name, what its numbers mean, how its values lie between which ends, and what a value changes.
 CORNER_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
-    ("stiffness", "E over the scene's", _ratios, 1e-4, 1e4, _stiffness),
-    ("penalty", "corner.penalty_scale", _ratios, 1e-3, 1e4, _of("corner.penalty_scale")),
-    ("friction", "corner.friction", _even, 0.0, 2.0, _of("corner.friction")),
-    ("speed", "speeds over the scene's", _ratios, 1e-2, 1e1, _speed),
-    ("angle", "angle [deg]", _ratios, 1.0, 80.0, _angle),
-    ("slenderness", "width over length", _ratios, 0.01, 1.0, _slenderness),
-    ("time step", "time.safety_factor", _even, 0.5, 1.2, _of("time.safety_factor")),
+    ("stiffness", "E over the scene's", np.geomspace, 1e-4, 1e4, _stiffness),
+    ("penalty", "corner.penalty_scale", np.geomspace, 1e-3, 1e4, _of("corner.penalty_scale")),
+    ("friction", "corner.friction", np.linspace, 0.0, 2.0, _of("corner.friction")),
+    ("speed", "speeds over the scene's", np.geomspace, 1e-2, 1e1, _speed),
+    ("angle", "angle [deg]", np.geomspace, 1.0, 80.0, _angle),
+    ("slenderness", "width over length", np.geomspace, 0.01, 1.0, _slenderness),
+    ("time step", "time.safety_factor", np.linspace, 0.5, 1.2, _of("time.safety_factor")),
     ("damping", "damping.ratio", _zero_and_ratios, 3e-3, 1.0, _damping),
 )
 IMPACT_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
-    ("contact stiffness", "contact.stiffness [N/m]", _ratios, 1e4, 1e9, _of("contact.stiffness")),
-    ("restitution", "contact.restitution", _even, 0.0, 1.0, _of("contact.restitution")),
-    ("penalty", "contact.penalty_scale", _ratios, 1e-2, 1e3, _of("contact.penalty_scale")),
-    ("friction", "contact.friction", _even, 0.0, 2.0, _of("contact.friction")),
-    ("angle", "angle [deg]", _ratios, 1.0, 85.0, _angle),
-    ("speed", "speed over the scene's", _ratios, 0.1, 3.0, _speed),
-    ("modulus", "E over the scene's", _ratios, 1e-4, 1e2, _stiffness),
-    ("time step", "time.safety_factor", _even, 0.5, 1.2, _of("time.safety_factor")),
-    ("slenderness", "width over length", _ratios, 0.05, 1.0, _slenderness),
+    ("contact stiffness", "contact.stiffness [N/m]", np.geomspace, 1e4, 1e9, _of("contact.stiffness")),
+    ("restitution", "contact.restitution", np.linspace, 0.0, 1.0, _of("contact.restitution")),
+    ("penalty", "contact.penalty_scale", np.geomspace, 1e-2, 1e3, _of("contact.penalty_scale")),
+    ("friction", "contact.friction", np.linspace, 0.0, 2.0, _of("contact.friction")),
+    ("angle", "angle [deg]", np.geomspace, 1.0, 85.0, _angle),
+    ("speed", "speed over the scene's", np.geomspace, 0.1, 3.0, _speed),
+    ("modulus", "E over the scene's", np.geomspace, 1e-4, 1e2, _stiffness),
+    ("time step", "time.safety_factor", np.linspace, 0.5, 1.2, _of("time.safety_factor")),
+    ("slenderness", "width over length", np.geomspace, 0.05, 1.0, _slenderness),
 )
 
 
 def map_cells(scene: Scene, axes: Sequence[StudyAxis]) -> tuple[dict[str, Changes], dict[str, Row]]:
-    """What every cell of the map changes, and its place: each pair of axes, each pair of their values."""
+    """Changes of every cell of the map, and its place: each pair of axes, each pair of their values."""
     cells: dict[str, Changes] = {}
     places: dict[str, Row] = {}
     for first, second in combinations(axes, 2):
@@ -310,7 +302,7 @@ def verdict(kind: str, **known: Any) -> Row:
 
 
 def is_impact(outcome: Any) -> bool:
-    """Whether it is of a whole impact."""
+    """True if it is of a whole impact."""
     return outcome.fe_plan.case.scene.contact is not None
 
 
@@ -402,7 +394,7 @@ def refinements(scene: Scene, plate: Plate) -> dict[str, Changes]:
 
 
 def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
-    """So many quadratic elements of the plate's kind, and the exact constraint."""
+    """Changes to so many quadratic elements of the plate's kind, and the exact constraint."""
     return {
         **dict.fromkeys(("corner.penalty_scale", "corner.damping_ratio")),
         "corner.constraint": "exact",
@@ -412,7 +404,7 @@ def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
 
 
 def _corners_agree(*answers: Any) -> bool:
-    """Whether the first two strikes are of the same corners, so that all differences are told."""
+    """True if the first two strikes are of the same corners, so that all differences are told."""
     ours, its = ([strike.corner for strike in answer.strikes[:2]] for answer in answers)
     return ours == its
 
@@ -509,7 +501,7 @@ def references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference]
 
 
 def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes:
-    """What makes a cell's scene the refined model, so much finer but of no more than MAX_ELEMENTS; ratio: of its
+    """Changes that make a cell's scene the refined model, so much finer but of no more than MAX_ELEMENTS; ratio: of its
     damping, 0 to leave it to the program."""
     scale = min(finer, math.sqrt(MAX_ELEMENTS / math.prod(plate.counts)))
     along, across = (max(2, math.ceil(scale * count)) for count in plate.counts)
@@ -521,7 +513,7 @@ def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes
 
 
 def trustworthy(outcome: CornerOutcome) -> bool:
-    """Whether the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
+    """True if the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
     friction has fed, a reference may not."""
     found, error = largest(outcome.difference), outcome.error
     swayed = error.damping + error.ringing > _limit(SWAYED, found)
@@ -552,7 +544,7 @@ class Dice:
 def random_cells(
     scene: Scene, base: Source, seed: int, count: int
 ) -> tuple[dict[str, Changes], dict[str, Row]]:
-    """What the first so many draws of a seed change, and all values of their scenes."""
+    """Changes of the first so many draws of a seed, and all values of their scenes."""
     cells = {f"{number:04d}": draw(scene, base, seed, number) for number in range(count)}
     tables = {key: changed_tables(base.given, changes)[0] for key, changes in cells.items()}
     return cells, {key: {"number": int(key), **flat(its)} for key, its in tables.items()}
@@ -565,8 +557,8 @@ def flat(tables: Mapping[str, Any]) -> Row:
 
 
 def choices_of(seed: int, combination: int, attempt: int) -> Row:
-    """What the machine code of a run depends on, of a combination, "open" left to the program; attempt: counts those
-    before it that were not possible."""
+    """Choices of a combination that the machine code of a run depends on, "open" left to the program; attempt: number
+    of those before it that were not possible."""
     dice = Dice(seed, combination, attempt)
     return {
         "reaction": dice.one_of(("drag", "none", "signed"), (0.6, 0.2, 0.2)),
@@ -582,7 +574,7 @@ def choices_of(seed: int, combination: int, attempt: int) -> Row:
 
 
 def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
-    """What a random cell, known by seed and number, changes in the base.
+    """Changes of a random cell, known by seed and number, in the base.
 
     Raises InputError where the scene allows no possible and affordable one.
     """

@@ -1,4 +1,4 @@
-"""What the study of stability reports."""
+"""Page, summary and tables of the study of stability."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def report(found: StabilityResult) -> Report:
         MAP if found.axes else RANDOM,
         said,
         (
-            Section("Verdicts", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
+            Section("StabilityResult", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
             Section("A picture per pair of axes", figures=maps(found), layout="narrow"),
             Section("Why", tables=why),
         ),
@@ -87,13 +87,13 @@ def counts(found: StabilityResult) -> dict[str, int]:
 
 
 def caught_by(found: StabilityResult) -> dict[str, int]:
-    """How many cells each check caught, the most first."""
+    """Number of cells that each check caught, the most first."""
     caught = found.of_kind(CAUGHT).values()
     return dict(Counter(name for row in caught for name in row["failed"].split(", ")).most_common())
 
 
 def refused_by(found: StabilityResult) -> dict[str, int]:
-    """How many cells were refused for what, the most first: the key and, unless it has numbers, what is allowed."""
+    """Number of cells by reason of refusal, the most first: the key and, unless it has numbers, what is allowed."""
     names: Counter[str] = Counter()
     for row in found.of_kind(REFUSED).values():
         key, _, rest = row["reason"].partition(": given ")

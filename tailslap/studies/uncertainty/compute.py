@@ -103,11 +103,11 @@ class Spread:
         return {key: values[: 2 * self.rows] for key, values in self.inputs.items()} | both
 
     def band(self, name: str) -> Band:
-        """How one of the tables spreads."""
+        """Spread of one of the tables."""
         return sampling.band_of(self.tables[name])
 
     def sources_of(self, name: str) -> list[dict[str, Any]]:
-        """Where the variance of a table comes from, the most first; nothing where it has none."""
+        """Inputs that the variance of a table comes from, the most first; none where it has no variance."""
         return sorted(self.sources.get(name, ()), key=lambda row: -row["total"])
 
 
