@@ -154,9 +154,7 @@ def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
     return tuple(np.geomspace(ends[1], ends[0], points).tolist())
 
 
-def run_plates(
-    groups: Sequence[Any], definition: Record, place: Path, workers: int | None
-) -> list[list[Record]]:
+def run_plates(groups: Sequence[Any], definition: Record, place: Path, workers: Any) -> list[list[Record]]:
     """Records of each group: a function, its arguments by key, a label; an interrupted study goes on where it was."""
     with Journal(place, {"study": "flexibility", **definition}) as journal:
         for function, parts, label in groups:
@@ -209,13 +207,9 @@ def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start
     """Changes that give the scene this first frequency [Hz], mesh and start, and the study's support of the corner."""
     plate: Record = {"youngs_modulus": None, "first_frequency": frequency, "elements": elements}
     plate |= {"element": sweep.fe_plan.plate.element, "start": start}
+    changes: Record = {f"plate.{key}": value for key, value in plate.items()}
     # Not verified: plates that differ from the rigid body are the subject, and no failure.
-    changes: dict[str, Any] = {
-        "wall": None,
-        "verify": None,
-        **{f"plate.{key}": x for key, x in plate.items()},
-    }
-    changes["corner.patch_length"] = sweep.support["patch"]
+    changes |= {"wall": None, "verify": None, "corner.patch_length": sweep.support["patch"]}
     if not sweep.support["own_constraint"]:
         changes["corner.constraint"] = sweep.support["constraint"]
     if not START_KINDS[start].relieved:  # rows that show every swing

@@ -273,16 +273,11 @@ def _impact_headline(found: Flexibility) -> str:
 
 def _strikes_figure(found: Flexibility) -> Chart:
     rows, own = found.rows, found.own_frequency
-    lines = [
-        SweepLine(
-            *(
-                WORDS[n],
-                [abs(row[f"difference.{n}"]) for row in rows],
-                [abs(row[f"error.{n}"]) for row in rows],
-            )
-        )
-        for n in NAMES
-    ]
+
+    def sizes(group: str, name: str) -> list[float]:
+        return [abs(row[f"{group}.{name}"]) for row in rows]
+
+    lines = [SweepLine(WORDS[name], sizes("difference", name), sizes("error", name)) for name in NAMES]
     axis = SweepAxis([row["frequency"] for row in rows], [not row["failed"] for row in rows], own)
     caption = "Difference of plate and rigid vehicle in both strikes, over the plate's first frequency"
     return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, compute.IMPACT_LEVELS)
@@ -294,12 +289,9 @@ def _plate_figures(found: Flexibility) -> list[Chart]:
     panels: dict[str, dict[int, tuple[list[float], float]]] = {}
     for name, words in PLATE_PANELS.items():
         _, unit, scale = OF_STRIKES[name]
+        keys = {k: f"strike_{k}.{name}" for k in (1, 2)}
         panels[f"{words} [{unit}]"] = {
-            k: (
-                [row["values"][f"strike_{k}.{name}"] / scale for row in soft],
-                rigid[f"strike_{k}.{name}"] / scale,
-            )
-            for k in (1, 2)
+            k: ([row["values"][key] / scale for row in soft], rigid[key] / scale) for k, key in keys.items()
         }
     frequencies, passed = ([row[key] for row in soft] for key in ("frequency", "passed"))
     return [draw_plates(frequencies, passed, panels)] if soft else []
