@@ -1,7 +1,5 @@
 """Verification: parts that rows of a sweep share are made once, and change nothing but time."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -16,7 +14,7 @@ SMALL = ("plate.elements=[6, 2]",)
 START = RigidStart(0.26, 0.707, 25.053)
 
 
-def row(*changes: tuple[str, Any]) -> dict[str, Any]:
+def row(*changes):
     _, source = read_scene("paper-table-3", SMALL)
     found = compute_row(0, source, dict(changes))
     assert found["status"] in ("passed", "failed"), found
@@ -50,7 +48,7 @@ def test_large_parts_and_many_parts_are_let_go():
     calls = []
 
     @lazy.cached("a part of this test")
-    def double(n: int) -> int:
+    def double(n):
         calls.append(n)
         return 2 * n
 

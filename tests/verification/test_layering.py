@@ -2,7 +2,6 @@
 
 import importlib.util
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
@@ -13,7 +12,7 @@ MAX_CLIMBS = 4
 HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "numba"}
 
 
-def structure() -> ModuleType:
+def structure():
     spec = importlib.util.spec_from_file_location("structure", ROOT / "benchmarks" / "structure.py")
     assert spec is not None
     assert spec.loader is not None
@@ -22,7 +21,7 @@ def structure() -> ModuleType:
     return module
 
 
-def graph() -> dict[str, set[str]]:
+def graph():
     tool = structure()
     paths = {tool.module_name(path): path for path in tool.sources()}
     return {name: set(tool.imports(path, set(paths))) for name, path in paths.items()}

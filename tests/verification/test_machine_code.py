@@ -8,13 +8,12 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from fem.explicit.parallel import Meeting, _meet, new_meeting
+from fem.explicit.parallel import _meet, new_meeting
 from fem.explicit.time_loop import advance
 from fem.machine_code import folder, object_code
 from fem.machine_code.arguments import Prepared, UnknownTypeError, flattened
@@ -52,7 +51,7 @@ class Sums(NamedTuple):
     inner: tuple[float, float]
 
 
-def add(outer, rows, whole, fixed, flags, factor):  # type: ignore[no-untyped-def]
+def add(outer, rows, whole, fixed, flags, factor):
     """Uses every number that it is given, in a way that tells them apart, and memory of its own."""
     own = np.zeros(3)
     own[0] = outer.inner.values.sum() + 10.0 * outer.pair[0] + 100.0 * outer.pair[1]
@@ -66,7 +65,7 @@ def add(outer, rows, whole, fixed, flags, factor):  # type: ignore[no-untyped-de
     return Sums(own.sum(), whole.size + fixed.size, some, (own[1], own[2]))
 
 
-def arguments(factor: float | None, step: int) -> tuple[Any, ...]:
+def arguments(factor, step):
     rows = np.arange(24.0).reshape(4, 6)[:, ::step]
     fixed = np.arange(3, dtype=np.uint8)
     fixed.flags.writeable = False
@@ -86,8 +85,7 @@ def test_the_same_as_in_python(kernel, factor, step):
     """Exact: contiguous and strided arrays, several sizes of numbers, tuples in tuples, a tuple in a result."""
     in_python, in_code = arguments(factor, step), arguments(factor, step)
     found = kernel(*in_code)
-    assert found == add(*in_python)
-    assert [type(item) for item in found] == [float, int, bool, tuple]
+    assert (found, [type(item) for item in found]) == (add(*in_python), [float, int, bool, tuple])
     assert type(found) is Sums
     assert in_code[2].tolist() == [1, 0]
     assert kernel.has_code(*in_code)
@@ -176,10 +174,8 @@ def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
 
 def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path, python):
     """As a law from outside may call one."""
-    header, body = (
-        "import math\nfrom fem.machine_code.compiled import compiled\n\n\n",
-        "return math.gamma(x)\n",
-    )
+    header = "import math\nfrom fem.machine_code.compiled import compiled\n\n\n"
+    body = "return math.gamma(x)\n"
     (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef gamma(x):\n    {body}")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
     for _ in range(2):
@@ -192,8 +188,8 @@ def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path)
     """The lock is held here, as another process would hold it."""
     code, entered = tmp_path / "code" / "kind.code", threading.Event()
 
-    def compile_there(path: Path, told: threading.Event) -> threading.Thread:
-        def compile_it() -> None:
+    def compile_there(path, told):
+        def compile_it():
             with one_process_compiles(path):
                 told.set()
 
@@ -226,16 +222,16 @@ def test_code_is_known_by_the_types_of_its_arguments(outcome):
     assert not advance.has_code(1, 2.0, np.zeros(3))
 
 
-def double(value: float) -> float:
+def double(value):
     """A function to compile."""
     return 2.0 * value
 
 
 def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
-    told: list[tuple[float, bool]] = []
+    told = []
 
-    def use(value: float) -> None:
+    def use(value):
         function = compiled(double)  # as a new process has it
         compile_once(lambda: function(value), function, value, on_compile=lambda *given: told.append(given))
 
@@ -255,10 +251,9 @@ def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
     command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", "--no-pictures"]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
 
-    def said() -> str:
-        done = subprocess.run(
-            command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
-        )
+    def said():
+        settings = {"capture_output": True, "text": True, "check": True}
+        done = subprocess.run(command, env=environment, cwd=tmp_path, **settings)
         return done.stderr
 
     assert re.search(r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", said(), re.DOTALL)
@@ -273,7 +268,7 @@ def test_who_waits_long_sleeps():
     _meet(new_meeting(), 1, 1)  # compiled
     meeting, spent = new_meeting(), []
 
-    def wait() -> None:
+    def wait():
         before = time.thread_time()
         _meet(meeting, 2, 1)
         spent.append(time.thread_time() - before)
@@ -292,7 +287,7 @@ def test_threads_meet_again_and_again():
     """Three threads and 2 000 meetings, on however few cores: none is missed, and all come to the end."""
     meeting, done = new_meeting(), []
 
-    def attend(meeting: Meeting) -> None:
+    def attend(meeting):
         for turn in range(1, 2001):
             _meet(meeting, 3, turn)
         done.append(True)

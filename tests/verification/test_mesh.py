@@ -64,7 +64,7 @@ def test_every_group_is_named():
 
 
 def test_works_outside_the_main_thread_and_prints_nothing(capfd):
-    made: list[meshio.Mesh] = []
+    made = []
     threads = [threading.Thread(target=lambda: made.append(plate_mesh(1.0, 1.0, (3, 2)))) for _ in range(4)]
     for thread in threads:
         thread.start()

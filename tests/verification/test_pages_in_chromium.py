@@ -13,7 +13,7 @@ from tailslap.cli import _status
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
 sys.path.insert(0, BENCHMARKS)
 from browser import charts, paper, screen  # noqa: E402
-from browser.looked import Looked, look  # noqa: E402
+from browser.looked import look  # noqa: E402
 from browser.session import CHROMIUM, chromium, opened  # noqa: E402
 
 sys.path.remove(BENCHMARKS)
@@ -45,7 +45,7 @@ def page(tmp_path_factory):
     return place / "report.html"
 
 
-def changed(page: Path, place: Path, old: str, new: str) -> Path:
+def changed(page, place, old, new):
     """The page with another text in the place of one that it has."""
     text = page.read_text(encoding="utf-8")
     assert old in text
@@ -53,7 +53,7 @@ def changed(page: Path, place: Path, old: str, new: str) -> Path:
     return place
 
 
-def wrong(looked: Looked) -> dict[str, list[str]]:
+def wrong(looked):
     return {kind: texts for kind, texts in looked.found.items() if texts}
 
 
@@ -96,8 +96,7 @@ def test_words_of_charts_that_are_cut_or_overprinted_are_found(browser, page, tm
     path = changed(page, tmp_path / "a.html", "</main>", CHART.format(words) + CHART.format("") + "</main>")
     with opened(browser, path, scripts=False) as shown:
         found = ['cut in "a chart": outside', 'overprinted in "a chart": one by two']
-        assert charts.words(shown.page) == found
-        assert charts.empty(shown.page) == ["nothing drawn: A chart"]
+        assert (charts.words(shown.page), charts.empty(shown.page)) == (found, ["nothing drawn: A chart"])
 
 
 def test_what_a_page_asks_for_and_complains_of_is_found(browser, page, tmp_path):

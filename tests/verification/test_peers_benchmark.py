@@ -2,7 +2,6 @@
 
 import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,7 @@ NONE = (0.3831252875, 23.3113534750, -3.2868596947, 0.6573719389, 9.4126003049)
 """Of the paper's start without friction, in the order of QUANTITIES."""
 
 
-def reading(plate: Plate) -> Reading:
+def reading(plate):
     return Reading(plate, plate.body(), plate.masses())
 
 
@@ -34,16 +33,16 @@ class SteadyTurn:
 
     version = "1"
 
-    def __init__(self, plate: Plate, velocity_lag: float) -> None:
+    def __init__(self, plate, velocity_lag):
         self.plate, self.velocity_lag, self.made = plate, velocity_lag, 0
 
-    def advance(self, steps: int) -> None:
+    def advance(self, steps):
         self.made += steps
 
-    def state(self) -> tuple[np.ndarray, np.ndarray]:
+    def state(self):
         return self._at(self.made)[0], self._at(self.made - self.velocity_lag)[1]
 
-    def _at(self, steps: float) -> tuple[np.ndarray, np.ndarray]:
+    def _at(self, steps):
         time = steps * self.plate.time_step
         turned = Plate(ELEMENTS, 1e-5, angle=self.plate.angle - self.plate.omega * time)
         return turned.nodes() + np.array([self.plate.speed * time, 0.0]), turned.velocities()
@@ -55,7 +54,7 @@ def test_the_rigid_motion_is_the_exact_one():
 
 
 def test_row_sums_overstate_the_inertia_by_the_square_of_the_element():
-    def shift(elements: tuple[int, int]) -> float:
+    def shift(elements):
         plate = Plate(elements, 1e-5, angle=0.26)
         return rigid_body.distance(rigid_body.of_row_sums(plate), rigid_body.of_rectangle(plate))
 
@@ -90,27 +89,24 @@ def test_the_other_codes_have_our_mesh_and_masses(distortion, tmp_path):
     assert (shift <= DISTORTION * np.array([10.0, 2.438]) / ELEMENTS).all()
 
 
-def row(mesh: entries.Mesh, code: str, measure: Callable[[], Turn]) -> entries.Entry:
+def row(mesh, code, measure):
     entry = entries.Entry(code, mesh, mesh.exact, measure)
     entry.turn()
     return entry
 
 
-def no_code() -> Turn:
+def no_code():
     raise NotMeasuredError("not installed")
 
 
-def rows() -> list[entries.Entry]:
+def rows():
     exact, lumped = (make(PLATE) for make in (rigid_body.of_rectangle, rigid_body.of_row_sums))
     mesh = entries.Mesh(PLATE, 0.0, exact, lumped)
     found = [Turn(2.0, 0.5, 0.25, tuple(lumped * (1.0 + share)), "1.0") for share in (1e-3, 1e-3 + 1e-9)]
     left = Turn(150.0, 0.5, 149.0, None, "1.1")
-    return [
-        row(mesh, entries.ALIKE, lambda: found[0]),
-        row(mesh, "Akantu", lambda: found[1]),
-        row(mesh, "Kratos", lambda: left),
-        row(mesh, "Warp loop", no_code),
-    ]
+    makers = {"Akantu": lambda: found[1], "Kratos": lambda: left, "Warp loop": no_code}
+    makers = {entries.ALIKE: lambda: found[0]} | makers
+    return [row(mesh, code, measure) for code, measure in makers.items()]
 
 
 def test_the_error_is_parted_and_the_codes_are_held_against_each_other():

@@ -1,9 +1,12 @@
 """Verification: tables are shown alike everywhere; pages are whole, fetch nothing and can be read in any way."""
 
+from __future__ import annotations
+
 import base64
 import csv
 import hashlib
 import html
+import json
 import math
 import re
 import tomllib
@@ -11,18 +14,18 @@ from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from postprocess.report import page as pages
-from postprocess.report.report import Report, report_text, write_report
-from postprocess.report.table import Column, Table, pairs, text_table
+from postprocess.report.files import read_history, write_history, write_summary
+from postprocess.report.report import Report, report_text, write_report, write_table
+from postprocess.report.table import Column, Table, columns, listed, pairs, text_table
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import PALETTE
 from postprocess.svg.marks import Line, Swatch
-from postprocess.units import duration, grouped, number, shown
+from postprocess.units import duration, grouped, known, number, shown
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.report import corner_report
@@ -40,7 +43,7 @@ Element = tuple[str, dict[str, str], tuple[str, ...], list[str]]
 class Parsed(HTMLParser):
     """Every element with its attributes, those above it, and the pieces of its text; all are closed in their order."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text):
         super().__init__()
         self.elements: list[Element] = []
         self.open: list[int] = []
@@ -49,36 +52,36 @@ class Parsed(HTMLParser):
         self.close()
         assert self.open == []
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_starttag(self, tag, attrs):
         above = tuple(self.elements[i][0] for i in self.open)
         self.elements.append((tag, {name: value or "" for name, value in attrs}, above, []))
         if tag not in VOID:
             self.open.append(len(self.elements) - 1)
 
-    def handle_endtag(self, tag: str) -> None:
+    def handle_endtag(self, tag):
         assert tag in VOID or self.elements[self.open.pop()][0] == tag
 
-    def handle_data(self, data: str) -> None:
+    def handle_data(self, data):
         self.pieces.append(data)
         for i in self.open:
             self.elements[i][3].append(data)
 
-    def named(self, *tags: str) -> list[tuple[str, dict[str, str], tuple[str, ...], str]]:
+    def named(self, *tags):
         return [(t, a, above, "".join(said).strip()) for t, a, above, said in self.elements if t in tags]
 
-    def inside(self, tag: str) -> str:
+    def inside(self, tag):
         return "".join("".join(said) for each, _, _, said in self.elements if each == tag)
 
     @property
-    def attributes(self) -> list[tuple[str, str, str]]:
+    def attributes(self):
         return [(tag, *pair) for tag, found, *_ in self.elements for pair in found.items()]
 
     @property
-    def tags(self) -> set[str]:
+    def tags(self):
         return {tag for tag, *_ in self.elements}
 
     @property
-    def text(self) -> str:
+    def text(self):
         return " ".join(" ".join(self.pieces).split())
 
 
@@ -108,21 +111,19 @@ COLUMNS = (
 TABLE = Table(COLUMNS, RECORDS, "A table", notes=("A note.",), marks={1: "failed"})
 
 
-def full_page(folder: Path) -> pages.Page:
+def full_page(folder):
     picture = folder / "contour_v_gx.png"
     picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     curve = Chart("omega", "Motion", "Angular velocity", '<svg viewBox="0 0 1 1"><text>curve-1</text></svg>')
+    figures = (curve, pages.Picture(picture, "v_GX at the strike"))
     sections = (
         pages.Section("Tables", "A lead.", tables=(TABLE, pairs({"mass": 9979.0}), Table(COLUMNS, ()))),
-        pages.Section(
-            "Figures. By matplotlib", figures=(curve, pages.Picture(picture, "v_GX at the strike"))
-        ),
+        pages.Section("Figures. By matplotlib", figures=figures),
         pages.Section("Sentences", sentences=("N < 0 pulls, `corner.friction` holds.",)),
         pages.Section("Empty", tables=(Table(COLUMNS, ()),)),
     )
-    return pages.Page(
-        "A kicker", "mash<tl4>", "The headline.", sections, "The footer.", SCENE, True, contents=True
-    )
+    words = ("A kicker", "mash<tl4>", "The headline.", sections, "The footer.", SCENE)
+    return pages.Page(*words, True, contents=True)
 
 
 @pytest.fixture
@@ -202,7 +203,7 @@ def test_a_record_without_the_entry_is_an_error():
         Table((Column("nothing", ""),), RECORDS).records()
 
 
-def run_page(made: Any, folder: Path) -> Parsed:
+def run_page(made, folder):
     report = corner_report(made, pictures=False)
     write_report(report, folder)
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
@@ -232,10 +233,8 @@ def test_a_failed_run_says_so(outcome, tmp_path):
     assert f"Failed: {first.name}." in page.text
     assert "Failed checks, and what to do" in page.text
     for said in (*advice(CHECKS, [first.name]).split("; "), *diagnosis(made)):
-        assert (
-            re.sub("<[^>]+>", "", html.unescape(str(pages.prose(said)))).replace(pages.NO_BREAK, " ")
-            in page.text
-        )
+        plain = re.sub("<[^>]+>", "", html.unescape(str(pages.prose(said))))
+        assert plain.replace(pages.NO_BREAK, " ") in page.text
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
 
@@ -250,7 +249,7 @@ def test_the_terminal_tells_once_what_was_chosen(outcome):
     assert prediction(made) in text
 
 
-def whole(name: str) -> str:
+def whole(name):
     return f'<span class="whole">{name}</span>'
 
 
@@ -387,9 +386,8 @@ def test_tables_have_captions_and_headings_scopes(any_page):
 
 
 def test_what_scrolls_is_reached_by_keyboard_and_named_once(any_page):
-    boxes = [
-        attributes for _, attributes, *_ in any_page.named("div") if "scroll" in attributes.get("class", "")
-    ]
+    divisions = [attributes for _, attributes, *_ in any_page.named("div")]
+    boxes = [attributes for attributes in divisions if "scroll" in attributes.get("class", "")]
     assert len(boxes) >= len(any_page.named("table"))
     for attributes in boxes:
         assert (attributes["tabindex"], attributes["role"]) == ("0", "region")
@@ -431,7 +429,7 @@ def test_every_colour_of_charts_has_one_in_the_dark():
         assert (brightness(light) < 0.3) == (name != "grid"), name
 
 
-def brightness(colour: str) -> float:
+def brightness(colour):
     """Relative luminance by WCAG, its exponent rounded to two."""
     red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
     return 0.2126 * red**2 + 0.7152 * green**2 + 0.0722 * blue**2
@@ -480,3 +478,135 @@ def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path):
 def test_a_long_word_does_not_widen_the_page(tmp_path):
     text = pages.write_page(tmp_path / "p.html", pages.Page("", "x" * 200, "", (), "")).read_text()
     assert "overflow-wrap" in text
+
+
+@dataclass(frozen=True)
+class Run:
+    """A record with entries of entries."""
+
+    values: tuple[float, float]
+    differences: dict[str, float]
+    before: Run | None = None
+
+
+RUN = Run((1.0, math.nan), {"v_gy": -0.5}, Run((3.0, 4.0), {}))
+
+
+ENTRIES = [
+    *(("values.0", "1.0"), ("values.1", "–"), ("differences.v_gy", "-0.5"), ("before.values.1", "4.0")),
+    *(("before.before", "–"), ("before.before.values.0", "–")),
+]
+
+
+@pytest.mark.parametrize(("key", "text"), ENTRIES)
+def test_entries_of_entries(key, text):
+    """Of mappings, tuples and objects; a dash where one on the way is None, or a number is none."""
+    assert Column(key, "", form=known(".1f")).text(RUN) == text
+
+
+def test_columns_of_one_form():
+    made = columns({"values.0": "first", "values.1": "second"}, form=".2f", group="values")
+    expected = [("values.0", "first", "values"), ("values.1", "second", "values")]
+    assert ([(c.key, c.label, c.group) for c in made], made[0].text(RUN)) == (expected, "1.00")
+
+
+def test_negligible_numbers_are_zero():
+    shown = known(".1e", negligible=1e-9)
+    assert [shown(x) for x in (-9e-10, -2e-9, math.inf)] == ["0", "-2.0e-09", "–"]
+    assert known(".1e")(1e-300) == "1.0e-300"
+
+
+def test_a_time_that_was_not_measured_is_a_dash():
+    assert [duration(x) for x in (0.0, 2e-6, 0.5, 3.0)] == ["–", "2 us", "500 ms", "3 s"]
+
+
+def test_listed_records_keep_every_digit_in_files(tmp_path):
+    path = write_table(tmp_path / "t.csv", listed([{"a": 0.1 + 0.2, "b:c": "x, y"}, {"a": None, "b:c": ""}]))
+    assert path.read_text().splitlines() == ["a,b:c", '0.30000000000000004,"x, y"', ","]
+
+
+def test_a_summary_takes_records(tmp_path):
+    read = json.loads(write_summary(tmp_path / "s.json", {"run": RUN}).read_text())
+    assert read["run"]["values"] == [1.0, None]
+    assert read["run"]["before"]["before"] is None
+
+
+def bits(values):
+    return np.asarray(values, dtype=np.float64).view(np.uint64)
+
+
+def test_history_round_trip_is_bitwise(tmp_path):
+    generator = np.random.default_rng(7)
+    any_double = generator.integers(0, 0x7FE0000000000000, size=500, dtype=np.uint64).view(np.float64)
+    special = [0.0, -0.0, 5e-324, -1.7976931348623157e308, np.nextafter(1.0, 2.0), 0.1]
+    columns = {"t": np.concatenate([any_double, special]), "v_gy": -np.arange(506) / 3.0}
+    back = read_history(write_history(tmp_path / "history.csv", columns))
+    assert list(back) == ["t", "v_gy"]
+    for name, values in columns.items():
+        np.testing.assert_array_equal(bits(back[name]), bits(values))
+
+
+def test_history_has_empty_entries_for_what_is_not_finite(tmp_path):
+    columns = {"t": [0.0, 1.0, 2.0], "v_gy": [np.nan, 1.5, -np.inf], "v_gx": [np.inf, 2.5, 3.5]}
+    path = write_history(tmp_path / "history.csv", columns)
+    assert path.read_text().splitlines() == ["t,v_gy,v_gx", "0,,", "1,1.5,2.5", "2,,3.5"]
+    back = read_history(path)
+    assert np.isnan(back["v_gy"]).tolist() == [True, False, True]
+    np.testing.assert_array_equal(back["t"], columns["t"])
+
+
+def test_history_is_a_csv_with_a_header(tmp_path):
+    path = write_history(tmp_path / "history.csv", {"t": [0.0, 0.5], "slide": [1.0, 0.1]})
+    assert path.read_text() == "t,slide\n0,1\n0.5,0.10000000000000001\n"
+
+
+@pytest.mark.parametrize("rows", [0, 1])
+def test_short_histories(tmp_path, rows):
+    back = read_history(write_history(tmp_path / "h.csv", {"t": np.zeros(rows), "omega": np.ones(rows)}))
+    assert {name: values.shape for name, values in back.items()} == {"t": (rows,), "omega": (rows,)}
+
+
+UNFIT = [{"t": np.zeros(3), "omega": np.zeros(2)}, {"t": np.zeros((2, 2))}]
+UNFIT += [{"t, x": np.zeros(2)}, {"": np.zeros(2)}]
+
+
+@pytest.mark.parametrize("columns", UNFIT)
+def test_what_does_not_fit_a_table_is_refused(tmp_path, columns):
+    with pytest.raises(ValueError, match=r"dimension|header"):
+        write_history(tmp_path / "h.csv", columns)
+    assert not (tmp_path / "h.csv").exists()
+
+
+def refuse(constant):
+    raise AssertionError(f"{constant} is not JSON")
+
+
+def test_summary_is_strict_json_in_the_order_given(tmp_path):
+    summary = {
+        **{"scene": "θ", "passed": np.bool_(False)},
+        "fe": {"t": np.float64(0.1), "omega": math.nan, "slide": np.inf},
+        "checks": [{"name": "energy balance", "value": -math.inf, "limit": 0.01}],
+        **{"cost": {"steps": np.int64(7400), "elements": np.array([20, 6])}, "out": tmp_path},
+    }
+    path = write_summary(tmp_path / "summary.json", summary)
+    text = path.read_text(encoding="utf-8")
+    assert json.loads(text, parse_constant=refuse) == {
+        **{"scene": "θ", "passed": False, "fe": {"t": 0.1, "omega": None, "slide": None}},
+        "checks": [{"name": "energy balance", "value": None, "limit": 0.01}],
+        **{"cost": {"steps": 7400, "elements": [20, 6]}, "out": str(tmp_path)},
+    }
+    assert list(json.loads(text)) == list(summary)
+    assert text.startswith('{\n  "scene": "θ",\n')
+    assert text.endswith("}\n")
+
+
+def test_summary_keeps_every_digit(tmp_path):
+    value = 0.1 + 0.2
+    back = json.loads(write_summary(tmp_path / "s.json", {"t": np.float64(value)}).read_text())
+    assert back["t"] == value
+
+
+def test_summary_refuses_what_json_does_not_know(tmp_path):
+    with pytest.raises(TypeError):
+        write_summary(tmp_path / "s.json", {"mesh": object()})
+    assert not (tmp_path / "s.json").exists()

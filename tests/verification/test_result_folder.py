@@ -3,9 +3,7 @@
 import hashlib
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,13 +15,13 @@ from tailslap.files.manifest import NAME
 RESULT = {"report.html": "page", "summary.json": "{}", "history.csv": "t\n"}
 
 
-def fill(place: Path, **more: str) -> None:
+def fill(place, **more):
     with result_folder(place) as folder:
         for name, text in (RESULT | {f"{name}.txt": text for name, text in more.items()}).items():
             (folder / name).write_text(text)
 
 
-def tree(folder: Path) -> dict[str, str | None]:
+def tree(folder):
     """All paths below, with the text of files and the targets of links."""
     paths = {str(path.relative_to(folder)): path for path in folder.rglob("*")}
     return {
@@ -39,7 +37,7 @@ def place(tmp_path):
     return tmp_path / "results" / "a"
 
 
-def refused(place: Path, named: str) -> None:
+def refused(place, named):
     """Both by `demand_place` and by the folder itself, which is never yielded to work in; nothing is changed."""
     before = tree(place.parent)
     for begin in (demand_place, lambda place: result_folder(place).__enter__()):
@@ -128,7 +126,7 @@ def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(pla
     assert tree(place.parent) == before
 
 
-def forged(**more: Any) -> str:
+def forged(**more):
     item = {"path": "thesis.txt", "size": 1, "sha256": hashlib.sha256(b"x").hexdigest()} | more
     return json.dumps({"program": "tailslap", "version": "0.1.0", "files": [item]})
 
@@ -200,7 +198,7 @@ MOVES = 4
 """The earlier result aside, the new one in, and two things that were added."""
 
 
-def fill_or_fail(place_with_more: Path, text: str, failure: BaseException | None = None) -> None:
+def fill_or_fail(place_with_more, text, failure=None):
     with result_folder(place_with_more) as folder:
         (folder / "report.html").write_text(text)
         if failure:
@@ -208,7 +206,7 @@ def fill_or_fail(place_with_more: Path, text: str, failure: BaseException | None
         (folder / f"{text}.csv").write_text(text)
 
 
-def texts(folder: Path) -> dict[str, str]:
+def texts(folder):
     return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
 
 
@@ -222,13 +220,11 @@ def place_with_more(tmp_path):
     return tmp_path / "a"
 
 
-def break_renames(
-    monkeypatch: pytest.MonkeyPatch, breaks: Callable[[int], bool], failure: BaseException, done: bool = False
-) -> list[int]:
+def break_renames(monkeypatch, breaks, failure, done=False):
     """Renames of folders and of what was added fail where `breaks` says, before they are done or after."""
     rename, count = os.rename, [0]
 
-    def broken(source: Any, target: Any) -> None:
+    def broken(source, target):
         count[0] += 1
         if not breaks(count[0]) or done:
             rename(source, target)
@@ -290,7 +286,7 @@ def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(pla
     """Looked at before each rename: what a kill -9 would leave."""
     rename = os.rename
 
-    def look(source: Any, target: Any) -> None:
+    def look(source, target):
         above = place_with_more.parent
         found = {path.relative_to(above) for path in above.glob("*/**/*")}
         shown = [path for path in found if not path.parts[0].startswith(".")]
@@ -304,7 +300,7 @@ def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(pla
 def test_a_file_changed_within_the_move_is_left_and_named(place_with_more, monkeypatch, capsys):
     rename = os.rename
 
-    def edit(source: Any, target: Any) -> None:
+    def edit(source, target):
         rename(source, target)
         if Path(source) == place_with_more:
             (Path(target) / "old.csv").write_text("mine")
@@ -317,7 +313,7 @@ def test_a_file_changed_within_the_move_is_left_and_named(place_with_more, monke
 
 
 def test_an_interrupt_when_the_result_is_there_says_so(place_with_more, monkeypatch):
-    def interrupt(path: Path, missing_ok: bool = False) -> None:
+    def interrupt(path, missing_ok=False):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Path, "unlink", interrupt)

@@ -2,9 +2,7 @@
 
 import math
 import pickle
-from collections.abc import Callable
 from dataclasses import fields
-from typing import Any
 
 import numpy as np
 import pytest
@@ -30,15 +28,15 @@ MOST = math.pi / 2.0 - TRUCK.corner_angle
 NAN, INF = math.nan, math.inf
 
 
-def impact(**changes: Any) -> Any:
+def impact(**changes):
     return corner_impulse(TRUCK, **{**IMPACT, **changes})
 
 
-def motion(**changes: Any) -> Any:
+def motion(**changes):
     return plane_motion(TRUCK, **{**START, **changes})
 
 
-REFUSED: list[tuple[Callable[[], Any], str, str, str]] = [
+REFUSED = [
     (lambda: RectangularBody(0.0, 2.0, 1.0), "length", "0", "positive and finite, m"),
     (lambda: RectangularBody(9.0, -2.0, 1.0), "width", "-2", "positive and finite, m"),
     (lambda: RectangularBody(9.0, 2.0, [1.0, INF]), "mass", "inf at index 1", "positive and finite, kg"),
@@ -160,7 +158,7 @@ def test_the_friction_named_as_the_limit_is_the_limit():
 
 
 def test_nan_rows_stay_alone():
-    values: dict[str, list[float]] = {
+    values = {
         "angle": [0.26, -1.0, 1.5, INF, 0.26, 0.26, 0.26, 1.2, 0.26, 0.26],
         "omega": [0.707, 0.7, 0.7, 0.7, 0.0, NAN, 0.7, 0.7, 0.7, 1e200],
         "corner_speed": [25.053, 25.0, 25.0, 25.0, 25.0, 25.0, -5.0, 25.0, 0.3, 25.0],
@@ -221,7 +219,7 @@ def test_no_scipy_unless_it_integrates(python):
     assert second == "True"
 
 
-BLOW: dict[str, Any] = {"mass": 9979.0, "speed": 25.0, "angle": math.pi / 6}
+BLOW = {"mass": 9979.0, "speed": 25.0, "angle": math.pi / 6}
 BLOW |= {"front_distance": 4.0, "half_width": 1.2}
 
 

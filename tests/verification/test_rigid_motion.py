@@ -3,9 +3,7 @@
 import math
 import time
 import timeit
-from collections.abc import Callable
 from dataclasses import fields
-from typing import Any
 
 import numpy as np
 import pytest
@@ -30,9 +28,7 @@ TRUCK = RectangularBody(10.0, 2.438, 9979.0)
 fixed = settings(derandomize=True, max_examples=60, deadline=None, database=None)
 
 
-def balances(
-    body: RectangularBody[float], speed: float, angle: float, friction: float, rebound: float
-) -> np.ndarray:
+def balances(body, speed, angle, friction, rebound):
     """Solve the balances for (normal impulse, omega, corner speed, v_GX, v_GY) after; SI.
 
     m (v_G - v_0) = impulse; I omega = its moment about G; v_G = v_P + omega x r; v_PY = rebound v_0 sin.
@@ -95,8 +91,7 @@ def test_the_conventions_differ_by_the_factor_of_the_impulse():
 
 def test_a_perfectly_elastic_corner_in_the_papers_convention_is_not_stopped_at_all():
     result = corner_impulse(TRUCK, 25.0, 0.26, 0.47, 1.0)
-    assert (result.omega, result.impulse) == (0.0, 0.0)
-    assert result.corner_speed == 25.0 * math.cos(0.26)
+    assert ((result.omega, result.impulse), result.corner_speed) == ((0.0, 0.0), 25.0 * math.cos(0.26))
 
 
 def test_impulses_of_arrays_equal_single_calls():
@@ -157,10 +152,8 @@ LAST_THREE = {
 def test_the_strike_to_fifteen_digits(reaction):
     strike = plane_motion(TRUCK, **START, reaction=reaction).strike
     got = (strike.t, strike.v_gy, strike.v_gx, strike.omega, strike.slide, strike.v_p)
-    assert (got, strike.theta) == (
-        pytest.approx((*FIRST_THREE[reaction], *LAST_THREE[reaction]), rel=5e-15),
-        0.0,
-    )
+    expected = (*FIRST_THREE[reaction], *LAST_THREE[reaction])
+    assert (got, strike.theta) == (pytest.approx(expected, rel=5e-15), 0.0)
 
 
 def test_without_friction_time_is_an_elliptic_integral():
@@ -196,10 +189,11 @@ def test_each_rate_is_the_derivative_of_what_it_should_be(reaction):
     nodes = 0.5 * end * (1.0 - np.cos(math.pi * (np.arange(40) + 0.5) / 40))
     states = motion.at(nodes)
 
-    def rate(values: np.ndarray) -> np.ndarray:
+    def rate(values):
         return np.polynomial.Chebyshev.fit(nodes, values, 39, domain=[0.0, end]).deriv()(nodes)
 
     phi, r = states.theta + TRUCK.corner_angle, TRUCK.corner_radius
+    inward = np.cos(phi) * states.reaction_normal + np.sin(phi) * states.reaction_tangential
     pairs = {
         "omega": (states.omega, -rate(states.theta)),
         "v_p": (states.v_p, rate(states.slide)),
@@ -208,10 +202,7 @@ def test_each_rate_is_the_derivative_of_what_it_should_be(reaction):
         "normal": (states.reaction_normal, TRUCK.mass * rate(states.v_gy)),
         "tangential": (states.reaction_tangential, TRUCK.mass * rate(states.v_gx)),
         "power": (states.reaction_tangential * states.v_p, rate(states.friction_work)),
-        "moment": (
-            TRUCK.moment_of_inertia * rate(states.omega),
-            r * (np.cos(phi) * states.reaction_normal + np.sin(phi) * states.reaction_tangential),
-        ),
+        "moment": (TRUCK.moment_of_inertia * rate(states.omega), r * inward),
     }
     for name, (value, expected) in pairs.items():
         scale = abs(states.reaction_normal).max() if name == "tangential" else abs(value).max()
@@ -353,10 +344,9 @@ def test_broadcasting_equals_single_calls():
 
 def test_numbers_in_numbers_out():
     """Whole numbers, NumPy scalars and arrays without dimension count as numbers; answers are plain floats."""
-    strikes = (
-        plane_motion(TRUCK, 0.26, 1, np.float32(25.0), np.array(0)).strike,
-        tail_slap(RectangularBody(10, 2.438, np.float64(9979.0)), np.float64(0.26), 1, 25, 0),
-    )
+    body = RectangularBody(10, 2.438, np.float64(9979.0))
+    first = plane_motion(TRUCK, 0.26, 1, np.float32(25.0), np.array(0)).strike
+    strikes = (first, tail_slap(body, np.float64(0.26), 1, 25, 0))
     for strike in strikes:
         assert {type(getattr(strike, name)) for name in NAMES} == {float}
     assert strikes[0] == strikes[1]
@@ -379,13 +369,13 @@ shapes, shares = st.floats(-2.0, 0.0).map(lambda power: 10.0**power), st.floats(
 frictions = st.floats(0.0, 1.25) | st.floats(1.34, 2.5)  # next to 4/3 a signed motion has no ten digits
 
 
-def arguments(ratio: float, share: float, omega: float, speed_ratio: float) -> tuple:
+def arguments(ratio, share, omega, speed_ratio):
     body = RectangularBody(8.0, 8.0 * ratio, 5000.0)
     angle = share * (math.pi / 2 - body.corner_angle)
     return body, angle, omega, speed_ratio * omega * body.corner_radius
 
 
-def attempt(solve: Callable[..., Any], motion: tuple) -> Any:
+def attempt(solve, motion):
     """The state at the strike, or the key of the refusal."""
     try:
         return solve(*motion).strike
@@ -413,9 +403,8 @@ def agree_or_refuse(ratio, share, omega, speed_ratio, friction, reaction):
 
 
 test_both_agree_or_both_refuse = settings(searched, max_examples=60)(given(**motions)(agree_or_refuse))
-test_many_agree_or_both_refuse = pytest.mark.long(
-    settings(searched, max_examples=400)(given(**motions)(agree_or_refuse))
-)
+many = settings(searched, max_examples=400)(given(**motions)(agree_or_refuse))
+test_many_agree_or_both_refuse = pytest.mark.long(many)
 
 
 @pytest.mark.parametrize("reaction", REACTIONS)
@@ -487,7 +476,7 @@ def test_a_corner_that_stops_is_reported_at_the_same_place():
 
 
 def test_the_exact_solution_costs_a_twentieth_of_an_integration():
-    def fastest(call: Callable[[], Any], number: int) -> float:
+    def fastest(call, number):
         return min(timeit.repeat(call, number=number, repeat=5)) / number
 
     exact = fastest(lambda: plane_motion(TRUCK, *BEGUN), 100)

@@ -9,8 +9,6 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 import pytest
 
@@ -42,7 +40,7 @@ LONG = re.compile(r"study (?!uncertainty)|--vary \S+ --vary")
 LONG_PAGES = ("howto/own-law.md", "howto/own-vehicle.md", "howto/cluster.md")
 
 
-def generator() -> ModuleType:
+def generator():
     spec = importlib.util.spec_from_file_location("generate", DOCS / "generate.py")
     assert spec is not None
     assert spec.loader is not None
@@ -55,16 +53,8 @@ PAGES = generator().pages()
 
 
 def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "mkdocs",
-        "build",
-        "--strict",
-        "--quiet",
-        "--site-dir",
-        str(tmp_path / "site"),
-    ]
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet"]
+    command += ["--site-dir", str(tmp_path / "site")]
     nowhere = dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
     environment = {"PATH": "/usr/bin:/bin"} | nowhere
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
@@ -82,7 +72,7 @@ def test_a_reference_is_as_the_program_is(name):
     assert (DOCS / "reference" / name).read_text(encoding="utf-8") == PAGES[name], "run docs/generate.py"
 
 
-def keys(model: type[SceneTable], prefix: str = "") -> list[str]:
+def keys(model, prefix=""):
     found = []
     for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
@@ -133,7 +123,7 @@ class Step:
     name: str = ""
 
 
-def steps(page: Path) -> list[Step]:
+def steps(page):
     """What is run of a page, in order."""
     found = []
     for match in FENCE.finditer(page.read_text(encoding="utf-8")):
@@ -151,19 +141,16 @@ def steps(page: Path) -> list[Step]:
     return found
 
 
-def commands_of(text: str) -> list[Step]:
+def commands_of(text):
     parts = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
     lines = [part.removeprefix(".venv/bin/") for part in parts]
-    return [
-        Step("command", line)
-        for line in lines
-        if line in BARE
-        or (line.count(" ") > 1 and line.startswith("tailslap ") and not PLACEHOLDER.search(line))
-        if "--json" not in line.split()[2:3]
-    ]
+    whole = [line for line in lines if line.count(" ") > 1 and line.startswith("tailslap ")]
+    shown = {line for line in whole if not PLACEHOLDER.search(line)} | {*BARE}
+    kept = [line for line in lines if line in shown and "--json" not in line.split()[2:3]]
+    return [Step("command", line) for line in kept]
 
 
-def shown() -> dict[str, list[Step]]:
+def shown():
     paths = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
     found = {str(path.relative_to(ROOT)): steps(path) for path in paths if path.parent.name != "reference"}
     return {name: each for name, each in found.items() if each}
@@ -174,7 +161,7 @@ COMMANDS = {step.text for each in SHOWN.values() for step in each if step.kind =
 LONG_COMMANDS = sorted(filter(LONG.search, COMMANDS))
 
 
-def do(step: Step, namespace: dict[str, Any]) -> None:
+def do(step, namespace):
     if step.kind == "file":
         Path(step.name).write_text(step.text, encoding="utf-8")
         if step.name.endswith(".py"):
@@ -194,7 +181,7 @@ def do(step: Step, namespace: dict[str, Any]) -> None:
 def test_a_page_runs(page, tmp_path, monkeypatch):
     """Commands end with 0, files are written where they are shown, code runs; one after the other."""
     monkeypatch.chdir(tmp_path)
-    namespace: dict[str, Any] = {"__name__": "__main__"}
+    namespace = {"__name__": "__main__"}
     for step in SHOWN[page]:
         if not LONG.search(step.text if step.kind == "command" else ""):
             do(step, namespace)

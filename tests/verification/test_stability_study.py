@@ -15,7 +15,6 @@ from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from test_sweep_run import alive, children
@@ -31,9 +30,8 @@ from tailslap.case.cost import expected_effort
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.scene.read import read_scene, source_of_text
-from tailslap.scene.schema import Scene
 from tailslap.scene.validate import validate
-from tailslap.scene.vary import Changes, changed_tables, vary
+from tailslap.scene.vary import changed_tables, vary
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute as study
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report
@@ -41,13 +39,13 @@ from tailslap.studies.stability.report import caught_by, headline, refused_by, r
 COARSE = ("plate.elements=[10,3]",)
 
 
-def verdict_at(first: str, x: float, second: str, y: float, *changes: str) -> dict[str, Any]:
+def verdict_at(first, x, second, y, *changes):
     scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
     by_name = {axis.name: axis for axis in study.axes_of(scene, 3)}
     return verdict_of(scene, {**by_name[first].changes(scene, x), **by_name[second].changes(scene, y)})
 
 
-def verdict_of(scene: Scene, changes: Changes) -> dict[str, Any]:
+def verdict_of(scene, changes):
     tolerance = 1e-2 if scene.contact else 1e-3
     return study.judge(study.base_source(scene), changes, partial(study.against_rigid, tolerance=tolerance))
 
@@ -116,7 +114,7 @@ def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed():
 
 
 def test_a_program_that_breaks_has_not_refused(monkeypatch):
-    def breaks(*arguments: Any) -> None:
+    def breaks(*arguments):
         raise ZeroDivisionError("boom")
 
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
@@ -153,10 +151,10 @@ def test_a_stiff_plate_s_impact_is_right_and_what_cannot_be_is_refused():
     assert verdict_of(scene, {"time.safety_factor": 1.2})["kind"] == "refused"
 
 
-def impact(impulse: float, error: float, passed: bool = True, corner: str = "rear") -> Any:
+def impact(impulse, error, passed=True, corner="rear"):
     """As much of an outcome as is judged."""
 
-    def answer(corner: str, impulse: float) -> Any:
+    def answer(corner, impulse):
         strikes = [("front", 1.0), (corner, 1.0 + impulse)]
         found = [SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
         return SimpleNamespace(strikes=found)
@@ -200,7 +198,7 @@ def journal(tmp_path):
     return lambda **definition: Journal(tmp_path / "out", definition)
 
 
-def interrupt(journal: Journal, records: dict[str, Any]) -> None:
+def interrupt(journal, records):
     with journal as begun:
         for key, record in records.items():
             begun.add(key, record)
@@ -229,8 +227,7 @@ def test_a_file_that_is_no_journal_is_refused_and_kept(journal, foreign):
     path.write_bytes(foreign)
     with pytest.raises(InputError, match=r"\.out\.journal.* no journal"), journal(a=1):
         pass
-    assert path.read_bytes() == foreign
-    assert [found.name for found in path.parent.iterdir()] == [path.name]
+    assert (path.read_bytes(), [found.name for found in path.parent.iterdir()]) == (foreign, [path.name])
 
 
 def test_a_link_in_the_place_of_the_journal_is_refused(journal, tmp_path):
@@ -271,10 +268,9 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     caught = study.verdict("caught", failed="energy balance, mesh")
     refused = study.verdict("refused", reason="k: given 3; allowed less")
     verdicts = (study.verdict("right"), caught, refused, study.verdict("wrong", reason="x"))
-    rows = {key: places[key] | verdict_at for key, verdict_at in zip(cells, verdicts, strict=True)}
-    found = study.StabilityResult(
-        case, study.base_source(case.scene), axes, {"tolerance": 1e-3}, study.MAP_KINDS, cells, rows, 1.0
-    )
+    rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
+    base, given = study.base_source(case.scene), {"tolerance": 1e-3}
+    found = study.StabilityResult(case, base, axes, given, study.MAP_KINDS, cells, rows, 1.0)
     assert "1 are wrong without" in headline(found)
     assert caught_by(found) == {"energy balance": 1, "mesh": 1}
     assert refused_by(found) == {"k: allowed less": 1}
@@ -333,7 +329,7 @@ def test_a_part_s_error_is_raised_as_it_was(journal):
             assert again.records == {"a": 0}
 
 
-def raising(number: int) -> int:
+def raising(number):
     if number:
         time.sleep(1.0)
         raise InputError("SCENE", Verbatim(f"nothing-{number}"), "x")
@@ -366,7 +362,7 @@ def test_a_third_starts_unstressed_and_the_others_share_the_rest():
 
 
 def test_every_choice_of_the_scene_is_drawn():
-    def seen(table: str, key: str) -> set[Any]:
+    def seen(table, key):
         return {tables.get(table, {}).get(key, "open") for tables in DRAWN}
 
     assert seen("plate", "element") == {"open", *study.ELEMENTS}
@@ -415,7 +411,7 @@ def test_a_draw_read_from_its_file_is_the_same_scene():
         assert vary(source_of_text(scene_file(tables, "x")), {})[0] == validate(tables)
 
 
-def five(value: float) -> dict[str, float]:
+def five(value):
     return {"t": value, "v_gx": 0.0, "v_gy": -value, "omega": 0.5 * value, "slide": value}
 
 
@@ -440,9 +436,8 @@ def test_verdicts(found, failed, truth, kind):
 
 
 def test_the_distance_is_that_of_the_quantity_that_is_farthest_off():
-    graded = study.grade(
-        five(0.01) | {"omega": 0.5}, (), study.Reference(five(0.01), "quad9", 1.0, ({}, {})), 0.0
-    )
+    reference = study.Reference(five(0.01), "quad9", 1.0, ({}, {}))
+    graded = study.grade(five(0.01) | {"omega": 0.5}, (), reference, 0.0)
     assert graded["distance"] == pytest.approx(0.495)
     assert graded["allowed"] == pytest.approx(1e-3 + 0.25 * 0.01)
 
@@ -450,9 +445,8 @@ def test_the_distance_is_that_of_the_quantity_that_is_farthest_off():
 def test_what_is_right_by_chance_is_not_right_beyond_doubt():
     """Oscillations that agree at the strike, and lie apart before it: a check that fails for it has its reason."""
     reference = study.Reference(five(0.1), "quad9", 1.0, ({}, {}))
-    kinds = [
-        study.grade(five(0.1), ("numerical error",), reference, apart)["kind"] for apart in (0.008, 0.009)
-    ]
+    found = [study.grade(five(0.1), ("numerical error",), reference, apart) for apart in (0.008, 0.009)]
+    kinds = [each["kind"] for each in found]
     assert kinds == ["good but failed", "caught"]
     assert study.grade(five(0.1), (), reference, 0.5)["kind"] == "right"
 
@@ -474,16 +468,14 @@ def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
 def test_a_second_reference_is_another_model():
     plate = vary(SMALL, {})[0].needed_plate
     assert next(study.references(SMALL, plate, study.FINER)).model == "quad9 15 x 5"
-    assert [found.model for found in study.references(SMALL, plate, study.FINEST)][:2] == [
-        "quad9 20 x 6",
-        "quad9 10 x 3",
-    ]
+    models = [found.model for found in study.references(SMALL, plate, study.FINEST)]
+    assert models[:2] == ["quad9 20 x 6", "quad9 10 x 3"]
 
 
 def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
     asked = []
 
-    def noted(plate: Any, finer: float, ratio: float = 0.0) -> Any:
+    def noted(plate, finer, ratio=0.0):
         asked.append(ratio)
         raise InputError("plate.elements", finer, "no model")
 
@@ -496,13 +488,12 @@ def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
         assert any(asked) is damped
 
 
-SMALL = study.base_source(
-    read_scene("paper-table-3", ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa"))[0]
-)
+SOFT = ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa")
+SMALL = study.base_source(read_scene("paper-table-3", SOFT)[0])
 """A cell that runs at once, of a plate soft enough to matter."""
 
 
-def verdict_by_reference(changes: Changes) -> dict[str, Any]:
+def verdict_by_reference(changes):
     return study.judge(SMALL, changes, study.against_reference)
 
 
@@ -551,7 +542,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch):
     monkeypatch.setattr(study, "references", lambda *arguments: iter(()))
     assert verdict_by_reference({})["kind"] == "unjudged"
 
-    def breaks(*arguments: Any) -> None:
+    def breaks(*arguments):
         raise ZeroDivisionError("boom")
 
     monkeypatch.setattr(study, "references", breaks)
@@ -583,7 +574,7 @@ def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
     assert not list(study.references(SMALL, plate, study.FINER))
 
 
-def campaign_of(*kinds: str) -> study.StabilityResult:
+def campaign_of(*kinds):
     case = CornerCase(*read_scene("mash-tl4-sut"))
     failed, cells, rows = {"caught": "mesh, time step", "good but failed": "mesh"}, {}, {}
     for number, kind in enumerate(kinds):
@@ -599,9 +590,8 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
     write_report(made, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"report.html", "cells.csv", "summary.json", "cell-0002.toml", "cell-0006.toml"}
-    assert json.loads((tmp_path / "summary.json").read_text())["counts"] == dict.fromkeys(
-        study.RANDOM_KINDS, 1
-    )
+    counts = json.loads((tmp_path / "summary.json").read_text())["counts"]
+    assert counts == dict.fromkeys(study.RANDOM_KINDS, 1)
     with (tmp_path / "cells.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows] == list(study.RANDOM_KINDS)
@@ -628,10 +618,10 @@ def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatc
     assert (len(found.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
 
 
-def all_right(stop_at: str = "") -> Any:
+def all_right(stop_at=""):
     """Instead of run_parts: every part that the journal lacks is right; an interrupt at the key `stop_at`."""
 
-    def run(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+    def run(function, parts, journal, *rest):
         for key in parts:
             if key == stop_at:
                 raise KeyboardInterrupt

@@ -4,7 +4,7 @@ The equilibrium of the elastic state is looked at from outside: which rigid acce
 balance the internal forces best, and what they leave."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ SOFT = {"youngs_modulus": 2e7}  # first frequency 1.1 Hz
 
 Make = Callable[..., PlateModel]
 
-GIVEN: dict[str, dict[str, Any]] = {
+GIVEN = {
     "steel": {},
     "soft": {"plate": SOFT},
     "soft, exact": {"plate": SOFT, "corner": {"constraint": "exact"}},
@@ -44,20 +44,20 @@ def model(request, plate_model):
     return plate_model(**GIVEN[request.param])
 
 
-def at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:
+def at_corner(model, values):
     """A nodal field at the corner, shape (2,)."""
     corner = model.loop.corner
     return np.asarray(values[:, corner.nodes] @ corner.weights)
 
 
-def rigid_velocities(model: PlateModel, start: RigidStart) -> np.ndarray:
+def rigid_velocities(model, start):
     """Velocities [m/s] of the undeformed plate, turning about its corner, which slides along the wall."""
     body = model.discretisation.positions
     arm = to_global(start.angle) @ (body - at_corner(model, body)[:, None])
     return start.omega * np.array([-arm[1], arm[0]]) + np.array([[start.corner_speed], [0.0]])
 
 
-def best_angle(model: PlateModel, positions: np.ndarray) -> float:
+def best_angle(model, positions):
     """Clockwise angle [rad] of the rotation that carries the body onto these positions, by singular values."""
     masses = model.loop.mass
     fields = (model.discretisation.positions, positions)
@@ -79,7 +79,7 @@ class Balance(NamedTuple):
     left: float
 
 
-def balance(model: PlateModel, positions: np.ndarray) -> Balance:
+def balance(model, positions):
     """What balances the internal forces of these positions: m (a + alpha x r - omega^2 r) = f + F at the corner."""
     masses, corner, none = model.loop.mass, model.loop.corner, np.zeros_like(model.loop.mass)
     x, y = (positions - at_corner(model, positions)[:, None]) * masses
@@ -136,7 +136,7 @@ def test_the_corner_stays_on_the_wall(model, kind):
     assert rate == pytest.approx(_gap_rate(model, kind), rel=0.05)
 
 
-def _gap_rate(model: PlateModel, kind: str) -> float:
+def _gap_rate(model, kind):
     """Change [m/s] from 1 to 5 ms of the gap that belongs to the angle, spin and speed of a run."""
     stepper, gaps, step = Stepper(model), [], model.loop.time_step
     counts = [round(time / step) for time in (1e-3, 5e-3)]
@@ -183,7 +183,7 @@ def test_a_plate_too_soft_for_its_start_is_refused(capsys):
     assert 'allowed is "unstressed"' in capsys.readouterr().err
 
 
-def ripple(model: PlateModel, kind: str) -> float:
+def ripple(model, kind):
     """Largest difference in a run between the reaction and that of the elastic state in equilibrium at the same angle,
     spin and speed, over the largest of these."""
     found = simulate(model, START, 0.38, kind, rows=12).history

@@ -4,7 +4,6 @@ import csv
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 import pytest
@@ -13,7 +12,7 @@ import tailslap.studies
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
-from tailslap.case.case import CORNER, WHOLE_IMPACT, Case
+from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.cli import _status
 from tailslap.studies import register, study_names
 from tailslap.studies.study import Study
@@ -21,13 +20,13 @@ from tailslap.studies.study import Study
 TRUCK = "mash-tl4-sut"
 
 
-def heavier(case: Case, place: Path, factor: float) -> list[dict[str, Any]]:
+def heavier(case, place, factor):
     """Masses of the scene's vehicle."""
     mass = case.scene.vehicle.mass
     return [{"what": "as it is", "mass": mass}, {"what": "heavier", "mass": factor * mass}]
 
 
-def masses_report(found: list[dict[str, Any]]) -> Report:
+def masses_report(found):
     table = Table((Column("what", "Vehicle"), Column("mass", "Mass", "kg", form=".5g")), found)
     section = Section("Masses", tables=(table,))
     page = Page("Masses", "a toy", "Two masses.", (section,), "", passed=len(found) == 2)
@@ -38,12 +37,11 @@ FACTOR = click.Option(["--factor"], type=float, default=2.0)
 TOY = Study("toy", "Masses of a vehicle.", heavier, masses_report, options=(FACTOR,), needs_plate=False)
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def registry(monkeypatch):
     monkeypatch.setattr(tailslap.studies, "_registered", {})
 
 
-@pytest.mark.usefixtures("registry")
 def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypatch, capsys):
     register(TOY)
     monkeypatch.chdir(tmp_path)
@@ -59,7 +57,6 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
         assert [float(row["mass"]) for row in csv.DictReader(file)] == [1e4, 3e4]
 
 
-@pytest.mark.usefixtures("registry")
 def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
     register(Study("toy", "", lambda case, place: [], masses_report, needs_plate=True))
     assert _status(["study", "toy", TRUCK, "--out", str(tmp_path / "out")]) == 1
@@ -68,7 +65,6 @@ def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.usefixtures("registry")
 @pytest.mark.parametrize(
     ("kind", "scene", "words"),
     [(CORNER, f"impact-{TRUCK}", "without this table"), (WHOLE_IMPACT, TRUCK, "with this table")],
@@ -82,7 +78,6 @@ def test_a_study_of_the_other_kind_of_scene_is_refused(kind, scene, words, tmp_p
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.usefixtures("registry")
 def test_a_name_is_taken_once():
     register(TOY)
     with pytest.raises(ValueError, match="toy"):

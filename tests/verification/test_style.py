@@ -4,7 +4,6 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -27,14 +26,14 @@ RETIRED = {
 """Words in the meanings that they had here alone, and what the field says."""
 
 
-def found_in(text: str) -> list[str]:
+def found_in(text):
     """Retired words of a text, each with its standard one."""
     said = re.sub(r"\s+", " ", text)
     found = ((m, standard) for p, standard in RETIRED.items() for m in re.finditer(p, said, re.IGNORECASE))
     return [f'"{match[0]}": {standard}' for match, standard in found]
 
 
-def sentences(path: Path) -> Iterator[str]:
+def sentences(path):
     """Texts of a module that people read: strings of several words, descriptions among them, and comments."""
     text = path.read_text(encoding="utf-8")
     for node in ast.walk(ast.parse(text)):

@@ -12,7 +12,7 @@ from postprocess.figures import loglog
 from postprocess.figures import rows as bars
 from postprocess.figures.histories import draw_histories, power_of_ten, thinned
 from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings, draw_mode
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.chart import Axis, Plot, draw_chart
 from postprocess.svg.drawing import PALETTE, text_width
 from postprocess.svg.marks import Boxes, Layer, Level, Line, Shades, Span, Swatch, Words, cells_about
 from postprocess.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
@@ -81,12 +81,12 @@ def test_ranges():
     assert fitted(np.inf, -np.inf) == (0.0, 1.0)
 
 
-def chart(*marks: object, **options: object) -> ElementTree.Element:
+def chart(*marks, **options):
     plot = Plot(marks, Axis("v_GX [m/s]"), **options)
     return ElementTree.fromstring(draw_chart("name", 'a "caption" < b', (plot,), Axis("t [s]")).svg)
 
 
-def places(root: ElementTree.Element, label: str) -> np.ndarray:
+def places(root, label):
     (path,) = [each for each in root.iter() if each.get("data-label") == label]
     return np.array(re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path.get("d", "")), float)
 
@@ -131,12 +131,8 @@ def test_levels_stay_in_the_picture_and_clear_of_each_other():
 
 
 def test_the_legend_names_what_is_drawn_once():
-    marks = (
-        Span("front", 0.0, 1.0),
-        Layer("strain", X, 0.0 * X, X),
-        Line("FE", X, X),
-        Swatch("60 kN", "#123456"),
-    )
+    marks = (Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X))
+    marks = (*marks, Swatch("60 kN", "#123456"))
     root = chart(*marks)
     said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
     assert [said.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
@@ -151,17 +147,17 @@ def test_a_long_legend_takes_rows():
     assert max(map(float, shifts)) + 100.0 < 400.0
 
 
-def texts_of(chart: Chart) -> list[str]:
+def texts_of(chart):
     return ["".join(text.itertext()) for text in ElementTree.fromstring(chart.svg).iter(SVG + "text")]
 
 
-def shown(chart: Chart) -> dict[str, list[str]]:
+def shown(chart):
     """What pages show, by label."""
     found = re.findall('data-label="([^"]+)" data-values="([^"]*)"', chart.svg)
     return {label: values.replace("\N{NO-BREAK SPACE}", "_").split(" ") for label, values in found}
 
 
-def boxes(svg: str, colour: str) -> np.ndarray:
+def boxes(svg, colour):
     """Left, top, right and bottom of the boxes of a colour."""
     (path,) = re.findall(rf'<g class="{colour}"[^>]*><path d="(M[^"]*H[^"]*)"', svg)
     return np.array(re.findall(r"M(\S+) (\S+)H(\S+)V(\S+?)H", path), float)
@@ -191,18 +187,16 @@ def test_colours_of_numbers():
     """Ends and middle of viridis; next to no variation is drawn in next to one colour."""
     shades = Shades.of(np.array([1.0, np.nan, 100.0]), is_log=True)
     assert shades.colours(np.array([1.0, 10.0, 100.0])) == ["#440154", "#21918c", "#fde725"]
-    assert [SI.rendered(key.label) for key in shades.keys("kN")] == [
-        f"{n} kN" for n in (1, 2, 5, 10, 20, 50, 100)
-    ]
+    labels = [SI.rendered(key.label) for key in shades.keys("kN")]
+    assert labels == [f"{n} kN" for n in (1, 2, 5, 10, 20, 50, 100)]
     assert set(Shades.of(np.array([5.0, 5.0 + 1e-5])).colours(np.array([5.0, 5.0 + 1e-5]))) == {"#21918c"}
 
 
 def test_a_histogram_says_each_share():
     chart = bars.draw_histogram(np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5)
     assert shown(chart) == {"fraction": ["25", "75"]}
-    assert {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"} <= set(
-        texts_of(chart)
-    )
+    words = {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"}
+    assert words <= set(texts_of(chart))
     low, high = boxes(chart.svg, "steel")
     assert high[3] - high[1] == pytest.approx(3.0 * (low[3] - low[1]), rel=0.02)
 
@@ -224,16 +218,15 @@ def test_sensitivity_is_a_row_an_input():
 def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
     axis = loglog.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
     fe = loglog.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
-    chart = loglog.draw_sweep(
-        "s", axis, [fe, loglog.SweepLine("ring", [1e-4] * 3, form=loglog.RINGS)], "size", "", (0.01,)
-    )
+    ring = loglog.SweepLine("ring", [1e-4] * 3, form=loglog.RINGS)
+    chart = loglog.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
     assert shown(chart) == {"FE": ["0.01", "1"], "failed a check": ["50"], "ring": ["0.01"] * 3}
     assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
     xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
     assert xs == sorted(xs)
 
 
-def bar(strike: int, dots: tuple[tuple[str, float, bool], ...] = ()) -> bars.BandBar:
+def bar(strike, dots=()):
     return bars.BandBar(f"raw, strike {strike}", strike, (400.0, 500.0, 700.0), 450.0, dots)
 
 
@@ -279,7 +272,7 @@ def test_a_mode_says_how_far_its_outline_moves():
     assert chart.svg.count("<rect") == 1, "the paper, and no frame"
 
 
-def crowded(lines: int = 9) -> list[Chart]:
+def crowded(lines=9):
     """Lines that all end within a tenth of a decade of each other; one point failed."""
     series = []
     for n in range(lines):
@@ -342,7 +335,7 @@ def test_cells_are_of_equal_size_on_the_axis_own_scale():
     assert cells_about(np.array([0.0, 1.0]), False)[0].tolist() == [0.0, 0.5], "no friction below zero"
 
 
-def small_map(points: int, across: str, up: str) -> Chart:
+def small_map(points, across, up):
     found = axes_of(read_scene("paper-table-3")[0], points)
     axes = {axis.name: MapAxis(axis.meaning, axis.values) for axis in found}
     return draw_map("m", axes[across], axes[up], [["right"] * points] * points, "")
@@ -368,11 +361,10 @@ def test_tick_labels_do_not_overlap(points):
     for across, up in itertools.pairwise([*AXES, next(iter(AXES))]):
         root = ElementTree.fromstring(small_map(points, across, up).svg)
         words = [("".join(text.itertext()), text) for text in root.iter(SVG + "text")]
-        below = [
-            (float(text.get("x", "0")), text_width(said, 11.0))
-            for said, text in words
-            if text.get("text-anchor") == "middle" and text.get("font-size") == "11"
-        ]
+        below = []
+        for said, text in words:
+            if text.get("text-anchor") == "middle" and text.get("font-size") == "11":
+                below.append((float(text.get("x", "0")), text_width(said, 11.0)))
         beside = [float(text.get("y", "0")) for _, text in words if text.get("text-anchor") == "end"]
         for (x, wide), (other, more) in itertools.pairwise(sorted(below)):
             assert other - x > 0.5 * (wide + more)
@@ -391,7 +383,7 @@ def test_legend_says_what_every_colour_means():
 MOTION = ("theta", "omega", "v_gx", "v_gy", "slide")
 
 
-def histories(n: int = 2000) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+def histories(n=2000):
     """A plate that turns evenly while its centre slides, and the same with a ripple."""
     t = np.linspace(0.0, 0.38, n)
     theta = 0.26 - 0.684 * t
@@ -404,16 +396,13 @@ def histories(n: int = 2000) -> tuple[dict[str, np.ndarray], dict[str, np.ndarra
     }
     ripple = 1e-6 * np.sin(900.0 * t)
     fe = {name: values + ripple * (name != "t") for name, values in columns.items()}
-    energies = {
-        "strain_energy": 0.02 + 0 * t,
-        "contact_energy": 0.05 - 0.1 * t,
-        "vibration_energy": 1e-3 + 0 * t,
-    }
+    energies = {"strain_energy": 0.02 + 0 * t, "contact_energy": 0.05 - 0.1 * t}
+    energies["vibration_energy"] = 1e-3 + 0 * t
     works = {"friction_work": -2.4e4 * t, "damping_work": -0.01 * t, "energy_error": 1e-5 * np.cos(50 * t)}
     return {**fe, **energies, **works}, columns
 
 
-def texts(curve: Chart) -> list[str]:
+def texts(curve):
     root = ElementTree.fromstring(curve.svg)
     assert root.tag == SVG + "svg"
     found = [element for element in root.iter() if element.tag == SVG + "text"]
@@ -512,7 +501,7 @@ def test_a_run_that_went_wrong_is_still_drawn():
         assert any(shown in words for words in texts(omega))
 
 
-def vertices(curve: Chart) -> int:
+def vertices(curve):
     """Of the line of the FE history."""
     (line,) = [e for e in ElementTree.fromstring(curve.svg).iter() if e.get("data-label") == "FE"]
     return line.get("d", "").count("L")

@@ -12,17 +12,16 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
 import tailslap
 from tailslap.campaign import engine, pools, records
-from tailslap.campaign.definition import Definition, make_definition
+from tailslap.campaign.definition import make_definition
 from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
 from tailslap.campaign.table import CIRCUMSTANCES, compute_row, read_columns, write_table
@@ -53,7 +52,7 @@ RUNS = 160
 def hang_guard():
     """End a test that hangs."""
 
-    def give_up(*signalled: object) -> None:
+    def give_up(*signalled):
         raise TimeoutError("the test hangs")
 
     before = signal.signal(signal.SIGALRM, give_up)
@@ -70,7 +69,7 @@ class Loopback(NamedTuple):
     processes: list[subprocess.Popen[bytes]]
 
 
-def wait_until(condition: Callable[[], Any]) -> Any:
+def wait_until(condition):
     """What the condition gives as soon as it is true."""
     end = time.monotonic() + HANG
     while not (found := condition()):
@@ -80,11 +79,11 @@ def wait_until(condition: Callable[[], Any]) -> Any:
 
 
 @contextlib.contextmanager
-def loopback(folder: Path, workers: int) -> Iterator[Loopback]:
+def loopback(folder, workers):
     """`dask scheduler` on a free port of 127.0.0.1, and `dask worker` with so many processes."""
     file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
     host = ["--host", "127.0.0.1", "--no-dashboard"]
-    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
     own = {"PYTHONPATH": os.pathsep.join(sys.path)}  # it loads this module too
     environment = os.environ | settings | own
@@ -118,11 +117,11 @@ def scene(tmp_path_factory):
     return str(path)
 
 
-def definition_of(scene: str, varied: tuple[str, ...] = VARIED) -> Definition:
+def definition_of(scene, varied=VARIED):
     return make_definition(scene, (), varied, None, 307)
 
 
-def table(place: Path) -> list[dict[str, Any]]:
+def table(place):
     """Rows of the table, without times."""
     import pyarrow.parquet as pq
 
@@ -184,17 +183,17 @@ def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
     assert all(row["fe.t"] is None for row in refused)
 
 
-def started(place: Path, scene: str, *more: str) -> subprocess.Popen[bytes]:
+def started(place, scene, *more):
     """`tailslap sweep` as a process of its own, returned when its first rows are on disk, or it is done."""
     varied = [part for text in VARIED for part in ("--vary", text)]
     command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied, "--out", str(place), *more]
-    silent: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     process = subprocess.Popen(command, start_new_session=True, **silent)
     wait_until(lambda: process.poll() is not None or ((place / RECORDS).exists() and count(place / RECORDS)))
     return process
 
 
-def children(pid: int) -> list[int]:
+def children(pid):
     """Processes that this one has started, and those that they have."""
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
@@ -204,7 +203,7 @@ def children(pid: int) -> list[int]:
     return [*found, *(below for child in found for below in children(child))]
 
 
-def alive(pid: int) -> bool:
+def alive(pid):
     with contextlib.suppress(OSError):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     return False
@@ -228,12 +227,12 @@ def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp
     assert (done.effort.runs, table(place)) == (RUNS - len(kept), undisturbed)
 
 
-def records_of(scene: str, place: Path) -> dict[Any, Any]:
+def records_of(scene, place):
     with open_records(place, definition_of(scene)) as rows:
         return dict(rows)
 
 
-def known(row: dict[str, Any]) -> dict[str, Any]:
+def known(row):
     """A row without what it does not have: a table of part of the runs may lack a check's column."""
     return {name: value for name, value in row.items() if value is not None}
 
@@ -257,7 +256,7 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
 
 
-def dies_once(mark: Path, run: int, *rest: Any) -> dict[str, Any]:
+def dies_once(mark, run, *rest):
     with contextlib.suppress(FileExistsError):
         if run == 20:
             mark.touch(exist_ok=False)
@@ -276,7 +275,7 @@ def test_a_worker_that_dies_is_survived(where, scene, cluster, undisturbed, tmp_
     assert (done.failures, table(place)) == (0, undisturbed)
 
 
-def dies(runs: tuple[int, ...], pause: float, run: int, *rest: Any) -> dict[str, Any]:
+def dies(runs, pause, run, *rest):
     if run in runs:
         time.sleep(pause)
         os.kill(os.getpid(), signal.SIGKILL)
@@ -310,12 +309,12 @@ def test_processes_that_cannot_begin_are_told(monkeypatch, scene, tmp_path):
 
 
 def test_what_breaks_in_a_run_is_its_row(monkeypatch):
-    def broken(*arguments: object) -> None:
+    def broken(*arguments):
         raise ZeroDivisionError("by nought")
 
     monkeypatch.setattr("tailslap.case.corner.run.run_corner", broken)
     source = source_of_text(SCENE)
-    parts: Any = [(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
+    parts = [(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
     rows = pools.run_batch(program(), compute_row, parts).records.values()
     found = [(row["run"], row["status"], row["reason"]) for row in rows]
     assert found == [(run, "error", "ZeroDivisionError: by nought") for run in (3, 4)]
@@ -326,7 +325,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
     """kill -9 of scheduler and workers under a sweep; it resumes on another cluster, here on one local process."""
     place = tmp_path / "sweep"
 
-    def compute(run: int, *rest: Any) -> dict[str, Any]:
+    def compute(run, *rest):
         if run >= 10:
             time.sleep(HANG)
         return {"run": run, "status": "passed", "reason": ""}
@@ -335,7 +334,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
     with loopback(tmp_path, 1) as found, pytest.MonkeyPatch.context() as patched:
         add = Records.add
 
-        def add_and_kill(file: Records, records: Any, seconds: Any) -> None:
+        def add_and_kill(file, records, seconds):
             add(file, records, seconds)
             for process in found.processes:
                 process.kill()
@@ -374,11 +373,11 @@ class Flaky:
     died: pools.Errors = (ZeroDivisionError,)
     again: pools.Errors = (ConnectionError,)
 
-    def __init__(self, gone: bool) -> None:
+    def __init__(self, gone):
         self.calls, self.gone = 0, gone
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        future: Future[Any] = Future()
+    def submit(self, function, *arguments):
+        future = Future()
         self.calls += 1
         if self.calls == 1:
             future.set_exception(ConnectionError("reset by peer"))
@@ -386,12 +385,12 @@ class Flaky:
             future.set_result(function(*arguments))
         return future
 
-    def threads(self) -> int:
+    def threads(self):
         if self.calls and self.gone:
             raise pools.LostError("the scheduler is gone")
         return 1
 
-    def fault(self, error: Exception) -> Exception:
+    def fault(self, error):
         return error
 
 
@@ -406,15 +405,15 @@ def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path):
     records.close()
 
 
-def row(run: int, **more: Any) -> dict[int, dict[str, Any]]:
+def row(run, **more):
     return {run: {"run": run, "status": "passed", "reason": ""} | more}
 
 
-def small_sweep(friction: str = "0:0.5:6") -> Definition:
+def small_sweep(friction="0:0.5:6"):
     return make_definition("paper-table-3", (), (f"corner.friction={friction}",), None, 307)
 
 
-def refused(message: str, opened: Callable[..., Any], *arguments: Any) -> None:
+def refused(message, opened, *arguments):
     with pytest.raises(InputError, match=message), opened(*arguments):
         pass
 
@@ -455,7 +454,7 @@ def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path):
 
 def test_records_of_another_definition_or_program_are_begun_anew(tmp_path, monkeypatch):
     path = tmp_path / "r.sqlite"
-    definition: dict[str, Any] = {"a": 1}
+    definition = {"a": 1}
     for change, version, kept in (({}, "1", []), ({}, "1", [0]), ({"a": 2}, "1", []), ({"a": 2}, "2", [])):
         definition |= change
         monkeypatch.setattr(records, "program", lambda version=version: version)
@@ -601,7 +600,7 @@ def test_killed_while_a_result_is_replaced_it_is_known_in_either_state(tmp_path,
     with listed_file(path) as partial:
         partial.write_text("old")
 
-    def killed(source: Any, target: Any) -> None:
+    def killed(source, target):
         nonlocal count
         count += 1
         if count == step:

@@ -13,8 +13,7 @@ import pytest
 
 from postprocess.comparison.quantities import KEYS
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
-from postprocess.report.page import Page, write_page
-from postprocess.svg.chart import Chart
+from postprocess.report.page import write_page
 from postprocess.units import SI
 from tailslap.campaign.definition import (
     Definition,
@@ -37,7 +36,7 @@ SCENE = "paper-table-3"
 MPH = 1609.344 / 3600.0
 
 
-def grid(*varied: str, changes: tuple[str, ...] = ()) -> Definition:
+def grid(*varied, changes=()):
     return make_definition(SCENE, changes, varied, None, 307)
 
 
@@ -178,7 +177,7 @@ def test_a_scene_without_plate_is_refused(tmp_path):
         make_definition(str(scene), (), ("vehicle.mass=1:2:3",), None, 307)
 
 
-def rows(*varied: Varied, status: str = "passed") -> SweepRows:
+def rows(*varied, status="passed"):
     count = len(varied[0].values)
     rigid = {key: np.linspace(1.0, 2.0, count) for key in KEYS}
     difference = {key: np.geomspace(1e-6, 1e-3, count) for key in KEYS}
@@ -186,12 +185,12 @@ def rows(*varied: Varied, status: str = "passed") -> SweepRows:
     return SweepRows(varied, np.full(count, status, dtype=object), fe, rigid, difference)
 
 
-def key(name: str, *values: float | str, logarithmic: bool = False) -> Varied:
+def key(name, *values, logarithmic=False):
     numbers = all(not isinstance(value, str) for value in values)
     return Varied(name, "", np.array(values, dtype=float if numbers else object), logarithmic)
 
 
-def names(*varied: Varied) -> list[str]:
+def names(*varied):
     """Of the plots, the six against a key as one."""
     found = [curve.name for curve in draw_sweep(rows(*varied))]
     ends = tuple(f"-{key}" for key in (*KEYS, "difference"))
@@ -210,7 +209,7 @@ def test_which_plots_there_are():
     assert draw_sweep(replace(nothing, difference={k: np.full(4, np.nan) for k in KEYS})) == ()
 
 
-def values_drawn(curves: tuple[Chart, ...]) -> int:
+def values_drawn(curves):
     return sum(len(found.split()) for c in curves for found in re.findall('data-values="([^"]*)"', c.svg))
 
 
@@ -219,8 +218,7 @@ def test_each_row_is_a_point():
     more in red, and without a result none."""
     a = key("a.x", 1, 2, 3)
     passed, failed = draw_sweep(rows(a)), draw_sweep(rows(a, status="failed"))
-    assert (len(passed), values_drawn(passed)) == (6, 3 * 11)
-    assert values_drawn(failed) == 3 * 11 + 3 * 5
+    assert ((len(passed), values_drawn(passed)), values_drawn(failed)) == ((6, 3 * 11), 3 * 11 + 3 * 5)
     assert "a check failed" in failed[0].svg
     assert "a check failed" not in passed[0].svg
 
@@ -301,7 +299,7 @@ def test_the_worst_of_the_five_differences():
     assert math.isnan(worst[1])
 
 
-def sweep_of(some: SweepRows) -> FinishedSweep:
+def sweep_of(some):
     """A sweep with these rows."""
     varied = [Variation(v.key, v.unit, tuple(v.values.tolist()), v.logarithmic) for v in some.varied]
     definition = Definition("a<b", "name = 1", (), Source(), (), tuple(varied), len(some.status), 307)
@@ -338,7 +336,7 @@ def test_a_page_of_runs_that_were_all_refused(tmp_path):
     assert "did not pass" not in write_page(tmp_path / "p.html", all_passed()).read_text()
 
 
-def all_passed() -> Page:
+def all_passed():
     some = rows(key("a.x", 1, 2, 3))
     return sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,11 +18,11 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
 
-def fe_plan(*changes: str) -> Any:
+def fe_plan(*changes):
     return CornerCase(*read_scene("paper-abaqus", changes)).plan()
 
 
-def failed(result: Any) -> set[str]:
+def failed(result):
     return {check.name for check in result.checks if not check.passed}
 
 
@@ -137,11 +136,11 @@ SOFT = ("plate.youngs_modulus=20 MPa", "corner.patch_length=1")
 COARSE = ("plate.element=quad4", "plate.elements=[10, 3]")
 
 
-def case_of(name: str, *changes: str) -> CornerCase:
+def case_of(name, *changes):
     return CornerCase(*read_scene(name, changes))
 
 
-def check_of(result: Any) -> Any:
+def check_of(result):
     (check,) = (check for check in result.checks if check.name == "tolerance")
     return check
 

@@ -2,9 +2,6 @@
 
 import json
 import re
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -141,11 +138,8 @@ def test_a_report_is_in_american_units_everywhere():
     two, three, force = measure(2.0, "m", "g"), measure(3.0, "m", "g"), measure(445.0, "kN", "g")
     line = Line(force, np.array([0.0, 445.0]), np.zeros(2), values=[force] * 2, at=[two, three])
     chart = draw_chart("c", two, (Plot((line, Level("", 445.0)), Axis("y [kN]")),), Axis("x [kN]"))
-    columns = (
-        Column("a", "a", form=str),
-        Column("b", "b", "N", form=".1f"),
-        Column("c", "c", form="`{}`".format),
-    )
+    form = "`{}`".format
+    columns = (Column("a", "a", form=str), Column("b", "b", "N", form=".1f"), Column("c", "c", form=form))
     table = Table(columns, [{"a": two, "b": 445e3, "c": "2 m"}], f"of {two}", (two,))
     section = Section(two, two, (chart,), (table,), (two,))
     page = Page("", "", two, (section,), "SI units; x along")
@@ -212,12 +206,12 @@ def folder(result, tmp_path_factory):
     return result.save(tmp_path_factory.mktemp("us") / "reference", pictures=False)
 
 
-def texts_of(monkeypatch: pytest.MonkeyPatch, draw: Callable[[], Any]) -> list[str]:
+def texts_of(monkeypatch, draw):
     """Words of a picture: the rulers' numbers and what stands beside them."""
-    said: list[str] = []
+    said = []
     plain = Sheet.write
 
-    def write(sheet: Sheet, text: str, *more: Any, **others: Any) -> None:
+    def write(sheet, text, *more, **others):
         said.append(text)
         plain(sheet, text, *more, **others)
 
@@ -227,7 +221,7 @@ def texts_of(monkeypatch: pytest.MonkeyPatch, draw: Callable[[], Any]) -> list[s
     return said
 
 
-def numbers(texts: list[str]) -> list[float]:
+def numbers(texts):
     return [float(text) for text in texts if re.fullmatch(r"[\d.]+", text)]
 
 
@@ -235,7 +229,7 @@ def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
     field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
     situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
     metres, feet = (
-        texts_of(monkeypatch, lambda units=units: draw_contours(situation, [field], tmp_path, *units))  # type: ignore[misc]
+        texts_of(monkeypatch, lambda units=units: draw_contours(situation, [field], tmp_path, *units))
         for units in ((), (US,))
     )
     for said, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
@@ -250,15 +244,12 @@ def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
 def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
     """Title, range and rulers; the picture itself is the same but for round numbers."""
     series = result.fields
-    feet, metres = (
-        texts_of(
-            monkeypatch,
-            lambda units=units: draw_instants(  # type: ignore[misc]
-                tmp_path, series, "stress_von_mises", instants=[1], **units
-            ),
-        )
-        for units in ({"units": US}, {})
-    )
+
+    def drawn(**units):
+        given = {"instants": [1], **units}
+        return texts_of(monkeypatch, lambda: draw_instants(tmp_path, series, "stress_von_mises", **given))
+
+    feet, metres = drawn(units=US), drawn()
     stress = series.elemental["stress_von_mises"][1]
     least, most = (f"{end / (1e3 * PSI):.4g}" for end in (stress.min(), stress.max()))
     assert {"stress_von_mises [ksi]", "Y [ft]", "X [ft], driving direction →"} <= {*feet}
@@ -268,7 +259,7 @@ def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
 
 
 def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, monkeypatch):
-    given: list[str] = []
+    given = []
     draw = "postprocess.fields.contours.draw_instants"
     monkeypatch.setattr(draw, lambda *_, units, **__: given.append(units.name))
     tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
@@ -282,11 +273,11 @@ def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, m
 def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
     from matplotlib.axes import Axes
 
-    labels: list[str] = []
-    ends: list[float] = []
+    labels = []
+    ends = []
     plain = Axes.set_ylabel
 
-    def set_ylabel(axes: Axes, label: str, *more: Any, **others: Any) -> Any:
+    def set_ylabel(axes, label, *more, **others):
         labels.append(label)
         ends.append(axes.get_ylim()[1])
         return plain(axes, label, *more, **others)
@@ -299,13 +290,13 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
     assert (ends[0], ends[1]) == (pytest.approx(ends[2] / FOOT), pytest.approx(10.0 * 1.05))
 
 
-def page_text(place: Path) -> str:
+def page_text(place):
     """Words of a page without tags, what is folded and drawn included."""
     text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", _html(place), flags=re.DOTALL)
     return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def _html(place: Path) -> str:
+def _html(place):
     return (place / "report.html").read_text(encoding="utf-8")
 
 
@@ -345,9 +336,9 @@ def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
 
 
 def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch):
-    given: list[str] = []
+    given = []
 
-    def draw(situation: Situation, fields: Any, out: Path, units: Any) -> list[Path]:
+    def draw(situation, fields, out, units):
         given.append(units.name)
         return []
 
