@@ -121,8 +121,8 @@ def judged(changes: tuple[str, ...]) -> Record:
 
 def predicted(changes: tuple[str, ...]) -> Record:
     """What is foreseen, and whether the first run rings."""
+    from tailslap.case.corner.report import flutter_sentence
     from tailslap.case.corner.run import attempt, rings
-    from tailslap.case.corner.text import flutter_sentence
     from tailslap.errors import InputError
 
     try:

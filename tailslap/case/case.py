@@ -16,6 +16,7 @@ from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
     from pathlib import Path
+    from types import ModuleType
 
     import numpy as np
 
@@ -61,9 +62,9 @@ class FePlan:
     @cached_property
     def first_frequency(self) -> float:
         """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""
-        from fem.plate.elastic import lowest_frequency
+        from fem.plate import elastic
 
-        return lowest_frequency(self.model.elastic)
+        return elastic.lowest_frequency(self.model.elastic)
 
 
 @dataclass(frozen=True)
@@ -100,9 +101,8 @@ class Outcome:
         from tailslap.case.checks import Check
 
         along, across = self.fe_plan.plate.counts
-        meaning = (
-            f"error that the run on {along} x {across} elements states; the tolerance that was asked for"
-        )
+        mesh = f"{along} x {across} elements"
+        meaning = f"error that the run on {mesh} states; the tolerance that was asked for"
         return replace(self, checks=(*self.checks, Check.at_most("tolerance", error, tolerance, meaning)))
 
 
@@ -130,7 +130,7 @@ class Case(ABC):
     @property
     @abstractmethod
     def duration(self) -> float:
-        """How long the motion lasts that a run integrates [s]."""
+        """Time that the motion lasts which a run integrates [s]."""
 
     def varied(self, changes: Changes) -> Self:
         """The case of the scene with these changes, noted in its source. Raises InputError."""
@@ -154,15 +154,14 @@ class Case(ABC):
 
     def check_text(self, allow_large: bool = False) -> list[str]:
         """Lines of `tailslap check`; of a large mesh an estimate. Raises InputError."""
-        from tailslap.case.cost import demand_affordable, estimate_text, is_large
+        from tailslap.case import cost
 
         if not allow_large:
-            demand_affordable(self.scene, self.duration)
-        return estimate_text(self.scene, self.duration) if is_large(self.scene) else self._check_text()
-
-    @abstractmethod
-    def _check_text(self) -> list[str]:
-        """Lines of `tailslap check`, for which the model is made."""
+            cost.demand_affordable(self.scene, self.duration)
+        if cost.is_large(self.scene):
+            return cost.estimate_text(self.scene, self.duration)
+        lines: list[str] = self.pages().check_text(self, self.plan() if self.scene.plate else None)
+        return lines
 
     def run(self, tolerance: float | None = None) -> Any:
         """Run the plate and check it. Writes nothing.
@@ -170,8 +169,7 @@ class Case(ABC):
         With a tolerance, on meshes twice as fine each time until the error that the run states meets it, or the next
         mesh would be too large; a check says whether it does. Raises InputError for keys that make no model.
         """
-        from tailslap.case.cost import affordable
-        from tailslap.case.refine import refined
+        from tailslap.case import cost, refine
 
         if tolerance is None:
             return self._run()
@@ -181,11 +179,11 @@ class Case(ABC):
         case = self
         while True:
             outcome = case._run()
-            error, finer = case.stated_error(outcome), refined(outcome.fe_plan.plate).counts
+            error, finer = case.stated_error(outcome), refine.refined(outcome.fe_plan.plate).counts
             if not error > tolerance or math.prod(finer) > MOST_ELEMENTS:
                 break
             case = case.varied({"plate.elements": finer})
-            if not affordable(case.scene, case.duration):
+            if not cost.affordable(case.scene, case.duration):
                 break
         return outcome.with_tolerance(error, tolerance)
 
@@ -201,17 +199,23 @@ class Case(ABC):
     def stated_error(outcome: Any) -> float:
         """The relative error that a run states of itself; NaN where it states none."""
 
+    @staticmethod
     @abstractmethod
+    def pages() -> ModuleType:
+        """Import the texts of this kind: `check_text`, `summary`, `histories` and `run_report`."""
+
     def summary(self, outcome: Any, pictures: bool) -> dict[str, Any]:
-        """The numbers of a run, SI: what `summary.json` holds; pictures: whether they were asked for."""
+        """Numbers of a run, SI, as `summary.json` holds them; pictures: whether they were asked for."""
+        return dict(self.pages().summary(outcome, pictures))
 
-    @abstractmethod
     def histories(self, outcome: Any) -> dict[str, dict[str, np.ndarray]]:
-        """The histories of FE and rigid vehicle: columns by the names of their files."""
+        """Histories of FE and rigid vehicle: columns by the names of their files."""
+        return dict(self.pages().histories(outcome))
 
-    @abstractmethod
     def report(self, outcome: Any, folder: Path, pictures: bool, units: Units = SI) -> Report:
-        """The report of a run; its fields and pictures, in these units, go into the folder."""
+        """Report of a run; its fields and pictures, in these units, go into the folder."""
+        made: Report = self.pages().run_report(outcome, folder, pictures, units)
+        return made
 
     @staticmethod
     @abstractmethod

@@ -12,7 +12,7 @@ import numpy as np
 
 FINER = "refine plate.elements, or leave plate.elements and plate.element out"
 STEP = "a smaller time.safety_factor"
-"""Advice that checks of both kinds of case share."""
+"""Advice of checks of both kinds of case."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +80,8 @@ def evaluated(kinds: Iterable[CheckKind], evidence: Any) -> tuple[Check, ...]:
 
 def advice(kinds: Mapping[str, CheckKind], failed: Iterable[str]) -> str:
     """Advise on what could be changed in a scene whose run failed these checks, each thing once, in their order."""
-    said = [kinds[name].advice for name in failed if name in kinds]
-    return "; ".join(dict.fromkeys(part for words in said for part in words.split("; ")))
+    parts = [kinds[name].advice for name in failed if name in kinds]
+    return "; ".join(dict.fromkeys(part for words in parts for part in words.split("; ")))
 
 
 def energy_surplus(history: Mapping[str, np.ndarray], stored: Iterable[str]) -> np.ndarray:

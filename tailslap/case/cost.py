@@ -9,8 +9,8 @@ import resource
 from dataclasses import dataclass
 from pathlib import Path
 
-from fem.laws.materials import MATERIALS
-from fem.plate.kinds import ELEMENT_KINDS
+from fem.laws import materials
+from fem.plate import kinds
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Plate, Scene, Vehicle
 
@@ -24,7 +24,7 @@ POINTS = {"quad4": 4, "quad4-reduced": 1, "quad9": 9, "tri3": 2, "tri6": 6}
 """Quadrature points of a cell of the mesh, at each of which a stress is taken."""
 
 OTHER_NS, OTHER_POINTS = 75.0, 9
-"""Those of an element from outside."""
+"""Time and points of an element from outside."""
 
 ROW_S = 5e-5
 """Time that a row of the history costs [s], whatever the mesh."""
@@ -32,7 +32,7 @@ ROW_S = 5e-5
 
 def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
     """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
-    stress = MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
+    stress = materials.MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
     cell = NANOSECONDS.get(element, OTHER_NS) + POINTS.get(element, OTHER_POINTS) * stress
     return 1e-9 * steps * math.prod(counts) * cell + rows * ROW_S
 
@@ -58,7 +58,7 @@ STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.
 """Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
 
 OTHER_STEPS = 4.0
-"""Those of an element from outside."""
+"""Steps of an element from outside."""
 
 
 @dataclass(frozen=True)
@@ -78,9 +78,8 @@ def expected_effort(scene: Scene, duration: float) -> Effort:
     short = min(body.length / along, body.width / max(across, 2.0)) * (1.0 - plate.distortion)
     crossings = duration * _wave_speed(body, plate) / short
     ratio = (scene.damping.ratio if scene.damping else None) or 0.0
-    steps = max(
-        1000.0, STEPS_A_CROSSING.get(element, OTHER_STEPS) * crossings / (math.hypot(1.0, ratio) - ratio)
-    )
+    a_crossing = STEPS_A_CROSSING.get(element, OTHER_STEPS)
+    steps = max(1000.0, a_crossing * crossings / (math.hypot(1.0, ratio) - ratio))
     cells = (max(1, round(along)), max(1, round(across)))
     return Effort(steps, loop_seconds(scene, element, cells, steps))
 
@@ -137,7 +136,7 @@ def expected_nodes(scene: Scene) -> int:
     plate = scene.plate
     if plate is None or plate.elements is None:
         return 0
-    return math.prod(plate.elements) * (1 if ELEMENT_KINDS[plate.element].higher_order else 4)
+    return math.prod(plate.elements) * (1 if kinds.ELEMENT_KINDS[plate.element].higher_order else 4)
 
 
 def expected_memory(scene: Scene) -> float:
@@ -170,11 +169,8 @@ def demand_affordable(scene: Scene, duration: float) -> None:
     if threads > most:
         why = f"{available_cores()} cores are here, and more threads than cores only wait for each other"
         raise InputError("time.threads", threads, f"{why}; allowed are {most}; {LARGE}")
-    memory, free, seconds = (
-        expected_memory(scene),
-        available_memory(),
-        expected_effort(scene, duration).seconds,
-    )
+    memory, free = expected_memory(scene), available_memory()
+    seconds = expected_effort(scene, duration).seconds
     if memory > free:
         why = f"the run would take about {memory / 1e9:.2g} GB of memory, and {free / 1e9:.2g} GB are free"
         given = Verbatim(list(plate.elements) if plate.elements else "open")
@@ -202,7 +198,7 @@ CGROUP = Path("/sys/fs/cgroup")
 
 
 def available_cores() -> int:
-    """How many cores this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0))
 
 

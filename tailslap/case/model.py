@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fem.lazy import cached
-from fem.plate.kinds import ELEMENT_KINDS
-from tailslap.case.cost import costly_key
+from fem import lazy
+from fem.plate import kinds
+from tailslap.case import cost
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from fem.plate.kinds import Inertia, ModelError, PlateProperties, StepProperties
 
 MAX_STEPS = 2_000_000_000
-"""A run above this is refused: it would take days, and its instants could not be told apart."""
+"""A run above this is refused: it would take days, and its instants could not be distinguished."""
 
 LARGE = 10_000
-"""Elements from which on a mesh is not kept."""
+"""Elements from which on a mesh is not cached."""
 
 REFERENCE_MODULUS = 1e9
 """Young's modulus [Pa] with which a first frequency is looked for; any would do."""
@@ -60,14 +60,13 @@ def resolved_plate(
     """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
-    from fem.model.plate_model import modulus_for
+    from fem.model import plate_model
     from fem.plate.kinds import ModelError
 
-    reference = plate_properties(
-        scene, plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS}), inertia
-    )
+    stiff = plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS})
+    reference = plate_properties(scene, stiff, inertia)
     try:
-        modulus = modulus_for(mesh or fe_mesh(scene, plate), reference, plate.first_frequency)
+        modulus = plate_model.modulus_for(mesh or fe_mesh(scene, plate), reference, plate.first_frequency)
     except ModelError as error:
         raise refusal(scene, plate, error) from None
     return plate.model_copy(update={"youngs_modulus": modulus})
@@ -75,13 +74,13 @@ def resolved_plate(
 
 def fe_mesh(scene: Scene, plate: Plate) -> meshio.Mesh:
     """The plate's mesh in its body frame."""
-    vehicle, cells = scene.vehicle, ELEMENT_KINDS[plate.element].cells
+    vehicle, cells = scene.vehicle, kinds.ELEMENT_KINDS[plate.element].cells
     make = _mesh if math.prod(plate.counts) < LARGE else _mesh.__wrapped__
     mesh: meshio.Mesh = make(vehicle.length, vehicle.width, plate.counts, cells, plate.distortion)
     return mesh
 
 
-@cached("mesh")
+@lazy.cached("mesh")
 def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, distortion: float) -> meshio.Mesh:
     from meshes import distorted, plate_mesh
 
@@ -91,7 +90,7 @@ def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, dist
 
 def same_mesh(plate: Plate, other: Plate) -> bool:
     """Tell whether two plates of a vehicle have one mesh, whatever nodes their elements add to it."""
-    cells = (ELEMENT_KINDS[each.element].cells for each in (plate, other))
+    cells = (kinds.ELEMENT_KINDS[each.element].cells for each in (plate, other))
     return plate.counts == other.counts and plate.distortion == other.distortion and len(set(cells)) == 1
 
 
@@ -113,7 +112,7 @@ def demand_steps(scene: Scene, duration: float, model: PlateModel) -> None:
     """Raise InputError where a run of the model over this time [s] would never end."""
     if model.loop.time_step * MAX_STEPS > duration:
         return
-    key, given = costly_key(scene, duration)
+    key, given = cost.costly_key(scene, duration)
     allowed = f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps"
     raise InputError(key, given, allowed)
 

@@ -1,11 +1,11 @@
-"""A plate on another mesh, or of higher-order elements, by which the error of a run is told."""
+"""A plate on another mesh, or of higher-order elements, by which the error of a run is estimated."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
-from fem.plate.kinds import ELEMENT_KINDS
+from fem.plate import kinds
 from tailslap.scene.schema import Plate
 
 HIGHER_ORDER_UP_TO = 20_000
@@ -37,7 +37,7 @@ def comparable_plate(plate: Plate) -> Plate:
         while math.prod(plate.counts) > HIGHER_ORDER_UP_TO:
             plate = refined(plate, 0.5)
         return plate
-    if higher := ELEMENT_KINDS[plate.element].higher_order:
+    if higher := kinds.ELEMENT_KINDS[plate.element].higher_order:
         # Row sums give the corners of quadratic triangles no mass.
         return plate.model_copy(update={"element": higher, "lumping": "exact"})
     return refined(plate)
@@ -46,7 +46,7 @@ def comparable_plate(plate: Plate) -> Plate:
 def second_plates(plate: Plate) -> tuple[Plate, Plate]:
     """Plates of a second run, to try in turn: quadratic elements where the run has linear ones, for a mesh that locks
     may agree with one that locks a little less; else another number of elements."""
-    few, higher = math.prod(plate.counts) <= FINER_UP_TO, ELEMENT_KINDS[plate.element].higher_order
+    few, higher = math.prod(plate.counts) <= FINER_UP_TO, kinds.ELEMENT_KINDS[plate.element].higher_order
     factors = (1.0, 2.0) if few and higher else (2.0, 0.5) if few else (0.5, 2.0)
     first, second = (refined(plate, factor, higher or plate.element) for factor in factors)
     return first, second

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import tailslap
-from postprocess.fields.series import FILE, FieldSeries, write_fields
+from postprocess import units
+from postprocess.fields import series
 from postprocess.report.page import Page, Section
 from postprocess.report.table import Column, Table, pairs
 from postprocess.signals.design_forces import design_forces
-from postprocess.units import duration, grouped, measure, number
+from postprocess.units import duration, number
+from tailslap.case import cost
 from tailslap.case.case import Case, FePlan, Outcome
 from tailslap.case.checks import Check
-from tailslap.case.cost import loop_seconds
-from tailslap.scene.write import resolved_inputs, scene_text
+from tailslap.scene import write
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
@@ -102,15 +103,15 @@ STRIKES = (
 )
 ATTACK = "Point of attack of the mean force, behind the front."
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
-    "elements": ("elements", grouped),
-    "nodes": ("nodes", grouped),
-    "steps": ("time steps", grouped),
+    "elements": ("elements", units.grouped),
+    "nodes": ("nodes", units.grouped),
+    "steps": ("time steps", units.grouped),
     "time_step": ("time step", duration),
     "setup_s": ("set-up", duration),
     "time_loop_s": ("time loop", duration),
     "pictures_s": ("pictures", duration),
 }
-"""Sizes and times of a run, as they are told."""
+"""Sizes and times of a run, in words."""
 
 
 def fe_text(
@@ -122,11 +123,11 @@ def fe_text(
     """
     model, plate = fe_plan.model, fe_plan.plate
     elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
-    seconds = loop_seconds(fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows)
+    seconds = cost.loop_seconds(fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows)
     return [
-        f"plate        {elements} elements, {model.loop.mass.size} nodes, {measure(model.mass, 'kg', '.1f')}, "
+        f"plate        {elements} elements, {model.loop.mass.size} nodes, {units.measure(model.mass, 'kg', '.1f')}, "
         f"{plate.element}, {plate.lumping} masses{start}",
-        f"stiffness    Young's modulus {measure(plate.modulus, 'Pa', '.6g')}, first frequency of the "
+        f"stiffness    Young's modulus {units.measure(plate.modulus, 'Pa', '.6g')}, first frequency of the "
         f"free plate in its plane {fe_plan.first_frequency:.4g} Hz",
         *contact,
         f"time step    {step:.4g} s, {step / model.stable_time_step:.2f} of the stable {model.stable_time_step:.4g} s",
@@ -143,10 +144,10 @@ def left_out_text(omitted: Parts) -> list[str]:
 
 def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:
     """Collect the texts of the lines by their labels."""
-    said: dict[str, Any] = {"scene": scene, "valid": True}
+    found: dict[str, Any] = {"scene": scene, "valid": True}
     for line in lines[1:]:
-        said.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
-    return said
+        found.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
+    return found
 
 
 def run_summary(outcome: Outcome, omitted: Parts) -> dict[str, Any]:
@@ -196,13 +197,13 @@ def run_page(
     fe_plan = outcome.fe_plan
     scene, source = fe_plan.case.scene, fe_plan.case.source
     chosen = frozenset(decision.key for decision in fe_plan.decisions)
-    inputs = resolved_inputs(scene, source, fe_plan.plate, chosen)
+    inputs = write.resolved_inputs(scene, source, fe_plan.plate, chosen)
     spent = {**run_cost(outcome), **(drawn or {})}
-    told = {COST[name][0]: COST[name][1](value) for name, value in spent.items() if name in COST}
+    spent_text = {COST[name][0]: COST[name][1](value) for name, value in spent.items() if name in COST}
     parts = [{"part": part, "why": why} for part, why in omitted]
     left_out = Table((Column("part", "Part"), Column("why", "Why")), parts)
     record = [
-        Section("Cost", tables=[pairs(told)], is_folded=True),
+        Section("Cost", tables=[pairs(spent_text)], is_folded=True),
         Section("Left out", "" if parts else "Nothing.", tables=[left_out], is_folded=True),
         Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
     ]
@@ -212,7 +213,7 @@ def run_page(
         headline=headline,
         sections=[*sections, *record],
         footer=f"{footer()} {about}",
-        scene_text=scene_text(source),
+        scene_text=write.scene_text(source),
         passed=outcome.passed,
         contents=True,
     )
@@ -263,23 +264,16 @@ def study_page(
 
 
 def study_summary(study: str, plan: Case) -> dict[str, Any]:
-    """How the summary of a study begins."""
+    """Begin the summary of a study."""
     return {"study": study, "scene": plan.scene.name, "version": tailslap.__version__}
 
 
 def design_table(scene: Scene, peak: float) -> Table:
     """Design forces of the scene's test level, and the peak force [N] over each; empty without a test level."""
     level = scene.impact.test_level if scene.impact else None
-    rows = [
-        {
-            "name": f"{each.name}, {level}",
-            "force": each.force,
-            "share": peak / each.force,
-            "source": each.source,
-        }
-        for each in (design_forces(level) if level else ())
-    ]
-    return Table(DESIGN, rows)
+    found = design_forces(level) if level else ()
+    rows = [(f"{each.name}, {level}", each.force, peak / each.force, each.source) for each in found]
+    return Table(DESIGN, [dict(zip(("name", "force", "share", "source"), row, strict=True)) for row in rows])
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
@@ -300,13 +294,12 @@ def short(table: Table) -> Table:
 def failed_section(checks: Sequence[Check], cure: Cure, diagnosis: Sequence[str]) -> Section:
     """The checks that failed, with what to do against each, and what was found of the cause; empty if none failed."""
     rows = [vars(check) | {"cure": cure(check.name)} for check in checks if not check.passed]
-    return Section(
-        "Failed checks, and what to do", tables=[Table(FAILED, rows)], sentences=diagnosis if rows else ()
-    )
+    title, sentences = "Failed checks, and what to do", diagnosis if rows else ()
+    return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)
 
 
 def passed_text(checks: Sequence[Check]) -> str:
-    """How many passed."""
+    """Number of checks that passed, as a sentence."""
     return f"Checks: {sum(check.passed for check in checks)} of {len(checks)} passed"
 
 
@@ -320,7 +313,7 @@ def checks_section(checks: Sequence[Check], groups: Mapping[str, str]) -> Sectio
     return Section(passed_text(checks), tables=tables, is_folded=True)
 
 
-def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
+def field_series(model: PlateModel, snapshots: Snapshots) -> series.FieldSeries:
     """Displacement, velocity, stress and energy density at the kept instants."""
     cell_type, cells = _cells(model)
     nodes = int(cells.max()) + 1
@@ -331,7 +324,7 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
         "elastic_displacement": snapshots.positions - rigid,
         "velocity": snapshots.velocities,
     }
-    return FieldSeries(
+    return series.FieldSeries(
         cell_type,
         place.T[:nodes].copy(),
         cells,
@@ -341,13 +334,13 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> FieldSeries:
     )
 
 
-def series_of_ends(outcome: Any) -> FieldSeries:
+def series_of_ends(outcome: Any) -> series.FieldSeries:
     """Fields at the start and at the tail-slap of a run that reached it."""
     from fem.run.observers import Snapshots
-    from fem.start.start_kinds import start_fields
+    from fem.start import start_kinds
 
     plan, strike = outcome.fe_plan, outcome.run.strike
-    start = start_fields(plan.model, plan.start, plan.plate.start)
+    start = start_kinds.start_fields(plan.model, plan.start, plan.plate.start)
     states = zip(start, (strike.positions, strike.velocities), strict=True)
     return field_series(plan.model, Snapshots(np.array([0.0, strike.values["t"]]), *map(np.array, states)))
 
@@ -355,7 +348,7 @@ def series_of_ends(outcome: Any) -> FieldSeries:
 def keep_fields(outcome: Any, folder: Path) -> None:
     """Write the fields of a run into the folder, where some were kept."""
     if outcome.run.snapshots is not None:
-        write_fields(folder / FILE, field_series(outcome.fe_plan.model, outcome.run.snapshots))
+        series.write_fields(folder / series.FILE, field_series(outcome.fe_plan.model, outcome.run.snapshots))
 
 
 def _cells(model: PlateModel) -> tuple[str, np.ndarray]:
@@ -370,20 +363,20 @@ def _cells(model: PlateModel) -> tuple[str, np.ndarray]:
 
 def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
     """The unstrained plate where it fits these positions best, by mass, shape (2, nodes) [m]."""
-    share = model.loop.mass / model.loop.mass.sum()
+    fraction = model.loop.mass / model.loop.mass.sum()
     body = model.discretisation.positions
-    body = body - (body @ share)[:, None]
-    centre = (positions @ share)[:, None]
-    (a, b), (c, d) = (share * (positions - centre)) @ body.T
+    body = body - (body @ fraction)[:, None]
+    centre = (positions @ fraction)[:, None]
+    (a, b), (c, d) = (fraction * (positions - centre)) @ body.T
     angle = np.arctan2(c - b, a + d)
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.asarray(centre + np.array([[cosine, -sine], [sine, cosine]]) @ body)
 
 
 def _elemental(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
-    from fem.stability.deformed import element_stress
+    from fem.stability import deformed
 
-    found = np.array([element_stress(model, each) for each in positions])
+    found = np.array([deformed.element_stress(model, each) for each in positions])
     s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)
     middle, radius = 0.5 * (s_xx + s_yy), np.hypot(0.5 * (s_xx - s_yy), s_xy)
     return {

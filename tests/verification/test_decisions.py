@@ -9,7 +9,7 @@ import pytest
 
 from tailslap.case.corner import case, decisions, error, model
 from tailslap.case.corner.plan import CornerPlan, make_corner_plan
-from tailslap.case.corner.text import flutter_sentence, verdict_sentence
+from tailslap.case.corner.report import flutter_sentence, verdict_sentence
 from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene

@@ -28,8 +28,7 @@ from postprocess.svg.marks import Line, Swatch
 from postprocess.units import duration, grouped, known, number, shown
 from tailslap.case.checks import advice
 from tailslap.case.corner.checks import CHECKS
-from tailslap.case.corner.report import corner_report
-from tailslap.case.corner.text import diagnosis, prediction
+from tailslap.case.corner.report import corner_report, diagnosis, prediction
 from tailslap.case.report import DESIGN
 from tailslap.cli import _status
 

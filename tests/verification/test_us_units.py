@@ -342,7 +342,7 @@ def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch
         given.append(units.name)
         return []
 
-    monkeypatch.setattr("tailslap.case.corner.report.draw_contours", draw)
+    monkeypatch.setattr("postprocess.fields.contours.draw_contours", draw)
     for units in ("us", "si"):
         place = ["--quiet", "--out", str(tmp_path / units)]
         assert _status(["run", "paper-table-3", "--units", units, *place]) == 0

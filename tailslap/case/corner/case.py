@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from postprocess.comparison.quantities import KEYS
-from postprocess.units import SI, Units
+from postprocess.comparison import quantities
 from tailslap.case.corner.rigid import RigidStages
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from types import ModuleType
 
-    import numpy as np
-
-    from postprocess.report.report import Report
     from tailslap.case.corner.plan import CornerPlan
     from tailslap.case.corner.run import CornerOutcome
     from tailslap.scene.schema import Scene
@@ -32,52 +28,35 @@ class CornerCase(RigidStages):
 
         return make_corner_plan(self, more_damping)
 
-    def _check_text(self) -> list[str]:
-        from tailslap.case.corner import text
+    @staticmethod
+    def pages() -> ModuleType:
+        """Import the texts of a constrained corner."""
+        from tailslap.case.corner import report
 
-        return text.check_text(self.plan()) if self.scene.plate else text.rigid_text(self)
+        return report
 
     def _run(self) -> CornerOutcome:
-        from tailslap.case.corner.run import run_corner
+        from tailslap.case.corner import run
 
-        return run_corner(self)
+        return run.run_corner(self)
 
     @staticmethod
     def stated_error(outcome: CornerOutcome) -> float:
         """Largest relative error of the five quantities that the run states; NaN without a tail-slap."""
         return outcome.error.total if outcome.fe else float("nan")
 
-    def summary(self, outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
-        """The numbers of a run, SI; what was not reached is NaN, which is written as null."""
-        from tailslap.case.corner.report import corner_summary
-
-        return corner_summary(outcome, pictures)
-
-    def histories(self, outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
-        """The histories of FE plate and rigid body by the names of their files."""
-        return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
-
-    def report(self, outcome: CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
-        """The report of a run; its fields and pictures, in these units, go into the folder."""
-        from tailslap.case.corner import report
-        from tailslap.case.report import keep_fields
-
-        keep_fields(outcome, folder)
-        drawn = report.draw_pictures(outcome, folder, units) if pictures else outcome
-        return report.corner_report(drawn, pictures)
-
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
         """Columns that the table of a sweep has whatever its rows. Raises InputError for a scene without [plate]."""
         _ = scene.needed_plate
-        compared = [f"{group}.{key}" for group in ("rigid", "fe", "difference") for key in KEYS]
+        compared = [f"{group}.{key}" for group in ("rigid", "fe", "difference") for key in quantities.KEYS]
         real = dict.fromkeys([*compared, "rigid.peak_force", "deflection_ratio"], float)
         spent = {"cost.elements": int, "cost.nodes": int, "cost.steps": int, "cost.time_step": float}
         return {**real, **spent}
 
     def row(self, outcome: CornerOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; those of the tail-slap are missing where it was not reached."""
-        from tailslap.case.checks import check_columns
+        from tailslap.case import checks
         from tailslap.case.report import run_cost
 
         if outcome is None:
@@ -86,7 +65,7 @@ class CornerCase(RigidStages):
         groups = {"rigid": outcome.rigid, "fe": outcome.fe, "difference": outcome.difference}
         groups["cost"] = run_cost(outcome)
         return {
-            **check_columns(outcome.checks),
+            **checks.check_columns(outcome.checks),
             **{f"{group}.{name}": value for group, its in groups.items() for name, value in its.items()},
             "rigid.peak_force": float(self.force.peak_force),
             "deflection_ratio": float(outcome.fe_plan.deflection_ratio),

@@ -35,17 +35,10 @@ import numpy as np
 from fem.registry import Registry
 from postprocess.comparison.metrics import Metrics, compare_histories
 from postprocess.comparison.quantities import largest
-from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation, energy_surplus, time_step
-from tailslap.case.corner.error import (
-    EXPLAINED,
-    FLOOR,
-    RINGING,
-    SHARE,
-    NumericalError,
-    SecondRun,
-    friction_by_ringing,
-    numerical_error,
-)
+from tailslap.case import checks
+from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation
+from tailslap.case.corner import error
+from tailslap.case.corner.error import FLOOR, FRACTION, NumericalError, SecondRun
 from tailslap.case.corner.model import sensitivity
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.model import plate_density
@@ -60,7 +53,8 @@ STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
 MORE_DAMPING = "leave damping.kind out, or give damping.rate"
 SOFT = "a stiffer plate: it is softer than the theory of this start allows"
 ROUGH = f"{MORE_DAMPING}; leave the corner's spring out"
-"""Advice that several checks share."""
+RELIEVED = f"leave plate.start out if it is unstressed; {FINER}"
+"""Advice of several checks."""
 
 COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
 """Histories that are compared with the rigid motion's."""
@@ -111,32 +105,30 @@ class Evidence:
     @cached_property
     def ringing(self) -> float:
         """Friction by ringing at the end of the run."""
-        return friction_by_ringing(self.fe_plan, {name: float(c[-1]) for name, c in self.history.items()})
+        last = {name: float(column[-1]) for name, column in self.history.items()}
+        return error.friction_by_ringing(self.fe_plan, last)
 
     @cached_property
     def error(self) -> NumericalError:
         """The run's numerical error."""
-        return numerical_error(self.fe_plan, self.differences, self.ringing, self.second)
+        return error.numerical_error(self.fe_plan, self.differences, self.ringing, self.second)
 
     @cached_property
     def metrics(self) -> dict[str, Metrics]:
         """Metrics of each compared history while the rigid solution is known."""
-        return history_metrics(self.history, self.rigid)
+        fe, rigid, known = self.history, self.rigid, np.isfinite(self.rigid["v_gx"])
+        pairs = {name: (fe[name][known], rigid[name][known]) for name in COMPARED_HISTORIES}
+        return {name: compare_histories(fe["t"][known], *pair) for name, pair in pairs.items()}
 
-
-def history_metrics(history: Columns, rigid: Columns) -> dict[str, Metrics]:
-    """Metrics of each compared history while the rigid solution is known."""
-    known = np.isfinite(rigid["v_gx"])
-    instants = history["t"][known]
-    return {
-        name: compare_histories(instants, history[name][known], rigid[name][known])
-        for name in COMPARED_HISTORIES
-    }
+    @property
+    def by_flexibility(self) -> float:
+        """Change of the answer, at most, by the flexibility that statics tells of the plate."""
+        return sensitivity(self.fe_plan.case.start.angle) * self.fe_plan.deflection_ratio
 
 
 def energy_error(history: Columns) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return energy_surplus(history, STORED_ENERGIES)
+    return checks.energy_surplus(history, STORED_ENERGIES)
 
 
 def _reached(given: Evidence) -> Evaluation:
@@ -173,10 +165,8 @@ def _penetration(given: Evidence) -> Evaluation:
 def _ringing(given: Evidence) -> Evaluation | None:
     if not given.relieved:
         return None
-    limit = max(RINGING, SHARE * sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio)
-    return Evaluation(
-        given.ringing, limit, "friction added by a ringing reaction, as its share of v_GX or omega"
-    )
+    meaning = "friction added by a ringing reaction, as its share of v_GX or omega"
+    return Evaluation(given.ringing, max(error.RINGING, FRACTION * given.by_flexibility), meaning)
 
 
 def _reaction(given: Evidence) -> Evaluation | None:
@@ -187,7 +177,7 @@ def _reaction(given: Evidence) -> Evaluation | None:
     ripple = given.history["reaction_normal"][known] - expected[known]
     value = np.sqrt(np.mean(ripple**2) / np.mean(expected[known] ** 2))
     meaning = "root mean square of the difference over the rigid reaction; the five quantities are judged by themselves"
-    return Evaluation(value, 0.1 + EXPLAINED * given.fe_plan.deflection_ratio, meaning)
+    return Evaluation(value, 0.1 + error.EXPLAINED * given.fe_plan.deflection_ratio, meaning)
 
 
 def _mesh(given: Evidence) -> Evaluation | None:
@@ -197,20 +187,20 @@ def _mesh(given: Evidence) -> Evaluation | None:
     ratio, other = given.fe_plan.deflection_ratio, given.fe_plan.other_deflection_ratio
     meaning = (
         "change of the plate's deflection ratio with richer elements (or, on large meshes, half as many): "
-        f"{FLOOR:g} and {100 * SHARE:g} % of it are allowed; refine plate.elements, or leave them out"
+        f"{FLOOR:g} and {100 * FRACTION:g} % of it are allowed; refine plate.elements, or leave them out"
     )
-    return Evaluation(abs(ratio - other), FLOOR + SHARE * max(ratio, other), meaning)
+    return Evaluation(abs(ratio - other), FLOOR + FRACTION * max(ratio, other), meaning)
 
 
 def _contact_spring(given: Evidence) -> Evaluation | None:
-    share = given.fe_plan.spring_ratio
-    if given.second or not given.relieved or not share:
+    ratio = given.fe_plan.spring_ratio
+    if given.second or not given.relieved or not ratio:
         return None
     meaning = (
-        f"deflection of the corner's spring over the way of the centre: {FLOOR:g} and {100 * SHARE:g} % of the "
+        f"deflection of the corner's spring over the way of the centre: {FLOOR:g} and {100 * FRACTION:g} % of the "
         'deflection ratio are allowed; corner.constraint = "exact" has none'
     )
-    return Evaluation(share, FLOOR + SHARE * given.fe_plan.deflection_ratio, meaning)
+    return Evaluation(ratio, FLOOR + FRACTION * given.fe_plan.deflection_ratio, meaning)
 
 
 def _oscillation(given: Evidence) -> Evaluation | None:
@@ -232,13 +222,13 @@ def _oscillation(given: Evidence) -> Evaluation | None:
 def _numerical_error(given: Evidence) -> Evaluation:
     meaning = (
         f"what mesh, time step, constraint, damping and ringing may change in the five quantities; {FLOOR:g} and "
-        f"{100 * SHARE:g} % of what the plate's flexibility changes are allowed"
+        f"{100 * FRACTION:g} % of what the plate's flexibility changes are allowed"
     )
     return Evaluation(given.error.total, given.error.allowed, meaning)
 
 
 def _agreement(given: Evidence) -> Evaluation | None:
-    """Only where the scene demands it: a flexible plate that is right need not agree."""
+    """Judged only where the scene demands it: a flexible plate that is right need not agree."""
     verify = given.fe_plan.case.scene.verify
     if verify is None:
         return None
@@ -249,7 +239,7 @@ def _agreement(given: Evidence) -> Evaluation | None:
 MECHANICS = (
     CheckKind("tail-slap reached", _reached, f"{MORE_DAMPING}; {SOFT}", shows_ringing=True),
     CheckKind("finite numbers", _finite, f"{STEP}; {MORE_DAMPING}", shows_ringing=True),
-    CheckKind("time step", time_step, STEP),
+    CheckKind("time step", checks.time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("momentum balance", _momentum, STEP),
     CheckKind("penetration", _penetration, STIFFER),
@@ -258,19 +248,19 @@ MECHANICS = (
     CheckKind("mesh", _mesh, FINER),
     CheckKind("contact spring", _contact_spring, STIFFER),
     CheckKind("oscillation", _oscillation, ROUGH, shows_ringing=True),
-    CheckKind("numerical error", _numerical_error, f"leave plate.start out if it is unstressed; {FINER}"),
+    CheckKind("numerical error", _numerical_error, RELIEVED),
     CheckKind("agreement with rigid", _agreement, "a stiffer plate, or a larger verify.tolerance"),
 )
-"""In the order in which they are told."""
+"""In the order in which they are listed."""
 
 
 def _contact_work(given: Evidence) -> Evaluation:
     """Energy that the spring lost, against the work of its force; an exact constraint stores nothing."""
     history, corner = given.history, given.fe_plan.model.loop.corner
     if corner.is_exact:
-        share = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]
+        fraction = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]
         meaning = "energy in the constraint over the energy at the start: the exact constraint stores none"
-        return Evaluation(share, LEAST, meaning)
+        return Evaluation(fraction, LEAST, meaning)
     stepped = slice(-1 if history["t"].size > 2 else None)  # the last row is interpolated, not linear in y
     energy, gap = history["contact_energy"][stepped], history["gap"][stepped]
     # With a dashpot N is not the spring's force alone.
@@ -311,7 +301,7 @@ def _dissipation(given: Evidence) -> Evaluation | None:
 
 
 def _against_rigid(given: Evidence) -> Evaluation | None:
-    """Without what friction does to a reaction that rings: that has a check of its own. An unstressed plate's reaction
+    """Work of friction without what a ringing reaction adds, which has its own check. An unstressed plate's reaction
     swings too far to be compared."""
     if not given.relieved:
         return None
@@ -326,8 +316,7 @@ def _against_rigid(given: Evidence) -> Evaluation | None:
         "work of friction, but for what a ringing reaction adds, less the rigid solution's, over its largest"
     )
     value = _over(off, np.abs(expected[known]).max())
-    flexible = sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio
-    return Evaluation(value, 0.05 + 2.0 * flexible, meaning)
+    return Evaluation(value, 0.05 + 2.0 * given.by_flexibility, meaning)
 
 
 def _work(force: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -347,7 +336,7 @@ CONTACT = (
     CheckKind("friction takes energy", _dissipation, MORE_DAMPING),
     CheckKind("friction work against rigid", _against_rigid, ROUGH, of_reaction=True),
 )
-"""In the order in which they are told."""
+"""In the order in which they are listed."""
 
 
 def _energy_ratio(given: Evidence) -> Evaluation:
@@ -362,24 +351,23 @@ def _energy_ratio(given: Evidence) -> Evaluation:
     return Evaluation(np.abs(ratio - 1.0).max(), 0.02, meaning)
 
 
-def _hourglass_share(given: Evidence) -> Evaluation:
-    """Shown for every element: who knows the practice looks for these lines, and they cost nothing. Held to where the
-    numerical error is not small enough: an assumed strain stabilises, and with few elements across its energy is that
-    of bending, all of it with one."""
+def _hourglass_of_strain(given: Evidence) -> Evaluation:
+    """Ratio that is shown for every element: who knows the practice looks for these lines, and they cost nothing. Held
+    to where the numerical error is not small enough: an assumed strain stabilises, and with few elements across its
+    energy is that of bending, all of it with one."""
     energy, strain = given.history["hourglass_energy"], given.history["strain_energy"]
     meaning = f"largest hourglass energy over the largest strain energy; {NCHRP}"
     if given.fe_plan.model.loop.hourglass is None:
         return Evaluation(energy.max(), 0.0, f"{meaning}; the elements are fully integrated and have none")
     small = given.error.total <= given.error.allowed
     why = "; not required here: it is energy of bending, and the numerical error tells what the mesh changes"
-    return Evaluation(
-        energy.max() / (strain + energy).max(), 1.0 if small else 0.1, meaning + (why if small else "")
-    )
+    worst = energy.max() / (strain + energy).max()
+    return Evaluation(worst, 1.0, meaning + why) if small else Evaluation(worst, 0.1, meaning)
 
 
 def _hourglass_of_total(given: Evidence) -> Evaluation:
-    share = given.history["hourglass_energy"].max() / given.history["kinetic_energy"][0]
-    return Evaluation(share, 0.05, f"largest hourglass energy over the energy at the start; {NCHRP}")
+    ratio = given.history["hourglass_energy"].max() / given.history["kinetic_energy"][0]
+    return Evaluation(ratio, 0.05, f"largest hourglass energy over the energy at the start; {NCHRP}")
 
 
 def _added_mass(given: Evidence) -> Evaluation:
@@ -398,42 +386,36 @@ def _metric(metric: str, customary: float, what: str, given: Evidence) -> Evalua
     sizes = np.abs([getattr(given.metrics[name], metric) for name in names])
     worst = int(np.argmax(sizes))  # the first NaN, where there is one
     meaning = f"{what}, largest for {names[worst]}; {NCHRP}"
-    limit = max(customary, 2.0 * sensitivity(given.fe_plan.case.start.angle) * given.fe_plan.deflection_ratio)
+    limit = max(customary, 2.0 * given.by_flexibility)
     if limit > customary:
         meaning += f" {customary:g}, here twice what the flexibility of this soft plate changes"
     return Evaluation(sizes[worst], limit, meaning)
 
 
+RESIDUAL = "of FE - rigid over the rigid history's peak"
+PHASE = "difference in phase between FE and rigid history, 1 for opposite signs"
 METRICS = {
     "Sprague-Geers magnitude": ("magnitude", 0.4, "difference in size between FE and rigid history"),
-    "Sprague-Geers phase": (
-        "phase",
-        0.4,
-        "difference in phase between FE and rigid history, 1 for opposite signs",
-    ),
+    "Sprague-Geers phase": ("phase", 0.4, PHASE),
     "Sprague-Geers combined": ("combined", 0.4, "magnitude and phase together"),
-    "mean residual": ("mean_residual", 0.05, "mean of FE - rigid over the rigid history's peak"),
-    "deviation of residuals": (
-        "deviation",
-        0.35,
-        "standard deviation of FE - rigid over the rigid history's peak",
-    ),
+    "mean residual": ("mean_residual", 0.05, f"mean {RESIDUAL}"),
+    "deviation of residuals": ("deviation", 0.35, f"standard deviation {RESIDUAL}"),
 }
-"""By the name of the check: metric, its customary limit, and what it is."""
+"""Metric, its customary limit, and what it is, by the name of the check."""
 
 ENERGY_RATIO = CheckKind("energy ratio", _energy_ratio, STEP)
-"""It is told before the checks of the contact, the others after them."""
+"""Listed before the checks of the contact, the others after them."""
 
 PRACTICE = (
-    CheckKind("hourglass share", _hourglass_share, ELEMENTS),
+    CheckKind("hourglass share", _hourglass_of_strain, ELEMENTS),
     CheckKind("hourglass over total energy", _hourglass_of_total, ELEMENTS),
     CheckKind("added mass", _added_mass, 'plate.lumping = "exact"'),
     *(CheckKind(name, partial(_metric, *how), ROUGH, of_reaction=True) for name, how in METRICS.items()),
 )
-"""In the order in which they are told."""
+"""In the order in which they are listed."""
 
 CHECKS: Registry[CheckKind] = Registry("check")
-"""Checks by name, in the order in which they are told."""
+"""Checks by name, in the order in which they are listed."""
 
 for _kind in (*MECHANICS, ENERGY_RATIO, *CONTACT, *PRACTICE):
     CHECKS.register(_kind)

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from fem.plate.kinds import LUMPINGS
+from fem.plate import kinds
+from tailslap.case import cost, refine
 from tailslap.case.corner.model import (
     centre_travel,
     friction_lost,
@@ -16,9 +17,7 @@ from tailslap.case.corner.model import (
     static_models,
 )
 from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.cost import ELEMENTS
 from tailslap.case.model import Decision, fe_mesh, resolved_plate, same_mesh, threads_decision
-from tailslap.case.refine import comparable_plate, refined
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 
@@ -29,9 +28,9 @@ if TYPE_CHECKING:
 STRETCH = 1.23
 """Length over height of an element of the first mesh that is tried: the paper's 20 x 6."""
 
-MESH_SHARE, MESH_FLOOR = 0.1, 2e-5
-"""Share of the plate's flexibility that may be the mesh's doing before richer elements are tried, and what is always
-let pass: the difference from the rigid motion is of that size itself."""
+MESH_FRACTION, MESH_FLOOR = 0.1, 2e-5
+"""Fraction of the plate's flexibility that may be the mesh's doing before higher-order elements are tried, and what is
+always let pass: the difference from the rigid motion is of that size itself."""
 
 MAX_CHOSEN = 2000
 """Elements up to which the program refines by itself."""
@@ -85,7 +84,7 @@ class Mesh:
     @property
     def fine_enough(self) -> bool:
         """True where what the mesh does to the plate's flexibility is of no account."""
-        allowed = max(MESH_FLOOR, MESH_SHARE * max(self.deflection_ratio, self.other_deflection_ratio))
+        allowed = max(MESH_FLOOR, MESH_FRACTION * max(self.deflection_ratio, self.other_deflection_ratio))
         return abs(self.deflection_ratio - self.other_deflection_ratio) <= allowed
 
 
@@ -105,47 +104,46 @@ def decide_mesh(case: RigidStages, plate: Plate) -> tuple[Mesh, tuple[Decision, 
         if made.fine_enough or not open_keys:
             break
     chosen = chosen or make_mesh(case, next(_candidates(case, plate)))
-    return chosen, tuple(
-        Decision(f"plate.{key}", getattr(chosen.plate, key), _why_mesh(plate, key))
-        for key in open_keys
-        if getattr(chosen.plate, key) != getattr(plate, key)
-    )
+    values = {key: getattr(chosen.plate, key) for key in open_keys}
+    changed = {key: value for key, value in values.items() if value != getattr(plate, key)}
+    return chosen, tuple(Decision(f"plate.{k}", v, _why_mesh(plate, k)) for k, v in changed.items())
 
 
 def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
     """The plate's static model, its deflection and its gap, and the comparable plate's deflection. Raises InputError.
 
-    The two models share a mesh where only their elements differ.
+    Both models have one mesh where only their elements differ.
     """
-    from fem.start.inertia_relief import statics
+    from fem.start import inertia_relief
 
     scene, travel, start = case.scene, centre_travel(case), rigid_start(case)
     mesh = fe_mesh(scene, plate)
     plate = resolved_plate(scene, plate, mesh)
-    other = comparable_plate(plate)
+    other = refine.comparable_plate(plate)
     meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(scene, other))
     model, comparable = static_models(case, (plate, other), meshes)
-    mine, its = statics(model, start), statics(comparable, start)
+    mine, its = inertia_relief.statics(model, start), inertia_relief.statics(comparable, start)
     ratios = (abs(mine.deflection) / travel, abs(its.deflection) / travel)
     return Mesh(plate, model, model.mass, *ratios, abs(mine.gap) / travel)
 
 
 def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
-    """From cheap to dear: the element as it is, quadratic ones, and where the counts are open, more of them."""
+    """Candidates from cheap to dear: the element as it is, quadratic ones, and where the counts are open, more of
+    them."""
     counts = plate.elements or _first_counts(case)
-    chosen = "element" in plate.model_fields_set or LUMPINGS[plate.lumping].row_sums
+    chosen = "element" in plate.model_fields_set or kinds.LUMPINGS[plate.lumping].row_sums
     elements = (plate.element,) if chosen else ("quad4", "quad9")
     sized = plate.model_copy(update={"elements": counts})
     while True:
-        yield from (refined(sized, 1.0, element) for element in elements)
-        sized = refined(sized)
+        yield from (refine.refined(sized, 1.0, element) for element in elements)
+        sized = refine.refined(sized)
         if plate.elements is not None or math.prod(sized.counts) > MAX_CHOSEN:
             return
 
 
 def _first_counts(case: RigidStages) -> tuple[int, int]:
     length, width = case.body.length, case.body.width
-    height = math.sqrt(length * width / (ELEMENTS * STRETCH))
+    height = math.sqrt(length * width / (cost.ELEMENTS * STRETCH))
     patch = case.scene.corner.patch_length or length
     along = max(round(length / (STRETCH * height)), 2, math.ceil(length / patch))
     return min(along, 1000), max(2, round(width / height))
@@ -160,7 +158,7 @@ def _why_mesh(plate: Plate, key: str) -> str:
 
 
 def open_threads(case: RigidStages, plate: Plate) -> tuple[Decision, ...]:
-    """As many threads as the mesh has work for, where more are asked for."""
+    """Limit the threads to as many as the mesh has work for."""
     elements = math.prod(plate.counts)
     why = f"a thread needs {ELEMENTS_A_THREAD} elements to be worth it, and there are {elements}"
     return threads_decision(case.scene.time.threads, max(1, elements // ELEMENTS_A_THREAD), why)
@@ -191,10 +189,13 @@ def softer_constraint(case: RigidStages, spring_ratio: float) -> tuple[Decision,
 
 @dataclass(frozen=True)
 class Growth:
-    """Growth by friction that the linearised model predicts: the fastest rate [1/s], 0 where none counts, NaN where no
-    mesh could be analysed; its exponent over the run; the exponent that counts; whether coarser meshes stood in; the
-    lowest elastic frequency [rad/s]. And of rounding: the ripple at the end of the run over the reaction at the start,
-    and the rate of damping that keeps it unheard, 0 where it is."""
+    """Growth that the linearised model predicts.
+
+    By friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh could be analysed; its exponent over the
+    run; the exponent that counts, 0 without friction; whether coarser meshes stood in; the lowest elastic frequency
+    [rad/s]. By rounding: the ripple at the end of the run over the reaction at the start, and the rate of damping that
+    keeps it unheard, 0 where it is.
+    """
 
     rate: float
     exponent: float
@@ -209,36 +210,28 @@ class Growth:
         """True where the damping that suppresses it would keep the plate from following its loads."""
         return REQUIRED_DAMPING * self.rate > OVERDAMPS * self.lowest
 
-    @property
-    def counts(self) -> bool:
-        """True where there is friction, by which anything could grow."""
-        return self.harmless > 0.0
-
 
 def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: float) -> Growth:
     """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding.
 
     normal: the rigid body's reaction at the start [N].
     """
-    from fem.stability.flutter import HARMLESS, MAX_UNKNOWNS, predict_flutter, rounding_noise, viscous_rate
+    from fem.stability import flutter
 
-    harmless = HARMLESS if plate.relieved else HARMLESS_UNSTRESSED
+    harmless = flutter.HARMLESS if plate.relieved else HARMLESS_UNSTRESSED
     duration, start = case.duration, rigid_start(case)
-    noise, viscous = rounding_noise(model), viscous_rate(model)
+    noise, viscous = flutter.rounding_noise(model), flutter.viscous_rate(model)
     ripple = noise.ripple(duration) / abs(normal)
     ripple_rate = noise.rate_for(HEARD * abs(normal)) if ripple > HEARD else 0.0
     if model.loop.friction is None:
         growth = Growth(0.0, 0.0, 0.0)
-    elif 2 * model.loop.mass.size <= MAX_UNKNOWNS:
-        growth = _growth(predict_flutter(model, start, duration, viscous, harmless), harmless)
+    elif 2 * model.loop.mass.size <= flutter.MAX_UNKNOWNS:
+        growth = _growth(flutter.predict_flutter(model, start, duration, viscous, harmless), harmless)
     else:
-        growth = _by_stand_ins(
-            [
-                predict_flutter(coarse, start, duration, viscous, harmless / STAND_IN)
-                for coarse in _coarser_models(case, plate, MAX_UNKNOWNS)
-            ],
-            harmless,
-        )
+        coarser = _coarser_models(case, plate, flutter.MAX_UNKNOWNS)
+        part = harmless / STAND_IN
+        found = [flutter.predict_flutter(each, start, duration, viscous, part) for each in coarser]
+        growth = _by_stand_ins(found, harmless)
     return replace(growth, ripple=ripple, ripple_rate=ripple_rate)
 
 
@@ -261,7 +254,7 @@ def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iter
     """The finest coarser meshes of the same element that make a model and can be analysed."""
     found = 0
     while found < STAND_INS and max(plate.counts) > 2:
-        plate = refined(plate, 1.0 / 1.5, least=2, whole=round)
+        plate = refine.refined(plate, 1.0 / 1.5, least=2, whole=round)
         along, across = plate.counts
         if 2 * (along + 1) * (across + 1) > most_unknowns:  # without other nodes than the elements' corners
             continue
@@ -276,9 +269,8 @@ def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iter
 
 def suppressing_rate(growth: Growth) -> float:
     """Rate [1/s] of the damping of elastic velocities that suppresses what is foreseen."""
-    return max(
-        growth.ripple_rate, REQUIRED_DAMPING * growth.rate
-    )  # in this order a rate that is not known, NaN, asks for none
+    # In this order a rate that is not known, NaN, asks for none.
+    return max(growth.ripple_rate, REQUIRED_DAMPING * growth.rate)
 
 
 def damping_is_open(scene: Scene) -> bool:
@@ -291,13 +283,13 @@ def harms(
 ) -> bool:
     """Tell whether damping against this growth would be seen in the result: it keeps a soft plate from following its
     loads, and takes an unstressed one's oscillation off."""
-    from fem.start.inertia_relief import elastic_energy
+    from fem.start import inertia_relief
 
     if not growth.rate > 0.0:
         return False
     if plate.relieved:
         return growth.overdamps and deflection_ratio > SEEN
-    energy, rate = elastic_energy(model, rigid_start(case)), suppressing_rate(growth)
+    energy, rate = inertia_relief.elastic_energy(model, rigid_start(case)), suppressing_rate(growth)
     return oscillation_lost(case, energy, model.mass, rate) + friction_lost(case, rate) > MISSED
 
 
@@ -323,12 +315,8 @@ def open_damping(
 
 
 def _damped(rate: float, why: str) -> tuple[Decision, ...]:
-    if not rate > 0.0:
-        return ()
-    return (
-        Decision("damping.kind", "elastic-velocity", why),
-        Decision("damping.rate", rate, "1/s, as much as that takes"),
-    )
+    kind = Decision("damping.kind", "elastic-velocity", why)
+    return (kind, Decision("damping.rate", rate, "1/s, as much as that takes")) if rate > 0.0 else ()
 
 
 def _why(growth: Growth) -> str:

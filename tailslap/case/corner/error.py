@@ -1,4 +1,4 @@
-"""How far a run may be from the plate that the scene describes: mesh, time step, contact spring, damping, ringing.
+"""Distance of a run from the plate that the scene describes: mesh, time step, contact spring, damping, ringing.
 
 After a start by inertia relief the plate follows its loads, and statics tells what each of these can do: the answer
 moves by `sensitivity` times what it moves the centre of mass at the start. An unstressed plate oscillates, and the
@@ -15,16 +15,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.plate.kinds import LUMPINGS
+from fem.plate import kinds
 from postprocess.comparison.quantities import largest
-from tailslap.case.corner.model import friction_lost, oscillation_lost, sensitivity
+from tailslap.case.corner import model
 from tailslap.case.corner.plan import CornerPlan
 
 RINGING, CORRUPTED = 2e-3, 0.1
 """Friction by ringing that is allowed, and at which a run is given up."""
 
-FLOOR, SHARE = 5e-4, 0.25
-"""Numerical error that is allowed whatever the plate, and as a share of what its flexibility changes."""
+FLOOR, FRACTION = 5e-4, 0.25
+"""Numerical error that is allowed whatever the plate, and as a fraction of what its flexibility changes."""
 
 SHARP = 0.1
 """Part of the difference from the rigid motion that its numerical error may be and still be told by statics."""
@@ -58,7 +58,7 @@ class SecondRun:
         Its five quantities' from the rigid motion; empty where it came to no result.
     late, apart : float
         What lies between the velocities of the two runs over the last tenth of the motion, and if the plate oscillates
-        over any, as a share of the rigid ones at the tail-slap, see `distance_in_motion`.
+        over any, as a fraction of the rigid ones at the tail-slap, see `distance_in_motion`.
     """
 
     mesh: str
@@ -89,14 +89,14 @@ class NumericalError:
     @property
     def allowed(self) -> float:
         """The limit of the total."""
-        return FLOOR + SHARE * self.flexibility
+        return FLOOR + FRACTION * self.flexibility
 
 
 def needs_second_run(fe_plan: CornerPlan, differences: Mapping[str, float], error: NumericalError) -> bool:
     """True where statics does not tell, or not sharply, how far the run may be off."""
     explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.deflection_ratio
     sharp = error.total <= max(FLOOR, SHARP * largest(differences))
-    by_statics = fe_plan.plate.relieved and not LUMPINGS[fe_plan.plate.lumping].fault
+    by_statics = fe_plan.plate.relieved and not kinds.LUMPINGS[fe_plan.plate.lumping].fault
     return not (by_statics and explained and sharp)
 
 
@@ -104,7 +104,7 @@ def numerical_error(
     fe_plan: CornerPlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
 ) -> NumericalError:
     """The estimate; differences: from the rigid motion, empty if there is no result; ringing: friction by ringing."""
-    factor, relieved = sensitivity(fe_plan.case.start.angle), fe_plan.plate.relieved
+    factor, relieved = model.sensitivity(fe_plan.case.start.angle), fe_plan.plate.relieved
     by_statics = factor * max(fe_plan.deflection_ratio, fe_plan.other_deflection_ratio)
     return NumericalError(
         time_step=(1.0 / fe_plan.expected_steps) ** 2,
@@ -120,7 +120,7 @@ def numerical_error(
 
 
 def _lag_error(fe_plan: CornerPlan) -> float:
-    """The error by the lag of damping, over the way: no more than the whole deflection."""
+    """The error by the lag of damping, over the centre's travel: no more than the whole deflection."""
     lag = fe_plan.damping_lag
     return LAG_EFFECT * lag / (1.0 + 2.0 * lag / fe_plan.deflection_ratio) if lag else 0.0
 
@@ -131,8 +131,8 @@ def _oscillation_lost(fe_plan: CornerPlan) -> float:
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
-    lost = oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
-    return lost if fe_plan.rang else lost + friction_lost(fe_plan.case, damping.rate)
+    lost = model.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
+    return lost if fe_plan.rang else lost + model.friction_lost(fe_plan.case, damping.rate)
 
 
 def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
@@ -169,7 +169,7 @@ def distance_in_motion(
 
 
 def _deviation(histories: Histories, name: str, t: np.ndarray) -> np.ndarray:
-    """From the rigid motion, at these instants."""
+    """Deviation from the rigid motion at these instants."""
     fe, rigid = histories
     known = _known(rigid)
     return np.interp(t, fe["t"][known], (fe[name] - rigid[name])[known])
@@ -183,7 +183,7 @@ def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
 def friction_by_ringing(fe_plan: CornerPlan, row: Mapping[str, float]) -> float:
     """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would.
 
-    row: of the history. The share of v_GX or omega, whichever is more, that this has taken off by then.
+    row: of the history. Returns the fraction of v_GX or omega, whichever is more, that this has taken off by then.
     """
     rectified = row["normal_impulse_magnitude"] - abs(row["normal_impulse"])
     speed = fe_plan.case.scene.corner_friction * rectified / fe_plan.model.mass

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fem.laws.friction import FRICTION_LAWS
-from postprocess.comparison.quantities import largest, relative_difference
+from postprocess.comparison import quantities
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.model import plate_properties, refusal, resolved_plate, step_properties
 from tailslap.errors import InputError
@@ -32,8 +32,8 @@ SWINGS = 0.5
 """Change of the result over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
 
 RECTIFIED = 0.1
-"""Friction that an unstressed plate's oscillation adds, as a share: the reaction swings through zero, and friction goes
-with its magnitude. 0.08 to 0.10 where nothing grows, from a tenth to ten times the stiffness of steel."""
+"""Friction that an unstressed plate's oscillation adds, as a fraction: the reaction swings through zero, and friction
+goes with its magnitude. 0.08 to 0.10 where nothing grows, from a tenth to ten times the stiffness of steel."""
 
 
 def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerProperties, StepProperties]:
@@ -62,14 +62,14 @@ def static_models(
     case: RigidStages, plates: Sequence[Plate], meshes: Sequence[meshio.Mesh]
 ) -> list[PlateModel]:
     """The models of plates, without what needs their frequencies, on these meshes. Raises InputError."""
-    from fem.model.plate_model import static_model
+    from fem.model import plate_model
     from fem.plate.kinds import ModelError
 
     resolved = [resolved_plate(case.scene, *each) for each in zip(plates, meshes, strict=True)]
     inputs, models = [fe_input(case, plate) for plate in resolved], []
     for plate, mesh, (properties, corner, _) in zip(resolved, meshes, inputs, strict=True):
         try:
-            models.append(static_model(mesh, properties, corner))
+            models.append(plate_model.static_model(mesh, properties, corner))
         except ModelError as error:
             raise refusal(case.scene, plate, error) from None
     return models
@@ -81,8 +81,8 @@ def sensitivity(angle: float) -> float:
 
 
 def oscillation_lost(case: RigidStages, energy: float, mass: float, rate: float) -> float:
-    """Estimate what damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a share
-    of the speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts
+    """Estimate what damping at this rate [1/s] takes off an unstressed plate's oscillation until the strike, as a
+    fraction of the speed of its centre: that oscillation has the energy [J] of the elastic state that the plate starts
     without."""
     swing = math.sqrt(2.0 * energy / mass) / abs(case.motion.strike.v_gy)
     return SWINGS * swing * _decayed(case, rate)
@@ -97,11 +97,12 @@ def friction_lost(case: RigidStages, rate: float) -> float:
         more = case.varied({"corner.friction": (1.0 + RECTIFIED) * scene.corner_friction})
     except InputError:  # so much friction the theory has no solution for
         return math.inf
-    return largest(relative_difference(more.tail_slap, case.tail_slap)) * _decayed(case, rate)
+    changed = quantities.relative_difference(more.tail_slap, case.tail_slap)
+    return quantities.largest(changed) * _decayed(case, rate)
 
 
 def _decayed(case: RigidStages, rate: float) -> float:
-    """Share of an oscillation's amplitude that damping at this rate [1/s] takes off until the strike."""
+    """Fraction of an oscillation's amplitude that damping at this rate [1/s] takes off until the strike."""
     return -math.expm1(-0.5 * rate * case.motion.strike.t)
 
 
@@ -114,12 +115,12 @@ def rigid_start(case: RigidStages) -> RigidStart:
 
 def deflection_ratio(case: RigidStages, model: PlateModel) -> float:
     """Static deflection of the plate's centre at the start, over its travel to the wall."""
-    from fem.start.inertia_relief import static_deflection
+    from fem.start import inertia_relief
 
-    return abs(static_deflection(model, rigid_start(case))) / centre_travel(case)
+    return abs(inertia_relief.static_deflection(model, rigid_start(case))) / centre_travel(case)
 
 
 def centre_travel(case: RigidStages) -> float:
-    """Way [m] of the centre of mass towards the wall until the tail-slap."""
+    """Distance [m] that the centre of mass moves towards the wall until the tail-slap."""
     corner_angle = case.body.corner_angle
     return case.body.corner_radius * (math.sin(case.start.angle + corner_angle) - math.sin(corner_angle))

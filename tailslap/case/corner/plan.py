@@ -7,17 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tailslap.case.case import FePlan
-from tailslap.case.corner.decisions import (
-    Growth,
-    Mesh,
-    decide_mesh,
-    harms,
-    open_constraint,
-    open_damping,
-    open_threads,
-    predict_growth,
-    softer_constraint,
-)
+from tailslap.case.corner import decisions
 from tailslap.case.corner.model import centre_travel, deflection_ratio, fe_input, rigid_start
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.model import demand_steps
@@ -38,25 +28,22 @@ class CornerPlan(FePlan):
     ----------
     asked : RigidStages
         The case as given.
-    growth : Growth
+    growth : decisions.Growth
         Of the fastest mode by friction.
     start : RigidStart
         Rigid state at the start of Stage 2.
-    travel : float
-        Of the centre of mass towards the wall [m].
     deflection_ratio : float
-        Static deflection under the reaction at the start over `travel` [-].
+        Static deflection under the reaction at the start over the centre's travel to the wall [-].
     other_deflection_ratio : float
         The same of the comparable plate [-]; what it differs by is the discretisation error.
     rang : bool
-        Whether a run with less damping rang.
+        True where a run with less damping rang.
     """
 
     case: RigidStages
     asked: RigidStages
-    growth: Growth
+    growth: decisions.Growth
     start: RigidStart
-    travel: float
     deflection_ratio: float
     other_deflection_ratio: float
     rang: bool = False
@@ -81,7 +68,7 @@ class CornerPlan(FePlan):
         """Distance by which the damping of elastic velocities holds the corner back, over the centre's travel."""
         from fem.start.inertia_relief import damping_lag
 
-        return damping_lag(self.model, self.start) / self.travel
+        return damping_lag(self.model, self.start) / centre_travel(self.case)
 
     @cached_property
     def elastic_energy(self) -> float:
@@ -92,10 +79,11 @@ class CornerPlan(FePlan):
 
     @cached_property
     def spring_ratio(self) -> float:
-        """Deflection of the corner's spring at the start over the centre's way to the wall; 0 where there is none."""
+        """Deflection of the corner's spring at the start over the centre's travel to the wall; 0 where there is
+        none."""
         stiffness = self.model.loop.corner.stiffness
         normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
-        return abs(float(normal)) / stiffness / self.travel
+        return abs(float(normal)) / stiffness / centre_travel(self.case)
 
 
 def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan:
@@ -106,7 +94,8 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     case : RigidStages
         With [plate].
     more_damping : float
-        Factor on the damping that is predicted to be needed [-]; above 1 the first run rang, see `open_damping`.
+        Factor on the damping that is predicted to be needed [-]; above 1 the first run rang, see
+        `decisions.open_damping`.
 
     Returns
     -------
@@ -118,50 +107,52 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     InputError
         For keys that make no model.
     """
-    from fem.model.plate_model import with_elastic_damping
+    from fem.model import plate_model
 
     asked = case
-    mesh, decisions = decide_mesh(case, case.scene.needed_plate)
+    mesh, chosen = decisions.decide_mesh(case, case.scene.needed_plate)
     plate = mesh.plate
     case = case.with_changes({"plate.elements": plate.elements, "plate.element": plate.element})
-    threads = open_threads(case, plate)
-    constraint = open_constraint(case, plate, mesh.spring_ratio)
+    threads = decisions.open_threads(case, plate)
+    constraint = decisions.open_constraint(case, plate, mesh.spring_ratio)
     case = case.decided(threads + constraint)
     normal = float(case.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
     model, growth = _completed(case, mesh, normal)
-    if growth.overdamps and not constraint and (constraint := softer_constraint(case, mesh.spring_ratio)):
-        case = case.decided(constraint)
+    softer = decisions.softer_constraint(case, mesh.spring_ratio) if growth.overdamps else ()
+    if softer and not constraint:
+        constraint, case = softer, case.decided(softer)
         model, growth = _completed(case, mesh, normal)
     ratio = deflection_ratio(case, model) if constraint else mesh.deflection_ratio
-    damping = open_damping(case, growth, more_damping, harms(case, plate, model, growth, ratio))
+    harmful = decisions.harms(case, plate, model, growth, ratio)
+    damping = decisions.open_damping(case, growth, more_damping, harmful)
     if damping:
         case = case.decided(damping)
-        model = with_elastic_damping(model, fe_input(case, plate)[2])
+        model = plate_model.with_elastic_damping(model, fe_input(case, plate)[2])
         demand_steps(case.scene, case.duration, model)
     _demand_wall(case)
     return CornerPlan(
         case=case,
         plate=plate,
-        decisions=decisions + threads + constraint + damping,
+        decisions=chosen + threads + constraint + damping,
         model=model,
         asked=asked,
         growth=growth,
         start=rigid_start(case),
-        travel=centre_travel(case),
         deflection_ratio=ratio,
         other_deflection_ratio=mesh.other_deflection_ratio,
         rang=more_damping > 1.0,
     )
 
 
-def _completed(case: RigidStages, mesh: Mesh, normal: float) -> tuple[PlateModel, Growth]:
+def _completed(case: RigidStages, mesh: decisions.Mesh, normal: float) -> tuple[PlateModel, decisions.Growth]:
     """The model with the constraint and all that a run needs, and what is predicted to grow in it."""
-    from fem.model.plate_model import finished_model, with_constraint
+    from fem.model import plate_model
 
     plate, corner, step = fe_input(case, mesh.plate)
-    model = finished_model(with_constraint(mesh.model, plate, corner), plate, corner, step)
+    held = plate_model.with_constraint(mesh.model, plate, corner)
+    model = plate_model.finished_model(held, plate, corner, step)
     demand_steps(case.scene, case.duration, model)
-    return model, predict_growth(case, mesh.plate, model, normal)
+    return model, decisions.predict_growth(case, mesh.plate, model, normal)
 
 
 def _demand_wall(case: RigidStages) -> None:

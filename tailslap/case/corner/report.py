@@ -1,34 +1,38 @@
-"""Page, summary and terminal text of a run of a constrained corner. The answer first; detail folds away."""
+"""Words on a constrained corner: what `tailslap check` says, the verdict on a run, its page, summary and text."""
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fem.explicit.columns import COLUMNS
-from postprocess.comparison.quantities import KEYS, PAPER_SOURCE, PAPER_TABLE_3, comparison_rows
-from postprocess.fields.contours import ContourField, Situation, draw_contours
+from fem.laws import constraints, friction, materials
+from fem.plate import kinds
+from fem.start import start_kinds
+from postprocess.comparison import quantities
+from postprocess.fields import contours
 from postprocess.figures.histories import Panel, draw_histories
+from postprocess.report import table
 from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, pairs
-from postprocess.units import SI, Units
-from solver.stage_3 import strike_force
+from postprocess.report.table import Column, Table
+from postprocess.units import SI, Units, measure
+from solver import stage_3
+from tailslap import progress
 from tailslap.case import report
 from tailslap.case.checks import advice, failed_names
-from tailslap.case.corner.checks import CHECKS, CONTACT, ENERGY_RATIO, MECHANICS, PRACTICE
+from tailslap.case.corner import decisions
+from tailslap.case.corner.checks import CHECKS, CONTACT, ENERGY_RATIO, MECHANICS, PRACTICE, reaction_checks
+from tailslap.case.corner.error import FLOOR
+from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.rigid import LABELS, RigidStages
 from tailslap.case.corner.run import CornerOutcome
-from tailslap.case.corner.text import (
-    diagnosis,
-    is_paper_case,
-    omitted_parts,
-    prediction,
-    statements,
-    verdict_sentence,
-)
-from tailslap.progress import announced
+from tailslap.scene.schema import Scene
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
@@ -36,13 +40,6 @@ CAPTIONS = {
     "contour_v_gx": "Velocity along the wall at the tail-slap (the paper's Figure 15).",
     "contour_v_gy": "Velocity across the wall at the tail-slap (the paper's Figure 16).",
     "contour_omega": "Angular velocity, half the curl of the velocity, at the tail-slap (the paper's Figure 17).",
-}
-STAGES = {
-    "omega": ("angular velocity", "rad/s"),
-    "corner_speed": ("corner speed", "m/s"),
-    "impulse": ("impulse", "N s"),
-    "duration": ("duration", "s"),
-    "peak_force": ("peak force", "N"),
 }
 GROUPS = {
     **{kind.name: "Mechanics" for kind in MECHANICS},
@@ -70,6 +67,12 @@ METRICS_NOTE = (
 )
 
 
+def run_report(outcome: CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+    """Report of a run; its fields and pictures, in these units, go into the folder."""
+    report.keep_fields(outcome, folder)
+    return corner_report(draw_pictures(outcome, folder, units) if pictures else outcome, pictures)
+
+
 def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
     verdict, peaks, design = verdict_sentence(outcome), *_forces(outcome)
@@ -87,20 +90,23 @@ def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
         outcome,
         verdict,
         (peaks, report.short(design), comparison(outcome, " ")),
-        _cure,
+        lambda name: advice(CHECKS, [name]),
         [prediction(outcome)],
         f", pictures {outcome.pictures_s:.2f} s",
     )
-    return Report(
-        page, corner_summary(outcome, pictures), said, histories=outcome.fe_plan.case.histories(outcome)
-    )
+    return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
 
 
-def corner_summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
+def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
+    """Histories of FE plate and rigid body by the names of their files."""
+    return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
+
+
+def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
     """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
     alike = report.run_summary(outcome, omitted_parts(fe_plan.case.scene, pictures))
-    nothing = dict.fromkeys(KEYS, float("nan"))
+    nothing = dict.fromkeys(quantities.KEYS, float("nan"))
     answer = fe_plan.case.rigid_numbers()
     return {
         **alike,
@@ -126,7 +132,7 @@ def peak_table(outcome: CornerOutcome) -> Table:
     """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
     plan, fe = outcome.fe_plan.case, outcome.fe
     mass, duration = plan.scene.vehicle.mass, plan.scene.strike.duration
-    found = strike_force(mass, fe["v_gy"], duration).peak_force if fe else None
+    found = stage_3.strike_force(mass, fe["v_gy"], duration).peak_force if fe else None
     what = f"Tail-slap, triangle of {1e3 * duration:g} ms"
     return Table(report.PEAKS, [{"what": what, "fe": found, "rigid": plan.force.peak_force}])
 
@@ -134,48 +140,35 @@ def peak_table(outcome: CornerOutcome) -> Table:
 def comparison(outcome: CornerOutcome, title: str = "") -> Table:
     """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's."""
     of_paper = is_paper_case(outcome.fe_plan.case)
-    paper = PAPER_TABLE_3 if of_paper else None
-    rows = comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
-    columns = (
-        *(
-            (replace(report.TAIL_SLAP[1], label="Tail-slap"), *report.TAIL_SLAP[2:])
-            if title
-            else report.TAIL_SLAP
-        ),
-        *(PAPER if of_paper else ()),
-    )
-    note = f"Paper: {PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
-    return Table(columns, rows, title, notes=(note,) if of_paper and not title else ())
+    paper = quantities.PAPER_TABLE_3 if of_paper else None
+    rows = quantities.comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
+    columns = report.TAIL_SLAP + (PAPER if of_paper else ())
+    if title:
+        return Table((replace(columns[1], label="Tail-slap"), *columns[2:]), rows, title)
+    note = f"Paper: {quantities.PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
+    return Table(columns, rows, notes=(note,) if of_paper else ())
 
 
 def sections(outcome: CornerOutcome) -> list[Section]:
     """The parts of the page, those without content included."""
     answer = outcome.fe_plan.case.rigid_numbers()
     metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
+    compared = Table(METRICS, metrics, notes=(METRICS_NOTE,))
     drawn = [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]
-    stages = [
-        pairs(
-            [(STAGES[name][0], value, STAGES[name][1]) for name, value in (answer[key] or {}).items()],
-            title=title,
-        )
-        for key, title in (
-            ("stage1", "Stage 1: impulse at the front corner"),
-            ("stage3", "Stage 3: tail-slap"),
-        )
-    ]
+    titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
+    stages = []
+    for key, title in titles.items():
+        numbers = [(*LABELS[name], value) for name, value in (answer[key] or {}).items()]
+        stages.append(table.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
-        report.failed_section(outcome.checks, _cure, diagnosis(outcome)),
+        report.failed_section(outcome.checks, lambda name: advice(CHECKS, [name]), diagnosis(outcome)),
         Section("The plate at the tail-slap", figures=drawn, layout="tall"),
         *_curves(outcome),
         Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),
         report.checks_section(outcome.checks, GROUPS),
-        Section(
-            "FE histories against the rigid ones",
-            tables=[Table(METRICS, metrics, notes=(METRICS_NOTE,))],
-            is_folded=True,
-        ),
+        Section("FE histories against the rigid ones", tables=[compared], is_folded=True),
         Section("Stages 1 and 3 of the rigid body", tables=stages, is_folded=True),
     ]
 
@@ -186,45 +179,35 @@ def _forces(outcome: CornerOutcome) -> list[Table]:
     return [peaks, report.design_table(outcome.fe_plan.case.scene, row["fe"] or row["rigid"])]
 
 
-def _cure(name: str) -> str:
-    return advice(CHECKS, [name])
-
-
 def _curves(outcome: CornerOutcome) -> list[Section]:
-    curves = draw_histories(outcome.fe_history, outcome.rigid_history, _panels())
+    """Curves of all histories, those of the columns that bring a plot of their own among them."""
+    own = [(name, column) for name, column in COLUMNS.items() if column.symbol]
+    title = "Further columns"
+    further = tuple(Panel(name, ((name, name),), c.symbol, c.unit, title, c.caption) for name, c in own)
+    curves = draw_histories(outcome.fe_history, outcome.rigid_history, further)
     groups = dict.fromkeys(curve.group for curve in curves)
     return [Section(group, figures=[c for c in curves if c.group == group]) for group in groups]
-
-
-def _panels() -> tuple[Panel, ...]:
-    """Plots of the columns that bring one of their own."""
-    drawn = [column for column in COLUMNS.values() if column.symbol]
-    return tuple(
-        Panel(each.name, ((each.name, each.name),), each.symbol, each.unit, "Further columns", each.caption)
-        for each in drawn
-    )
 
 
 def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> CornerOutcome:
     """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
     reached."""
-    from fem.plate.elements import nodal_spin
+    from fem.plate import elements
 
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:
         return outcome
     discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
-    spin = nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
-    drawn = (
-        discretisation.cells.max() + 1
-    )  # corner nodes; those on the sides of quadratic elements come after
+    spin = elements.nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
+    # Corner nodes; those on the sides of quadratic elements come after.
+    drawn = discretisation.cells.max() + 1
     fields = [
-        ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
-        ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
-        ContourField("omega", "Angular velocity", "rad/s", spin),
+        contours.ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
+        contours.ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
+        contours.ContourField("omega", "Angular velocity", "rad/s", spin),
     ]
-    with announced("Drawing the pictures ..."):
-        situation = Situation(
+    with progress.announced("Drawing the pictures ..."):
+        situation = contours.Situation(
             (strike.positions.T[:drawn], discretisation.cells),
             wall=None if wall is None else (wall.points[:, :2], wall.cells_dict["quad"]),
             corner=strike.positions[:, discretisation.corner].tolist(),
@@ -232,5 +215,209 @@ def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> Co
             scene=fe_plan.case.scene.name,
             time=strike.values["t"],
         )
-        pictures = draw_contours(situation, fields, folder, units)
+        pictures = contours.draw_contours(situation, fields, folder, units)
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)
+
+
+def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
+    """Parts that this scene does without, each with the reason."""
+    corner, plate = scene.corner, scene.plate
+    fault = plate and kinds.LUMPINGS[plate.lumping].fault
+    start, lumping = (plate.start, plate.lumping) if plate else ("", "")
+    unstressed = f'plate.start is "{start}": the plate starts without its elastic state'
+    no_friction = "the coefficient of friction is 0"
+    if corner.frictionless:
+        no_friction = f'corner.reaction is "{corner.reaction}"'
+    no_impact = "the scene has no [impact] table; [start] gives the state after the impact"
+    parts = [
+        (scene.impact, "stage 1", no_impact),
+        (
+            scene.corner_friction and not corner.frictionless,
+            "friction",
+            f"{no_friction}: no friction code in the time loop",
+        ),
+        (scene.damping, "damping", "none is asked for and none is needed: no damping code in the time loop"),
+        (not plate or plate.relieved, "inertia relief", unstressed),
+        (not fault, "exact inertia", f'plate.lumping is "{lumping}": {fault}'),
+        (scene.wall, "wall", "the scene has no [wall] table: no wall mesh, the wall is the line Y = 0"),
+        (pictures, "pictures", "--no-pictures, or none could be drawn: VTK has no part in this result"),
+    ]
+    return [(part, why) for there, part, why in parts if not there]
+
+
+def rigid_text(case: RigidStages) -> list[str]:
+    """Lines of `tailslap check` that need no mesh."""
+    start, strike, reaction = case.start, case.motion.strike, case.scene.corner.reaction
+    computed = "" if case.stage1 is None else " (see `tailslap rigid`)"
+    return [
+        f"{case.scene.name}: the scene is valid",
+        f"start        angle {start.angle:.6g} rad, omega {start.omega:.6g} rad/s, "
+        f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}",
+        f"reaction     {reaction}, friction {case.scene.corner_friction:g}: {friction.FRICTION_LAWS[reaction].text}",
+        f"tail-slap    expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding",
+        *report.left_out_text(omitted_parts(case.scene)),
+    ]
+
+
+def check_text(case: RigidStages, fe_plan: CornerPlan | None) -> list[str]:
+    """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
+    if fe_plan is None:
+        return rigid_text(case)
+    model, corner = fe_plan.model, fe_plan.model.loop.corner
+    where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
+    stiffness = "" if corner.is_exact else f" of {measure(corner.stiffness, 'N/m', '.4g')}"
+    contact = [
+        f"corner       {where}, {constraints.CONSTRAINTS.of(corner.constraint).text}{stiffness}",
+        f"frequency    {model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint",
+    ]
+    flexibility = (
+        f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: the reaction moves the centre by that "
+        "share of its way to the wall; expect differences of that size"
+    )
+    rows, start = fe_plan.case.scene.time.rows, f", {fe_plan.plate.start} start"
+    return [
+        *rigid_text(fe_plan.case),
+        *report.fe_text(fe_plan, rows, start, contact, more=[flexibility]),
+        f"flutter      {flutter_sentence(fe_plan)}",
+    ]
+
+
+def verdict_sentence(outcome: CornerOutcome) -> str:
+    """The verdict on a run."""
+    of_the_reaction = reaction_checks()
+    failed = set(failed_names(outcome.checks))
+    if not outcome.fe:
+        return "The run did not reach the tail-slap."
+    if failed - of_the_reaction - {"agreement with rigid"}:
+        return "Not to be relied on: a check of the run failed."
+    text = _comparison(outcome)
+    if failed & of_the_reaction:
+        text += " The motion is right, but the history of the reaction is not: it rings."
+    if "agreement with rigid" in failed:
+        text += " It does not agree with the rigid motion as closely as the scene demands."
+    return text
+
+
+def _comparison(outcome: CornerOutcome) -> str:
+    difference, error = quantities.largest(outcome.difference), outcome.error.total
+    if difference <= FLOOR:
+        return f"The rigid motion is confirmed to {difference:.1e}; numerical error at most {error:.1e}."
+    return (
+        f"The flexible plate differs from the rigid motion by {100.0 * difference:.2g} %, "
+        f"numerical error at most {error:.1e}."
+    )
+
+
+def flutter_sentence(fe_plan: CornerPlan) -> str:
+    """Say what is predicted of a plate that rings, by friction or by rounding, and what is done against it."""
+    growth, damping = fe_plan.growth, fe_plan.case.scene.damping
+    judged = ", judged on coarser meshes" if growth.stand_in else ""
+    needed = decisions.suppressing_rate(growth)
+    if math.isnan(growth.rate):
+        return "not analysed: no coarser mesh makes a model; the run's own checks watch for it"
+    if not needed > 0.0 and not growth.harmless:
+        return "none: without friction nothing grows"
+    if not needed > 0.0:
+        return f"harmless: no mode grows by more than exp({growth.harmless:g}) during the run{judged}"
+    text = f"the fastest mode grows by up to exp({growth.exponent:.0f}) during the run{judged}"
+    if not growth.rate > 0.0:
+        text = f"rounding makes the reaction ring by {100.0 * growth.ripple:.2g} %"
+    if damping is not None and (damping.rate or 0.0) >= 0.5 * needed:
+        return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {text}"
+    if decisions.damping_is_open(fe_plan.asked.scene):
+        return f"possible: {text}; the checks watch for it, and a run that rings is made again with damping"
+    return (
+        f'EXPECTED, the run will fail its checks: {text}; damping.kind = "elastic-velocity" with '
+        f"damping.rate = {needed:.3g} suppresses it, and so does leaving out damping.kind"
+    )
+
+
+def statements(outcome: CornerOutcome) -> list[str]:
+    """Sentences that a reader needs beside the numbers: what was run, and what it means."""
+    fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
+    law = friction.FRICTION_LAWS[case.scene.corner.reaction]
+    constraint = constraints.CONSTRAINTS[case.scene.corner.constraint]
+    normal = outcome.rigid_history["reaction_normal"]
+    first, last = normal[0] / 1e3, normal[normal == normal][-1] / 1e3
+    made = [
+        f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
+        f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.',
+        f"The plate's material: {materials.MATERIALS[material.law].text}." if material else "",
+        f"The wall's reaction N is negative throughout, {measure(first, 'kN', '.2f')} at the start and "
+        f"{measure(last, 'kN', '.2f')} at the end: "
+        "it pulls the corner back to the wall. Without that pull the corner would leave it.",
+        _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
+        *report.chosen_sentences(fe_plan),
+        "The first run rang; this one was made with more damping." if outcome.attempts > 1 else "",
+        f"The plate starts {start_kinds.START_KINDS[fe_plan.plate.start].text}.",
+        f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: so much of its way to the wall the reaction "
+        "at the start moves the plate's centre. Differences of that size from the rigid motion are the plate's "
+        "flexibility, in inverse proportion to its stiffness.",
+        _error(outcome),
+        _convention(case),
+    ]
+    return [sentence for sentence in made if sentence]
+
+
+def diagnosis(outcome: CornerOutcome) -> list[str]:
+    """Sentences on why a run failed: choices of the program, and its prediction of ringing."""
+    return [*report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
+
+
+def prediction(outcome: CornerOutcome) -> str:
+    """Sentence on the ringing that was predicted."""
+    return f"Flutter {flutter_sentence(outcome.fe_plan)}."
+
+
+def is_paper_case(case: RigidStages) -> bool:
+    """True where vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
+    pairs = (
+        (case.body.length, 10.0, 0.0),
+        (case.body.width, 2.438, 0.0),
+        (case.start.angle, 0.26, 0.002),
+        (case.start.omega, 0.707, 2e-4),
+        (case.start.corner_speed, 25.053, 1e-3),
+        (case.scene.corner_friction, 0.47 if case.scene.corner.reaction == "drag" else 0.0, 0.0),
+    )
+    return all(math.isclose(value, paper, rel_tol=0.0, abs_tol=off) for value, paper, off in pairs)
+
+
+def _plate_mass(plate: float, vehicle: float) -> str:
+    if abs(plate / vehicle - 1.0) < 1e-9:
+        return ""
+    return (
+        f"The plate weighs {measure(plate, 'kg', '.1f')}, the vehicle {measure(vehicle, 'kg', '.1f')}. "
+        "Rigid motion does not depend on the mass; "
+        "reactions and energies do, and those of the rigid solution are given for the plate's mass here. "
+        "Stages 1 and 3 use the vehicle's."
+    )
+
+
+def _error(outcome: CornerOutcome) -> str:
+    error, second = outcome.error, outcome.second
+    if second is not None:
+        mesh = f"a second run ({second.mesh}) with the exact constraint"
+        parts = f"{error.second_run:.1e} by {mesh}, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
+    else:
+        parts = (
+            f"{error.mesh:.1e} by the mesh, {error.contact_spring:.1e} by the contact spring, {error.time_step:.1e} by "
+            f"the time step, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
+        )
+    return f"Numerical error of the five quantities at most {error.total:.1e}: {parts}."
+
+
+def _convention(case: RigidStages) -> str:
+    other, impact = case.other_convention(), case.scene.impact
+    if impact is None:
+        return ""
+    if other is None:
+        return (
+            f'Stage 1 is given for reference in the convention "{impact.convention}"; [start] overrides it.'
+        )
+    name, its = other
+    return (
+        f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '
+        f"impact would be {its.start.omega:.4f} instead of {case.start.omega:.4f} rad/s and the peak force "
+        f"{measure(its.force.peak_force, 'N', '.0f', named=False)} instead of "
+        f"{measure(case.force.peak_force, 'N', '.0f')}."
+    )

@@ -11,25 +11,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from fem.lazy import cached
-from postprocess.comparison.quantities import KEYS, TAIL_SLAP
-from solver import (
-    CONVENTIONS,
-    ImpulseResult,
-    PlaneMotion,
-    RectangularBody,
-    RigidBodyError,
-    StrikeForce,
-    corner_impulse,
-    plane_motion,
-    strike_force,
-    tail_slap,
-)
-from tailslap.case.case import CORNER, Case
+import solver
+from fem import lazy
+from postprocess.comparison import quantities
+from tailslap.case import case
 from tailslap.errors import InputError, Verbatim
+from tailslap.scene import vary
 from tailslap.scene.schema import Scene, StartTable
 from tailslap.scene.units import shown, value_line
-from tailslap.scene.vary import Changes, varied
 
 if TYPE_CHECKING:
     import numpy as np
@@ -75,11 +64,11 @@ class StageTwoStart:
 
 
 @dataclass(frozen=True)
-class RigidStages(Case):
+class RigidStages(case.Case):
     """A scene with a constrained corner: Stages 1 to 3 of the rigid body, solved when it is made."""
 
-    name = CORNER
-    compared = TAIL_SLAP
+    name = case.CORNER
+    compared = quantities.TAIL_SLAP
 
     def __post_init__(self) -> None:
         """Solve the stages. Raises InputError, naming the scene's key, where the rigid-body method has no answer."""
@@ -92,21 +81,21 @@ class RigidStages(Case):
         _ = self.force
 
     @cached_property
-    def body(self) -> RectangularBody[float]:
+    def body(self) -> solver.RectangularBody[float]:
         """The vehicle."""
         vehicle = self.scene.vehicle
         with _refusals(self.scene, "vehicle"):
-            return RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
+            return solver.RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
 
     @cached_property
-    def stage1(self) -> ImpulseResult[float] | None:
+    def stage1(self) -> solver.ImpulseResult[float] | None:
         """Stage 1; None without [impact]."""
         impact = self.scene.impact
         if impact is None or impact.friction is None or impact.restitution is None:
             return None
         given = (impact.speed, impact.angle, impact.friction, impact.restitution)
         with _refusals(self.scene, "impact"):
-            return corner_impulse(self.body, *given, convention=impact.convention)
+            return solver.corner_impulse(self.body, *given, convention=impact.convention)
 
     @cached_property
     def start(self) -> StageTwoStart:
@@ -119,16 +108,16 @@ class RigidStages(Case):
         return StageTwoStart(**found | {key: value for key, value in given.items() if value is not None})
 
     @cached_property
-    def motion(self) -> PlaneMotion:
+    def motion(self) -> solver.PlaneMotion:
         """Stage 2, exact."""
-        return self._motion(self.body)
+        return self.motion_of_mass(self.body.mass)
 
     @cached_property
-    def force(self) -> StrikeForce[float]:
+    def force(self) -> solver.StrikeForce[float]:
         """Stage 3."""
         speed, duration = self.motion.strike.v_gy, self.scene.strike.duration
         with _refusals(self.scene, "strike"):
-            return strike_force(self.scene.vehicle.mass, speed, duration)
+            return solver.strike_force(self.scene.vehicle.mass, speed, duration)
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Peak force [N] of each of n combinations, by Stages 1 to 3 of the scene with columns in place of numbers.
@@ -151,19 +140,19 @@ class RigidStages(Case):
             changed = (getattr(scene, table) or StartTable()).model_copy(update={name: value})
             scene = scene.model_copy(update={table: changed})
         vehicle, impact, start = scene.vehicle, scene.impact, scene.start or StartTable()
-        body = RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
+        body = solver.RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
         begin: tuple[Any, Any, Any] = (start.angle, start.omega, start.corner_speed)
         if impact is not None:
             given = (impact.speed, impact.angle, impact.friction, impact.restitution, impact.convention)
-            stage_1 = corner_impulse(body, *given, invalid="nan")
+            stage_1 = solver.corner_impulse(body, *given, invalid="nan")
             computed = (impact.angle, stage_1.omega, stage_1.corner_speed)
             begin = tuple(own if value is None else value for value, own in zip(begin, computed, strict=True))
         given = (*begin, scene.corner_friction, scene.corner.rigid_reaction)
-        state = tail_slap(body, *given, invalid="nan")
+        state = solver.tail_slap(body, *given, invalid="nan")
         speed = np.asarray(state.v_gy)
         known = np.isfinite(speed)
-        force = strike_force(vehicle.mass, np.where(known, speed, 0.0), scene.strike.duration).peak_force
-        return {"peak_force": np.where(known, force, np.nan)}
+        force = solver.strike_force(vehicle.mass, np.where(known, speed, 0.0), scene.strike.duration)
+        return {"peak_force": np.where(known, force.peak_force, np.nan)}
 
     @property
     def duration(self) -> float:
@@ -173,23 +162,20 @@ class RigidStages(Case):
     @property
     def tail_slap(self) -> dict[str, float]:
         """State at the tail-slap, SI, by the names of `summary.json`."""
-        return {name: float(getattr(self.motion.strike, name)) for name in KEYS}
+        return {name: float(getattr(self.motion.strike, name)) for name in quantities.KEYS}
 
-    def motion_of_mass(self, mass: float) -> PlaneMotion:
+    def motion_of_mass(self, mass: float) -> solver.PlaneMotion:
         """Stage 2 of a body of this mass [kg]: forces and energies change with it, nothing else."""
-        return self._motion(replace(self.body, mass=mass))
-
-    def _motion(self, body: RectangularBody[float]) -> PlaneMotion:
-        scene, start = self.scene, self.start
+        scene, start, body = self.scene, self.start, replace(self.body, mass=mass)
         given = (start.angle, start.omega, start.corner_speed, scene.corner_friction)
         with _refusals(scene, "start"):
-            motion: PlaneMotion = _solved_motion(body, *given, scene.corner.rigid_reaction)
+            motion: solver.PlaneMotion = _solved_motion(body, *given, scene.corner.rigid_reaction)
         return motion
 
-    def with_changes(self, changes: Changes) -> Self:
+    def with_changes(self, changes: vary.Changes) -> Self:
         """The case with keys changed on which the rigid motion does not depend: that, and the source, stay as given."""
         changed = copy(self)
-        object.__setattr__(changed, "scene", varied(self.scene, changes))
+        object.__setattr__(changed, "scene", vary.varied(self.scene, changes))
         return changed
 
     def decided(self, decisions: Iterable[Decision]) -> Self:
@@ -202,9 +188,9 @@ class RigidStages(Case):
         impact, start = self.scene.impact, self.scene.start
         if impact is None or (start and start.omega is not None):
             return None
-        (other,) = (name for name in CONVENTIONS if name != impact.convention)
+        (other,) = (name for name in solver.CONVENTIONS if name != impact.convention)
         try:
-            return other, replace(self, scene=varied(self.scene, {"impact.convention": other}))
+            return other, replace(self, scene=vary.varied(self.scene, {"impact.convention": other}))
         except InputError:
             return None
 
@@ -212,10 +198,10 @@ class RigidStages(Case):
         """Columns of the rigid motion to the tail-slap, by their names in `history.csv`, SI."""
         import numpy as np
 
-        from fem.explicit.columns import COLUMNS
+        from fem.explicit import columns
 
         state = self.motion.at(np.linspace(0.0, self.duration, ROWS))
-        return {name: getattr(state, name) for name in ("t", *COLUMNS) if hasattr(state, name)}
+        return {name: getattr(state, name) for name in ("t", *columns.COLUMNS) if hasattr(state, name)}
 
     def rigid_numbers(self) -> dict[str, Any]:
         """Stages 1 to 3, SI, and what the other convention of restitution would have given."""
@@ -223,15 +209,12 @@ class RigidStages(Case):
         return {
             "scene": self.scene.name,
             "stage1": self.stage1 and _numbers(self.stage1, "omega", "corner_speed", "impulse"),
-            "start": {"angle": self.start.angle, **_numbers(self.start, "omega", "corner_speed")},
+            "start": vars(self.start) | _numbers(self.start, "omega", "corner_speed"),
             "stage2": self.tail_slap,
             "stage3": _numbers(self.force, *STAGE_3),
             "other_convention": other
-            and {
-                "convention": other[0],
-                "omega": float(other[1].start.omega),
-                "stage3": _numbers(other[1].force, *STAGE_3),
-            },
+            and {"convention": other[0], **_numbers(other[1].start, "omega")}
+            | {"stage3": _numbers(other[1].force, *STAGE_3)},
         }
 
     def rigid_text(self, units: str = "si") -> list[str]:
@@ -239,9 +222,8 @@ class RigidStages(Case):
         answer = self.rigid_numbers()
 
         def rows(numbers: Mapping[str, float]) -> list[str]:
-            return [
-                value_line(LABELS[name][0], value, LABELS[name][1], units) for name, value in numbers.items()
-            ]
+            labelled = [(*LABELS[name], value) for name, value in numbers.items()]
+            return [value_line(label, value, unit, units) for label, unit, value in labelled]
 
         lines = [f"{self.scene.name}: rigid-body method, reaction {self.scene.corner.reaction}"]
         lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
@@ -255,9 +237,9 @@ class RigidStages(Case):
         return lines
 
 
-@cached("rigid motion")
-def _solved_motion(body: RectangularBody[float], *given: Any) -> PlaneMotion:
-    return plane_motion(body, *given)
+@lazy.cached("rigid motion")
+def _solved_motion(body: solver.RectangularBody[float], *given: Any) -> solver.PlaneMotion:
+    return solver.plane_motion(body, *given)
 
 
 @contextmanager
@@ -265,7 +247,7 @@ def _refusals(scene: Scene, table: str) -> Iterator[None]:
     """Turn what the theory refuses into a message that names the scene's key."""
     try:
         yield
-    except RigidBodyError as error:
+    except solver.RigidBodyError as error:
         key, allowed = _key(scene, table, error.key), f"{error.why}; allowed: {error.allowed}"
         if key == "impact.restitution" and scene.impact:  # it shows as an angular velocity of zero
             raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None

@@ -9,25 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from postprocess.comparison import quantities
 from postprocess.comparison.metrics import Metrics
-from postprocess.comparison.quantities import KEYS, relative_difference
+from tailslap.case import refine
 from tailslap.case.case import Outcome
 from tailslap.case.checks import evaluated
+from tailslap.case.corner import decisions, error, plan
 from tailslap.case.corner.checks import CHECKS, Evidence, energy_error, ringing_checks
-from tailslap.case.corner.decisions import damping_is_open
-from tailslap.case.corner.error import (
-    CORRUPTED,
-    NumericalError,
-    SecondRun,
-    distance_in_motion,
-    friction_by_ringing,
-    needs_second_run,
-)
-from tailslap.case.corner.plan import CornerPlan, make_corner_plan
+from tailslap.case.corner.error import NumericalError, SecondRun
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.refine import second_plates
 from tailslap.errors import InputError
-from tailslap.files.checkpoints import next_checkpoint
+from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
@@ -83,7 +76,7 @@ def run_corner(case: RigidStages) -> CornerOutcome:
     keys that make no model, and for a start that the plate cannot have.
     """
     outcome = settled(case)
-    if not outcome.fe or not needs_second_run(outcome.fe_plan, outcome.difference, outcome.error):
+    if not outcome.fe or not error.needs_second_run(outcome.fe_plan, outcome.difference, outcome.error):
         return outcome
     judged = compare(outcome.fe_plan, outcome.run, outcome.setup_s, second_run(outcome))
     return replace(judged, attempts=outcome.attempts)
@@ -92,7 +85,7 @@ def run_corner(case: RigidStages) -> CornerOutcome:
 def settled(case: RigidStages) -> CornerOutcome:
     """The outcome without a second run: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(case)
-    if not (rings(outcome) and damping_is_open(case.scene)):
+    if not (rings(outcome) and decisions.damping_is_open(case.scene)):
         return outcome
     again = attempt(case, MORE_DAMPING)
     return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
@@ -105,10 +98,10 @@ def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
     """
     began = time.perf_counter()
     with announced("Building the model ..."):
-        from fem.run.corner import compile_loop
+        from fem.run import corner
 
-        fe_plan = make_corner_plan(case, more_damping)
-    compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling)
+        fe_plan = plan.make_corner_plan(case, more_damping)
+    corner.compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling)
     setup = time.perf_counter() - began
     run = _simulated(fe_plan)
     return compare(fe_plan, run, setup + run.setup_s)
@@ -116,13 +109,13 @@ def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
 
 def _simulated(fe_plan: CornerPlan) -> Run:
     """The run of the model. Raises InputError for a start that the plate cannot have."""
-    from fem.run.corner import simulate
+    from fem.run import corner
     from fem.start.inertia_relief import TooSoftError
 
     scene, start = fe_plan.case.scene, fe_plan.plate.start
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
-            return simulate(
+            return corner.simulate(
                 fe_plan.model,
                 fe_plan.start,
                 fe_plan.case.duration,
@@ -130,8 +123,8 @@ def _simulated(fe_plan: CornerPlan) -> Run:
                 rows=scene.time.rows,
                 threads=scene.time.threads,
                 progress=progress,
-                corrupted=lambda row: friction_by_ringing(fe_plan, row) > CORRUPTED,
-                checkpoint=next_checkpoint(),
+                corrupted=lambda row: error.friction_by_ringing(fe_plan, row) > error.CORRUPTED,
+                checkpoint=checkpoints.next_checkpoint(),
                 snapshots=scene.kept_fields,
             )
     except TooSoftError:
@@ -148,9 +141,10 @@ def rings(outcome: CornerOutcome) -> bool:
 def compare(fe_plan: CornerPlan, run: Run, setup: float, second: SecondRun | None = None) -> CornerOutcome:
     """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
     rigid = fe_plan.case.tail_slap
-    fe = {name: run.strike.values[name] for name in KEYS} if run.strike else {}
+    fe = {name: run.strike.values[name] for name in quantities.KEYS} if run.strike else {}
     rigid_history = rigid_columns(fe_plan, run.history)
-    evidence = Evidence(fe_plan, run, rigid_history, relative_difference(fe, rigid) if fe else {}, second)
+    differences = quantities.relative_difference(fe, rigid) if fe else {}
+    evidence = Evidence(fe_plan, run, rigid_history, differences, second)
     with np.errstate(all="ignore"):  # a run that diverged is judged, not warned about
         return CornerOutcome(
             fe_plan=fe_plan,
@@ -175,11 +169,11 @@ def second_run(outcome: CornerOutcome) -> SecondRun:
     scene forbids it, if the plate starts with the elastic state that damping leaves as it is.
     """
     fe_plan = outcome.fe_plan
-    for plate in second_plates(fe_plan.plate):
+    for plate in refine.second_plates(fe_plan.plate):
         case = on_plate(fe_plan, plate)
         try:
             other = attempt(damped_alike(case, fe_plan))
-            if rings(other) and (damping_is_open(case.scene) or plate.relieved):
+            if rings(other) and (decisions.damping_is_open(case.scene) or plate.relieved):
                 other = settled(damped_freely(case))
         except InputError:
             continue
@@ -187,10 +181,8 @@ def second_run(outcome: CornerOutcome) -> SecondRun:
         if not other.fe:
             return SecondRun(mesh, {})
         ours, its = ((run.fe_history, run.rigid_history) for run in (outcome, other))
-        late, apart = (
-            distance_in_motion(ours, its, outcome.rigid, oscillates)
-            for oscillates in (False, not fe_plan.plate.relieved)
-        )
+        late = error.distance_in_motion(ours, its, outcome.rigid, False)
+        apart = error.distance_in_motion(ours, its, outcome.rigid, not fe_plan.plate.relieved)
         return SecondRun(mesh, other.difference, late, apart)
     return SecondRun("none", {})
 

@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.signals.filters import force_curves, force_peaks, second_strike
+from postprocess.signals import filters
+from postprocess.signals.filters import second_strike
 from postprocess.signals.occupant_risk import RiskMeasure, VehicleMotion, occupant_risk
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
-"""Columns that are told of the end of an impact."""
+"""Columns of the state at the end of an impact."""
 
 COMPARED = ("impulse", "peak_force", "duration")
 """Quantities of the first two strikes that are compared."""
@@ -50,17 +51,17 @@ class ImpactAnswer:
     @cached_property
     def lateral(self) -> dict[str, np.ndarray]:
         """Force on the wall across it, raw and filtered [N], shape (rows - 1,)."""
-        return force_curves(self.history["force_normal"][1:], self.interval)
+        return filters.force_curves(self.history["force_normal"][1:], self.interval)
 
     @cached_property
     def longitudinal(self) -> dict[str, np.ndarray]:
         """Force on the wall along it, raw and filtered [N], shape (rows - 1,)."""
-        return force_curves(-self.history["force_tangential"][1:], self.interval)
+        return filters.force_curves(-self.history["force_tangential"][1:], self.interval)
 
     @cached_property
     def peaks(self) -> dict[str, float]:
         """Peaks of the lateral force, raw and filtered [N]."""
-        return force_peaks(self.lateral)
+        return filters.force_peaks(self.lateral)
 
     @property
     def end(self) -> dict[str, float]:
@@ -201,7 +202,7 @@ SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
 
 def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
     """The force by the filters of `QUANTITIES`, shape (rows,) each."""
-    return force_curves(force, interval, ("mean_50ms", "cfc60"))
+    return filters.force_curves(force, interval, ("mean_50ms", "cfc60"))
 
 
 def peaks_within(

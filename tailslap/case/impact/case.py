@@ -5,17 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from postprocess.units import SI, Units
 from solver.impact import Strike
-from tailslap.case.impact.answers import COMPARED, END, ImpactAnswer, strike_numbers
-from tailslap.case.impact.rigid import CURVES, RigidImpact
+from tailslap.case.impact import answers, rigid
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from types import ModuleType
 
-    import numpy as np
-
-    from postprocess.report.report import Report
     from tailslap.case.impact.plan import ImpactPlan
     from tailslap.case.impact.run import ImpactOutcome
     from tailslap.scene.schema import Scene
@@ -27,7 +22,7 @@ SPENT = {"cost.steps": int, "cost.time_step": float}
 
 
 @dataclass(frozen=True)
-class ImpactCase(RigidImpact):
+class ImpactCase(rigid.RigidImpact):
     """A scene with [contact], see `Case`."""
 
     least_tolerance = 1e-6
@@ -38,10 +33,12 @@ class ImpactCase(RigidImpact):
 
         return make_impact_plan(self)
 
-    def _check_text(self) -> list[str]:
-        from tailslap.case.impact.report import check_text
+    @staticmethod
+    def pages() -> ModuleType:
+        """Import the texts of a whole impact."""
+        from tailslap.case.impact import report
 
-        return check_text(self, self.plan() if self.scene.plate else None)
+        return report
 
     def _run(self) -> ImpactOutcome:
         from tailslap.case.impact import checks, run
@@ -54,24 +51,6 @@ class ImpactCase(RigidImpact):
         """Largest change of impulse, peak and duration of the first two strikes by higher-order elements."""
         return max(map(abs, outcome.mesh_error.values()), default=float("nan"))
 
-    def summary(self, outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
-        """The numbers of a run, SI."""
-        from tailslap.case.impact.report import impact_summary
-
-        return impact_summary(outcome, pictures)
-
-    def histories(self, outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
-        """The histories of FE plate and rigid vehicle by the names of their files."""
-        from tailslap.case.impact.report import histories
-
-        return histories(outcome)
-
-    def report(self, outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
-        """The report of a run; its fields and animation, in these units, go into the folder."""
-        from tailslap.case.impact.report import impact_report
-
-        return impact_report(outcome, folder, pictures, units)
-
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
         """Columns that the table of a sweep has whatever its rows, and the type of their values."""
@@ -82,11 +61,11 @@ class ImpactCase(RigidImpact):
             for k in STRIKES:
                 kinds[f"{model}.strike_{k}.corner"] = str
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
-            kinds |= {f"{model}.peak.{name}": float for name in CURVES}
-            kinds |= {f"{model}.end.{name}": float for name in END}
+            kinds |= {f"{model}.peak.{name}": float for name in rigid.CURVES}
+            kinds |= {f"{model}.end.{name}": float for name in answers.END}
         if scene.plate is None:
             return kinds
-        names = [f"difference.strike_{k}.{name}" for k in STRIKES for name in COMPARED]
+        names = [f"difference.strike_{k}.{name}" for k in STRIKES for name in answers.COMPARED]
         return {**kinds, **dict.fromkeys([*names, "numerical_error"], float), **SPENT}
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
@@ -106,18 +85,18 @@ class ImpactCase(RigidImpact):
         }
 
 
-def _answer_columns(model: str, answer: ImpactAnswer) -> dict[str, Any]:
+def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
     """Columns of one of the two models, of its first two strikes; what it lacks is missing."""
     row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes)}
     for k, strike in zip(STRIKES, answer.strikes, strict=False):
         row[f"{model}.strike_{k}.corner"] = strike.corner
-        values = {"mean_50ms": _mean_peak(answer, strike), **strike_numbers(strike)}
+        values = {"mean_50ms": _mean_peak(answer, strike), **answers.strike_numbers(strike)}
         row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
     row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
 
 
-def _mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
+def _mean_peak(answer: answers.ImpactAnswer, strike: Strike) -> float:
     """Largest 50 ms mean of the lateral force [N] about an instant of the strike."""
     t, mean = answer.history["t"][1:], answer.lateral["mean_50ms"]
     during = (t >= strike.start) & (t - answer.interval <= strike.end)

@@ -9,17 +9,8 @@ from functools import partial
 import numpy as np
 
 from solver.impact import Strike
-from tailslap.case.checks import (
-    FINER,
-    STEP,
-    Check,
-    CheckKind,
-    Evaluation,
-    energy_surplus,
-    evaluated,
-    failed_names,
-    time_step,
-)
+from tailslap.case import checks
+from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation
 from tailslap.case.impact.run import ImpactOutcome
 
 STORED = (
@@ -32,11 +23,11 @@ STORED = (
 )
 """Columns of the energy that the model holds, or has taken for good."""
 
-MODAL_SHARE = 0.25
+MODAL_FRACTION = 0.25
 """Mass that a free beam's first mode moves as its ends do, over the beam's."""
 
-FLOOR, SHARE, MOST = 2e-3, 0.1, 0.05
-"""Mesh error that every run may have, the share of the difference from the rigid vehicle that comes on top, and how
+FLOOR, FRACTION, MOST = 2e-3, 0.1, 0.05
+"""Mesh error that every run may have, the fraction of the difference from the rigid vehicle that comes on top, and how
 much that is at most."""
 
 FORCES, DURATIONS = ("impulse", "peak_force"), ("duration",)
@@ -52,7 +43,7 @@ LOSS = 2e-2
 
 def energy_error(outcome: ImpactOutcome) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return energy_surplus(outcome.run.history, STORED)
+    return checks.energy_surplus(outcome.run.history, STORED)
 
 
 def _initial_energy(outcome: ImpactOutcome) -> float:
@@ -114,7 +105,7 @@ def _strikes(outcome: ImpactOutcome) -> Evaluation:
 
 def _mesh(what: str, quantities: tuple[str, ...], outcome: ImpactOutcome) -> Evaluation:
     meaning = (
-        f"what richer elements change in {what} of the first two strikes: {FLOOR:g} and {100 * SHARE:g} % of what "
+        f"what richer elements change in {what} of the first two strikes: {FLOOR:g} and {100 * FRACTION:g} % of what "
         f"flexibility changes, {MOST:g} at most, are allowed; refine plate.elements"
     )
     worst = _largest(outcome.mesh_error, quantities, math.nan)
@@ -122,7 +113,7 @@ def _mesh(what: str, quantities: tuple[str, ...], outcome: ImpactOutcome) -> Eva
 
 
 def _allowed(outcome: ImpactOutcome, quantities: tuple[str, ...]) -> float:
-    return FLOOR + min(SHARE * _largest(outcome.difference, quantities, 1.0), MOST)
+    return FLOOR + min(FRACTION * _largest(outcome.difference, quantities, 1.0), MOST)
 
 
 def _largest(found: Mapping[str, float], quantities: tuple[str, ...], without: float) -> float:
@@ -177,7 +168,7 @@ def _velocity(outcome: ImpactOutcome, first: Strike, second: Strike) -> float:
     h = outcome.run.history
     free = (h["t"] > first.end) & (h["t"] < second.start)
     energy = float(h["strain_energy"][free].max(initial=0.0))
-    return math.sqrt(2.0 * energy / (MODAL_SHARE * outcome.fe_plan.model.mass))
+    return math.sqrt(2.0 * energy / (MODAL_FRACTION * outcome.fe_plan.model.mass))
 
 
 def _approach(outcome: ImpactOutcome, second: Strike) -> float:
@@ -192,7 +183,7 @@ FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (
     CheckKind("finite numbers", _finite, STEP),
-    CheckKind("time step", time_step, STEP),
+    CheckKind("time step", checks.time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("energy gained", _gain, STEP),
     CheckKind("momentum balance", _momentum, FAULT),
@@ -205,21 +196,21 @@ CHECKS = (
     CheckKind("point contact", _point, "give contact.patch_length"),
     CheckKind("vibration", _vibration, FINER),
 )
-"""In the order in which they are told."""
+"""In the order in which they are listed."""
 
 MESH_CHECKS = ("mesh", "mesh for durations", "vibration")
 """Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 
-def impact_checks(outcome: ImpactOutcome) -> tuple[Check, ...]:
+def impact_checks(outcome: ImpactOutcome) -> tuple[checks.Check, ...]:
     """All checks of a run."""
-    return evaluated(CHECKS, outcome)
+    return checks.evaluated(CHECKS, outcome)
 
 
 def failed_but_mesh(outcome: ImpactOutcome) -> tuple[str, ...]:
     """Names of the checks that fail, those of the mesh apart: where others tell its error."""
-    checks = outcome.checks or impact_checks(outcome)
-    return tuple(name for name in failed_names(checks) if name not in MESH_CHECKS)
+    failed = checks.failed_names(outcome.checks or impact_checks(outcome))
+    return tuple(name for name in failed if name not in MESH_CHECKS)
 
 
 def advice(name: str) -> str:

@@ -10,9 +10,9 @@ import numpy as np
 from postprocess.report.page import Picture
 from postprocess.units import SI, Units
 from solver.impact import CORNERS
-from tailslap.case.impact.answers import ImpactAnswer, nearest_corner
+from tailslap import progress
+from tailslap.case.impact import answers
 from tailslap.case.impact.run import ImpactOutcome
-from tailslap.progress import announced
 
 if TYPE_CHECKING:
     from postprocess.figures.impact import StrikeMark
@@ -33,7 +33,7 @@ INSTANTS = 9
 """Positions of the vehicle that the strip shows, beside those of the strikes."""
 
 
-def marks(answer: ImpactAnswer) -> list[StrikeMark]:
+def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
     """The strikes as figures mark them."""
     from postprocess.figures.impact import StrikeMark
 
@@ -52,35 +52,35 @@ def marks(answer: ImpactAnswer) -> list[StrikeMark]:
 
 def outlines(outcome: ImpactOutcome) -> np.ndarray:
     """Corners of the vehicle at every row, shape (rows, 4, 2) [m]."""
-    from postprocess.figures.impact import vehicle_outlines
+    from postprocess.figures import impact
 
     h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
-    return vehicle_outlines(
+    return impact.vehicle_outlines(
         h["x_g"], h["y_g"], h["theta"], vehicle.length, vehicle.width, vehicle.front_distance
     )
 
 
 def position_strip(outcome: ImpactOutcome) -> Chart:
-    """Where the vehicle is at even instants."""
-    from postprocess.figures.impact import draw_positions
+    """Draw the vehicle at even instants."""
+    from postprocess.figures import impact
 
     t = outcome.run.history["t"]
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
-    return draw_positions(outlines(outcome)[shown], t[shown], marks(outcome.fe))
+    return impact.draw_positions(outlines(outcome)[shown], t[shown], marks(outcome.fe))
 
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
     """Lateral and longitudinal force, raw and filtered; the rigid vehicle's lateral force beside the plate's."""
-    from postprocess.figures.impact import draw_forces
+    from postprocess.figures import impact
 
     strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
     lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
     return [
-        draw_forces("force_lateral", lateral, t, outcome.fe.lateral, strikes, levels),
-        draw_forces(
+        impact.draw_forces("force_lateral", lateral, t, outcome.fe.lateral, strikes, levels),
+        impact.draw_forces(
             "force_longitudinal", "Longitudinal force on the wall, FE", t, outcome.fe.longitudinal, strikes
         ),
-        draw_forces(
+        impact.draw_forces(
             "force_rigid",
             "Lateral force on the wall, rigid vehicle",
             t,
@@ -92,19 +92,19 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
 
 def energy_figure(outcome: ImpactOutcome) -> Chart:
     """Draw what becomes of the kinetic energy."""
-    from postprocess.figures.impact import draw_energies
+    from postprocess.figures import impact
 
     h = outcome.run.history
     parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items()}
-    return draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
+    return impact.draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
 
 
 def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     """Force over crush of the corners that struck, and with more points than corners the force along the side."""
-    from postprocess.figures.impact import draw_loops, draw_side_force
+    from postprocess.figures import impact
 
     run, length = outcome.run, outcome.fe_plan.case.vehicle.length
-    corner = nearest_corner(run.points, length)
+    corner = answers.nearest_corner(run.points, length)
     loops = {}
     for i, name in enumerate(CORNERS):
         pressed = [k for k in np.flatnonzero(corner == i) if run.normal[:, k].any()]
@@ -118,14 +118,14 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
         distances, places = np.unique(np.round(-run.points[0, order], 9), return_inverse=True)
         force = np.zeros((len(run.normal), distances.size))
         np.add.at(force.T, places, run.normal[:, order].T / 1e3)
-        along.append(draw_side_force(run.history["t"], distances, force, "kN", marks(outcome.fe)))
-    return [draw_loops(loops)] if loops else [], along
+        along.append(impact.draw_side_force(run.history["t"], distances, force, "kN", marks(outcome.fe)))
+    return [impact.draw_loops(loops)] if loops else [], along
 
 
 def animation(outcome: ImpactOutcome, folder: Path, units: Units = SI) -> Picture:
     """The impact as a GIF, its axes in these units."""
     h = outcome.run.history
-    with announced("Drawing the animation ..."):
+    with progress.announced("Drawing the animation ..."):
         from postprocess.figures.animation import write_animation
 
         path = write_animation(

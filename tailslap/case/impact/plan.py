@@ -5,18 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from tailslap.case import model
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.case.model import (
-    Decision,
-    demand_steps,
-    fe_mesh,
-    plate_properties,
-    refusal,
-    resolved_plate,
-    step_properties,
-    threads_decision,
-)
+from tailslap.case.model import Decision
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
@@ -67,14 +59,14 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
 
     plate, decisions = chosen_plate(case.scene)
     touch, sample = case.touch, case.sample
-    model, plate = impact_model(case, plate, sample)
-    demand_steps(case.scene, case.duration, model)
+    made, plate = impact_model(case, plate, sample)
+    model.demand_steps(case.scene, case.duration, made)
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
     decisions = (
         *decisions,
-        *threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact has one"),
+        *model.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact has one"),
     )
-    return ImpactPlan(case, plate, decisions, model, first, sample)
+    return ImpactPlan(case, plate, decisions, made, first, sample)
 
 
 def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
@@ -95,19 +87,19 @@ def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[
     scene, vehicle = case.scene, case.vehicle
     uniform = scene.vehicle.centre_of_mass is None and scene.vehicle.yaw_inertia is None
     inertia = None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
-    mesh = fe_mesh(scene, plate)
-    plate = resolved_plate(scene, plate, mesh, inertia)
-    contact, step = contact_properties(scene.needed_contact), step_properties(scene, longest_step)
+    mesh = model.fe_mesh(scene, plate)
+    plate = model.resolved_plate(scene, plate, mesh, inertia)
+    contact, step = contact_properties(scene.needed_contact), model.step_properties(scene, longest_step)
     try:
         wall = wall_properties(case, scene.wall) if scene.wall else None
-        model = build_impact_model(mesh, plate_properties(scene, plate, inertia), contact, step, wall)
+        made = build_impact_model(mesh, model.plate_properties(scene, plate, inertia), contact, step, wall)
     except ModelError as error:
-        raise refusal(scene, plate, error) from None
-    return model, plate
+        raise model.refusal(scene, plate, error) from None
+    return made, plate
 
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
-    """A wall that gives, its middle where the rigid vehicle's strikes have theirs."""
+    """A deformable wall, its middle where the rigid vehicle's strikes have theirs."""
     from fem.plate.kinds import WallProperties
     from meshes import wall_mesh
 
@@ -126,7 +118,7 @@ def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
 
 
 def contact_properties(contact: Contact) -> ContactProperties:
-    """How the plate's boundary touches the wall."""
+    """Properties of the contact between the plate's boundary and the wall."""
     from fem.laws.friction import Drag
     from fem.plate.kinds import ContactProperties
 

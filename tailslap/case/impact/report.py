@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from postprocess.report import table
 from postprocess.report.page import Picture, Section
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, pairs
+from postprocess.report.table import Column, Table
 from postprocess.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.checks import failed_names
@@ -55,7 +56,12 @@ DURATIONS_NOTE = (
 )
 
 
-def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+WALL_NOTE = (
+    "The rigid vehicle strikes a rigid wall. What the foundation does not carry, the wall's inertia does."
+)
+
+
+def run_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units: of it."""
     report.keep_fields(outcome, folder)
     moving, verdict = [figures.animation(outcome, folder, units)] if pictures else [], headline(outcome)
@@ -63,11 +69,11 @@ def impact_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: U
     page = report.run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
     tables = (peak_table(outcome), report.short(_design(outcome)), _strikes(outcome))
     said = report.terminal_text(outcome, verdict, tables, advice)
-    return Report(page, impact_summary(outcome, pictures), said, histories=histories(outcome))
+    return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
 
 
 def headline(outcome: ImpactOutcome) -> str:
-    """The verdict: whether the numbers hold, and how far flexibility moves them."""
+    """Verdict on the numbers, and on what flexibility changes in them."""
     failed = failed_names(outcome.checks)
     if failed:
         return f"Not to be relied on: failed {', '.join(failed)}."
@@ -85,14 +91,10 @@ def headline(outcome: ImpactOutcome) -> str:
 def peak_table(outcome: ImpactOutcome) -> Table:
     """Peak force of each strike, and of the whole impact as a mean over 50 ms."""
     fe, rigid = outcome.fe.strikes, outcome.rigid.strikes
-    rows = [
-        {
-            "what": f"Strike {number}, {strike.corner}",
-            "fe": strike.peak_force,
-            "rigid": rigid[number - 1].peak_force if number <= len(rigid) else None,
-        }
-        for number, strike in enumerate(fe, 1)
-    ]
+    rows: list[dict[str, Any]] = []
+    for number, strike in enumerate(fe, 1):
+        other = rigid[number - 1].peak_force if number <= len(rigid) else None
+        rows.append({"what": f"Strike {number}, {strike.corner}", "fe": strike.peak_force, "rigid": other})
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
     return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
@@ -109,15 +111,12 @@ def _strikes(outcome: ImpactOutcome) -> Table:
 
 def filtered_table(outcome: ImpactOutcome) -> Table:
     """Peaks of raw and filtered forces."""
-    from postprocess.signals.filters import force_peaks
+    from postprocess.signals import filters
 
-    peaks = {
-        "fe": outcome.fe.peaks,
-        "rigid": outcome.rigid.peaks,
-        "along": force_peaks(outcome.fe.longitudinal),
-    }
+    fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
     rows = [
-        {"curve": label} | {name: its[key] for name, its in peaks.items()} for key, label in CURVES.items()
+        {"curve": label, "fe": fe[name], "rigid": rigid[name], "along": along[name]}
+        for name, label in CURVES.items()
     ]
     return Table(FILTERED, rows)
 
@@ -173,10 +172,7 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
         ("contact force, 50 ms mean", round(found["contact_mean_50ms"] / 1e3, 1), "kN"),
         ("force of the foundation, largest", round(found["foundation_force"] / 1e3, 1), "kN"),
     ]
-    note = (
-        "The rigid vehicle strikes a rigid wall. What the foundation does not carry, the wall's inertia does."
-    )
-    return [pairs(rows, notes=(note,))]
+    return [table.pairs(rows, notes=(WALL_NOTE,))]
 
 
 def _paper(outcome: ImpactOutcome) -> list[Table]:
@@ -187,16 +183,17 @@ def _paper(outcome: ImpactOutcome) -> list[Table]:
     rigid = outcome.rigid
     rear = next((strike for strike in rigid.strikes if strike.corner == "rear"), None)
     rows = [
-        ("impulse of the tail-slap, all of the mass stopped", beside.impulse / 1e3, "kN s"),
+        ("impulse of the tail-slap, all of the mass stopped", beside["impulse"] / 1e3, "kN s"),
         ("impulse of the rear strike, computed", rear.impulse / 1e3 if rear else None, "kN s"),
-        (f"peak force with a duration of {beside.duration:g} s", beside.peak_force / 1e3, "kN"),
+        (f"peak force with a duration of {beside['duration']:g} s", beside["peak_force"] / 1e3, "kN"),
     ]
-    if beside.computed_duration and beside.computed_peak_force:
-        read = f"peak force with {1e3 * beside.computed_duration:.0f} ms, read off the computed 50 ms mean"
-        rows.append((read, beside.computed_peak_force / 1e3, "kN"))
+    if beside["computed_duration"]:
+        read = f"peak force with {1e3 * beside['computed_duration']:.0f} ms, read off the computed 50 ms mean"
+        rows.append((read, beside["computed_peak_force"] / 1e3, "kN"))
     rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"] / 1e3, "kN"))
     note = "Stages 1 to 3 are those of the uniform rectangle, whatever its centre of mass and yaw inertia are here."
-    return [pairs([(what, value and round(value, 1), unit) for what, value, unit in rows], notes=(note,))]
+    rounded = [(what, value and round(value, 1), unit) for what, value, unit in rows]
+    return [table.pairs(rounded, notes=(note,))]
 
 
 def _statements(outcome: ImpactOutcome) -> list[str]:
@@ -209,41 +206,38 @@ def _statements(outcome: ImpactOutcome) -> list[str]:
     ]
 
 
-def impact_summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
+def summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
-    plan, beside = outcome.fe_plan.case, outcome.paper_method
+    plan = outcome.fe_plan.case
     return {
         **report.run_summary(outcome, omitted_parts(plan.scene, pictures)),
         "rigid": outcome.rigid.numbers(),
         "fe": outcome.fe.numbers(),
-        "paper_method": beside and asdict(beside),
+        "paper_method": outcome.paper_method,
         "difference": outcome.difference,
         "numerical_error": {"mesh": outcome.mesh_error, "first_frequency": outcome.frequency_error},
-        "occupant_risk": [
-            asdict(measure) for measure in outcome.fe.occupant_risk(outcome.fe_plan.model.mass)
-        ],
+        "occupant_risk": list(map(asdict, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))),
         "wall": wall_numbers(outcome),
         "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
     }
 
 
 def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
-    """Largest deflection of a wall that gives, where and when, and the foundation's largest force beside the contact's;
+    """Largest deflection of a deformable wall, where and when, and the foundation's largest force beside the contact's;
     None for a rigid wall."""
     if outcome.fe_plan.case.scene.wall is None:
         return None
-    from postprocess.signals.filters import moving_mean
+    from postprocess.signals import filters
 
     h = outcome.run.history
     k = int(np.argmax(h["wall_deflection"]))
+    mean = filters.moving_mean(h["force_foundation"][1:], outcome.fe.interval, 0.05)
     return {
         "deflection": float(h["wall_deflection"][k]),
         "place": float(h["wall_deflection_place"][k]),
         "t": float(h["t"][k]),
         "foundation_force": float(h["force_foundation"].max()),
-        "foundation_mean_50ms": float(
-            moving_mean(h["force_foundation"][1:], outcome.fe.interval, 0.05).max()
-        ),
+        "foundation_mean_50ms": float(mean.max()),
         "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
     }
 
@@ -256,17 +250,15 @@ def histories(outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
 
 
 def contact_words(contact: Contact) -> str:
-    """How the vehicle touches the wall."""
+    """Describe the contact of vehicle and wall."""
     friction = f"friction {contact.friction:g}" if contact.friction else "no friction"
     if contact.stiffness is None:
         how = "a penalty spring" if contact.enforcement == "penalty" else "an exact constraint"
         return f"does not crush: {how} at each node of the boundary, which only pushes; {friction}"
     initial = f"{measure(contact.initial_force / 1e3, 'kN', 'g')} + " if contact.initial_force else ""
-    side = (
-        f", a layer of {measure(contact.side_stiffness / 1e6, 'MN/m^2', 'g')} along the sides"
-        if contact.side_stiffness
-        else ""
-    )
+    side = ""
+    if contact.side_stiffness:
+        side = f", a layer of {measure(contact.side_stiffness / 1e6, 'MN/m^2', 'g')} along the sides"
     patch = f", spread over {measure(contact.patch_length, 'm', 'g')}" if contact.patch_length else ""
     return (
         f"crushes at its corners by {initial}{measure(contact.stiffness / 1e6, 'MN/m', 'g')} times the depth"
@@ -277,18 +269,16 @@ def contact_words(contact: Contact) -> str:
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     """Parts that this scene does without, each with the reason."""
-    contact, parts = scene.needed_contact, []
-    if contact.friction == 0.0:
-        parts.append(("friction", "contact.friction is 0: no friction code in the time loop"))
-    if contact.crushes and not contact.side_stiffness:
-        parts.append(("sides", "no contact.side_stiffness: the four corners alone touch"))
-    if scene.damping is None:
-        parts.append(("damping", "none is asked for: no damping code in the time loop"))
-    if scene.wall is None:
-        parts.append(("wall", "the scene has no [wall] table: the wall is rigid"))
-    if not pictures:
-        parts.append(("pictures", "--no-pictures: no animation"))
-    return parts
+    contact = scene.needed_contact
+    sides = contact.side_stiffness or not contact.crushes
+    parts = [
+        (contact.friction, "friction", "contact.friction is 0: no friction code in the time loop"),
+        (sides, "sides", "no contact.side_stiffness: the four corners alone touch"),
+        (scene.damping, "damping", "none is asked for: no damping code in the time loop"),
+        (scene.wall, "wall", "the scene has no [wall] table: the wall is rigid"),
+        (pictures, "pictures", "--no-pictures: no animation"),
+    ]
+    return [(part, why) for there, part, why in parts if not there]
 
 
 def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:

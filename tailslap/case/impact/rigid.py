@@ -4,28 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from postprocess.comparison.quantities import STRIKES
-from solver import RigidBodyError
-from solver.impact import (
-    CrushLaw,
-    ImpactMotion,
-    ImpactState,
-    ImpactVehicle,
-    WallContact,
-    first_touch,
-    solve_impact,
-    solve_impacts,
-)
+import solver
+from postprocess.comparison import quantities
+from solver import impact
+from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
-from tailslap.case.impact.answers import COLUMNS, ImpactAnswer, filtered, peaks_within, rigid_answer
+from tailslap.case.impact import answers
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.progress import compiling
 from tailslap.scene.schema import Contact, Scene
 from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Source, vary
@@ -56,15 +48,9 @@ ROWS_A_STRIKE, MOST_ROWS = 200, 200_000
 """Rows in the shorter of the rigid vehicle's first two strikes, and of a history, at most."""
 
 ARGUMENTS = (
-    *(
-        "vehicle.length",
-        "vehicle.width",
-        "vehicle.mass",
-        "vehicle.centre_of_mass",
-        "impact.speed",
-        "impact.angle",
-    ),
-    *("contact.stiffness", "contact.initial_force", "contact.restitution", "contact.friction"),
+    *(f"vehicle.{name}" for name in ("length", "width", "mass", "centre_of_mass")),
+    *("impact.speed", "impact.angle"),
+    *(f"contact.{name}" for name in ("stiffness", "initial_force", "restitution", "friction")),
 )
 """Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
 
@@ -95,7 +81,7 @@ class RigidImpact(Case):
     """A scene with [contact]: the rigid vehicle, its contact and first touch; its impact is solved when asked for."""
 
     name = WHOLE_IMPACT
-    compared = STRIKES
+    compared = quantities.STRIKES
 
     def __post_init__(self) -> None:
         """Raise InputError, naming the scene's key, where there is no such vehicle, or no impact."""
@@ -105,40 +91,38 @@ class RigidImpact(Case):
         assert self.motion.strikes or self.scene.time.end
 
     @cached_property
-    def vehicle(self) -> ImpactVehicle:
+    def vehicle(self) -> impact.ImpactVehicle:
         """The rigid vehicle."""
         given = self.scene.vehicle
         with refusals(self.scene):
-            return ImpactVehicle(
-                given.length, given.width, given.mass, given.centre_of_mass, given.yaw_inertia
-            )
+            sides = given.length, given.width
+            return impact.ImpactVehicle(*sides, given.mass, given.centre_of_mass, given.yaw_inertia)
 
     @cached_property
-    def contact(self) -> WallContact:
+    def contact(self) -> impact.WallContact:
         """Its laws of contact."""
         with refusals(self.scene):
             return wall_contact(self.scene, self.scene.needed_contact)
 
     @cached_property
-    def touch(self) -> ImpactState:
+    def touch(self) -> impact.ImpactState:
         """State at first touch."""
-        vehicle, contact, impact = self.vehicle, self.contact, self.scene.impact
-        assert contact
-        assert impact
+        given = self.scene.impact
+        assert self.contact
+        assert given
         with refusals(self.scene):
-            return first_touch(vehicle, impact.angle, impact.speed)
+            return impact.first_touch(self.vehicle, given.angle, given.speed)
 
     @cached_property
-    def motion(self) -> ImpactMotion:
+    def motion(self) -> impact.ImpactMotion:
         """The rigid vehicle's impact, to the scene's end."""
         return self.motion_until(self.scene.time.end)
 
-    def motion_until(self, end: float | None) -> ImpactMotion:
+    def motion_until(self, end: float | None) -> impact.ImpactMotion:
         """The impact to another end [s]; None: to 0.1 s after the second strike."""
         with refusals(self.scene):
-            return solve_impact(
-                self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST, on_compile=compiling
-            )
+            given = self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST
+            return impact.solve_impact(*given, on_compile=progress.compiling)
 
     @property
     def duration(self) -> float:
@@ -153,16 +137,15 @@ class RigidImpact(Case):
         return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
 
     @cached_property
-    def answer(self) -> ImpactAnswer:
+    def answer(self) -> answers.ImpactAnswer:
         """The rigid vehicle's impact, sampled."""
         rows = max(2, int(np.ceil(self.duration / self.sample)))
-        return rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
+        return answers.rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
 
     @property
     def inputs(self) -> dict[str, float]:
         """The scene's own number of each key of `ARGUMENTS`."""
-        tables = (key.split(".") for key in ARGUMENTS)
-        own = {f"{table}.{name}": getattr(getattr(self.scene, table), name) or 0.0 for table, name in tables}
+        own = {key: attrgetter(key)(self.scene) or 0.0 for key in ARGUMENTS}
         return own | {"vehicle.centre_of_mass": self.vehicle.front_distance}
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -183,25 +166,24 @@ class RigidImpact(Case):
         InputError
             Where the theory refuses one of them.
         """
-        middle = {
-            "vehicle.centre_of_mass": self.scene.vehicle.centre_of_mass
-        }  # None: of each one's own length
-        values: dict[str, Any] = {**self.inputs, **middle, **inputs}
+        middle = self.scene.vehicle.centre_of_mass  # None: of each one's own length
+        values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
         given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
         if (inertia := self.scene.vehicle.yaw_inertia) is not None:
             given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
+        until = {"after_second": AFTER_SECOND, "longest": LONGEST, "interval": INTERVAL}
         with refusals(self.scene):
-            found = solve_impacts(**given, after_second=AFTER_SECOND, longest=LONGEST, interval=INTERVAL)
+            found = impact.solve_impacts(**given, **until)
         starts, ends = found.start, found.start + found.duration
-        columns = {name: np.full(starts.shape[1:], np.nan) for name in COLUMNS}
+        columns = {name: np.full(starts.shape[1:], np.nan) for name in answers.COLUMNS}
         for k, known in enumerate(np.isfinite(starts[:2]), 1):
             for name, taken in (("raw", "peak_force"), ("impulse", "impulse"), ("duration", "duration")):
                 columns[f"strike_{k}.{name}"][known] = getattr(found, taken)[k - 1][known]
         for number, force in enumerate(found.mean_force.T):
             last = int(np.ceil((np.nanmax(ends[:, number]) + AFTER_SECOND) / INTERVAL))
-            curves = filtered(force[:last], INTERVAL)
+            curves = answers.filtered(force[:last], INTERVAL)
             for k, (start, end) in enumerate(zip(starts[:2, number], ends[:2, number], strict=True), 1):
-                for name, value in peaks_within(curves, INTERVAL, float(start), float(end)).items():
+                for name, value in answers.peaks_within(curves, INTERVAL, float(start), float(end)).items():
                     columns[f"strike_{k}.{name}"][number] = value
         return columns
 
@@ -212,7 +194,7 @@ class RigidImpact(Case):
     def rigid_numbers(self) -> dict[str, Any]:
         """Strikes, peaks and end, SI."""
         beside = paper_method(self.scene, self.answer)
-        return {"scene": self.scene.name, **self.answer.numbers(), "paper_method": beside and asdict(beside)}
+        return {"scene": self.scene.name, **self.answer.numbers(), "paper_method": beside}
 
     def rigid_text(self, units: str = "si") -> list[str]:
         """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
@@ -222,10 +204,8 @@ class RigidImpact(Case):
         lines += ["Strikes"] if answer.strikes else ["no strike"]
         for strike in answer.strikes:
             peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)
-            lines.append(
-                f"  {strike.corner:<16} from {strike.start:.4f} s for {strike.duration:.4f} s: "
-                f"peak {peak}, impulse {impulse}"
-            )
+            when = f"from {strike.start:.4f} s for {strike.duration:.4f} s"
+            lines.append(f"  {strike.corner:<16} {when}: peak {peak}, impulse {impulse}")
         lines += ["", "Lateral force on the wall, peak"]
         lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
         lines += ["", "At the end"]
@@ -233,31 +213,22 @@ class RigidImpact(Case):
         return lines + _paper_lines(paper_method(self.scene, answer), units)
 
 
-def wall_contact(scene: Scene, contact: Contact) -> WallContact:
+def wall_contact(scene: Scene, contact: Contact) -> impact.WallContact:
     """The rigid vehicle's contact; one that does not crush has the plate's penalty at its corners, elastic."""
     if contact.stiffness is None:
-        return WallContact(CrushLaw(_penalty(scene, contact), 0.0, 1.0), contact.friction)
+        from fem.laws.unilateral import penalty_stiffness
+
+        plate = scene.needed_plate
+        penalty = penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
+        return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), contact.friction)
     restitution = contact.restitution or 0.0
-    side = CrushLaw(contact.side_stiffness, 0.0, restitution) if contact.side_stiffness else None
-    return WallContact(
-        CrushLaw(contact.stiffness, contact.initial_force, restitution), contact.friction, side
-    )
+    side = impact.CrushLaw(contact.side_stiffness, 0.0, restitution) if contact.side_stiffness else None
+    corner = impact.CrushLaw(contact.stiffness, contact.initial_force, restitution)
+    return impact.WallContact(corner, contact.friction, side)
 
 
-def _penalty(scene: Scene, contact: Contact) -> float:
-    from fem.laws.unilateral import penalty_stiffness
-
-    plate = scene.needed_plate
-    return penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
-
-
-KEYS = {
-    **dict.fromkeys(("length", "width", "mass", "centre_of_mass", "yaw_inertia"), "vehicle"),
-    **dict.fromkeys(("stiffness", "initial_force", "restitution", "friction"), "contact"),
-    **dict.fromkeys(("angle", "speed"), "impact"),
-    "end": "time",
-}
-"""Tables of the keys behind the inputs of the theory."""
+KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, "vehicle.yaw_inertia", "time.end")}
+"""Keys of the scene behind the inputs of the theory."""
 
 
 @contextmanager
@@ -265,79 +236,63 @@ def refusals(scene: Scene) -> Iterator[None]:
     """Turn what the theory refuses into a message that names the scene's key."""
     try:
         yield
-    except RigidBodyError as error:
-        table = KEYS.get(error.key)
-        key = f"{table}.{error.key}" if table else "impact"
+    except solver.RigidBodyError as error:
+        key = KEYS.get(error.key, "impact")
         raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
 
 
-def _paper_lines(beside: PaperMethod | None, units: str) -> list[str]:
+def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
     """The paper's method beside it."""
     if beside is None:
         return []
+    impulse = shown(beside["impulse"], "N s", units, digits=4)
+    force = shown(beside["peak_force"], "N", units, digits=4)
     lines = [
         "",
         "The paper's method, of the uniform rectangle, whose side stops all at once",
-        f"  tail-slap at {beside.t:.4g} s, impulse {shown(beside.impulse, 'N s', units, digits=4)}, peak force "
-        f"{shown(beside.peak_force, 'N', units, digits=4)} with a duration of {beside.duration:g} s",
+        f"  tail-slap at {beside['t']:.4g} s, impulse {impulse}, peak force {force} with a duration of "
+        f"{beside['duration']:g} s",
     ]
-    if beside.computed_duration and beside.computed_peak_force:
-        lines.append(
-            f"  {shown(beside.computed_peak_force, 'N', units, digits=4)} with {beside.computed_duration:.3f} s, "
-            "read off the 50 ms mean above by its rule"
-        )
+    if read := beside["computed_duration"]:
+        force = shown(beside["computed_peak_force"], "N", units, digits=4)
+        lines.append(f"  {force} with {read:.3f} s, read off the 50 ms mean above by its rule")
     return lines
 
 
-@dataclass(frozen=True)
-class PaperMethod:
-    """Results of the paper's method for the same vehicle and impact, of the uniform rectangle.
+def paper_method(scene: Scene, answer: answers.ImpactAnswer) -> dict[str, Any] | None:
+    """The paper's method for the same vehicle and impact, of the uniform rectangle.
 
-    Attributes
+    Parameters
     ----------
-    omega : float
-        After Stage 1 [rad/s].
-    t : float
-        Time of the tail-slap [s].
-    impulse : float
-        Of the tail-slap, the whole mass stopped [N s].
-    duration : float
-        That the paper reads off crash tests [s].
-    peak_force : float
-        With it [N].
-    computed_duration, computed_peak_force : float or None
-        With the duration of the second strike as the paper would read it off the computed 50 ms mean [s], [N].
+    scene : Scene
+        With [contact].
+    answer : ImpactAnswer
+        The rigid vehicle's impact.
+
+    Returns
+    -------
+    dict or None
+        omega after Stage 1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that
+        the paper reads off crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with
+        the duration of the second strike as the paper would read it off the computed 50 ms mean, or None. None where
+        [impact] does not give friction and restitution, or where the method has no answer.
     """
-
-    omega: float
-    t: float
-    impulse: float
-    duration: float
-    peak_force: float
-    computed_duration: float | None
-    computed_peak_force: float | None
-
-
-def paper_method(scene: Scene, answer: ImpactAnswer) -> PaperMethod | None:
-    """The paper's method beside an impact; None where [impact] does not give its friction and restitution, or where it
-    has no answer."""
     from tailslap.case.corner.case import CornerCase
 
-    impact = scene.impact
-    if impact is None or impact.friction is None or impact.restitution is None:
+    given = scene.impact
+    if given is None or given.friction is None or given.restitution is None:
         return None
     try:
-        plan = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))
+        case = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))
     except InputError:
         return None
-    read = answer.second_strike.get("mean_50ms", {}).get("duration")
-    force = plan.force
-    return PaperMethod(
-        float(plan.start.omega),
-        float(plan.motion.strike.t),
-        float(force.impulse),
-        float(force.duration),
-        float(force.peak_force),
-        read,
-        2.0 * float(force.impulse) / read if read else None,
-    )
+    read, force = answer.second_strike.get("mean_50ms", {}).get("duration"), case.force
+    return {
+        "omega": float(case.start.omega),
+        "t": float(case.motion.strike.t),
+        "impulse": float(force.impulse),
+        "duration": float(force.duration),
+        "peak_force": float(force.peak_force),
+        "computed_duration": read,
+        "computed_peak_force": 2.0 * float(force.impulse) / read if read else None,
+    }

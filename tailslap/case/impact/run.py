@@ -6,16 +6,17 @@ import math
 import time
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from tailslap.case import refine
 from tailslap.case.case import Outcome
-from tailslap.case.impact.answers import ImpactAnswer, differences, rigid_answer, sampled_answer
-from tailslap.case.impact.plan import ImpactPlan, impact_model, make_impact_plan
-from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, PaperMethod, RigidImpact, paper_method
+from tailslap.case.impact import answers, plan
+from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.plan import ImpactPlan
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
 from tailslap.case.model import refusal
-from tailslap.case.refine import refined
 from tailslap.errors import InputError
-from tailslap.files.checkpoints import next_checkpoint
+from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
@@ -48,7 +49,7 @@ class ImpactOutcome(Outcome):
     frequency_error: float = math.nan
 
     @cached_property
-    def paper_method(self) -> PaperMethod | None:
+    def paper_method(self) -> dict[str, Any] | None:
         """The paper's method beside the rigid vehicle's impact."""
         return paper_method(self.fe_plan.case.scene, self.rigid)
 
@@ -57,10 +58,10 @@ def attempt(case: RigidImpact) -> ImpactOutcome:
     """A single run beside the rigid vehicle, without a second run and checks. Raises InputError."""
     began = time.perf_counter()
     with announced("Building the model ..."):
-        from fem.run.impact import compile_impact_loop
+        from fem.run import impact
 
-        fe_plan = make_impact_plan(case)
-    compile_impact_loop(fe_plan.model, on_compile=compiling)
+        fe_plan = plan.make_impact_plan(case)
+    impact.compile_impact_loop(fe_plan.model, on_compile=compiling)
     setup = time.perf_counter() - began
     return replace(compared(fe_plan, simulated(fe_plan, case.scene.kept_fields)), setup_s=setup)
 
@@ -71,8 +72,8 @@ def compared(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactOutcome:
     motion, last = fe_plan.case.motion, float(run.history["t"][-1])
     if last > motion.t_end:
         motion = fe_plan.case.motion_until(last)
-    rigid = rigid_answer(motion, run.history["t"])
-    return ImpactOutcome(fe_plan, run, differences(fe, rigid), (), 0.0, rigid, fe)
+    rigid = answers.rigid_answer(motion, run.history["t"])
+    return ImpactOutcome(fe_plan, run, answers.differences(fe, rigid), (), 0.0, rigid, fe)
 
 
 def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
@@ -81,7 +82,7 @@ def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
     snapshots: instants at which the motion of all nodes is kept.
     """
     from fem.plate.kinds import ModelError
-    from fem.run.impact import simulate_impact
+    from fem.run import impact
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
     end = scene.time.end
@@ -95,14 +96,14 @@ def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
-            return simulate_impact(
+            return impact.simulate_impact(
                 fe_plan.model,
                 fe_plan.touch,
                 fe_plan.sample,
                 LONGEST if end is None else end,
                 finished if end is None else lambda run: False,
                 lambda now: progress(min(1.0, now / until)),
-                next_checkpoint(),
+                checkpoints.next_checkpoint(),
                 snapshots,
                 until if end is None else end,
             )
@@ -112,7 +113,7 @@ def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
 
 def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
     length = fe_plan.case.vehicle.length
-    return sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
+    return answers.sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
 
 
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
@@ -120,14 +121,14 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     fe_plan = outcome.fe_plan
     for plate in _higher_order(fe_plan.plate):
         try:
-            model, _ = impact_model(fe_plan.case, plate, fe_plan.sample)
+            model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
         except InputError:
             continue
-        from fem.run.impact import compile_impact_loop
+        from fem.run import impact
 
-        compile_impact_loop(model, on_compile=compiling)
+        impact.compile_impact_loop(model, on_compile=compiling)
         finer = replace(fe_plan, model=model, plate=plate)
-        error = differences(outcome.fe, _answer(fe_plan, simulated(finer)))
+        error = answers.differences(outcome.fe, _answer(fe_plan, simulated(finer)))
         frequency = fe_plan.first_frequency / finer.first_frequency - 1.0
         return replace(outcome, mesh_error=error, frequency_error=frequency)
     return outcome
@@ -135,9 +136,9 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
 
 def _higher_order(plate: Plate) -> list[Plate]:
     """The plate with elements of twice the order, half as many each way where that can be; else twice as many."""
-    from fem.plate.kinds import ELEMENT_KINDS
+    from fem.plate import kinds
 
-    higher = ELEMENT_KINDS[plate.element].higher_order
+    higher = kinds.ELEMENT_KINDS[plate.element].higher_order
     if not higher:
-        return [refined(plate)]
-    return [refined(plate, 0.5 if min(plate.counts) > 3 else 1.0, higher), refined(plate)]
+        return [refine.refined(plate)]
+    return [refine.refined(plate, 0.5 if min(plate.counts) > 3 else 1.0, higher), refine.refined(plate)]

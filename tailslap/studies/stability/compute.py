@@ -25,7 +25,7 @@ from tailslap.campaign import engine, records
 from tailslap.case import case_of
 from tailslap.case.checks import failed_names
 from tailslap.case.corner.checks import OSCILLATES, reaction_checks
-from tailslap.case.corner.error import FLOOR, SHARE, Histories, distance_in_motion
+from tailslap.case.corner.error import FLOOR, FRACTION, Histories, distance_in_motion
 from tailslap.case.corner.run import CornerOutcome, settled
 from tailslap.case.cost import beam_frequency, expected_effort
 from tailslap.case.impact import run as whole_impact
@@ -82,7 +82,7 @@ WRONG_FROM = (1e-3, 0.25)
 
 # The same for a result that is good beyond doubt: with the factor of safety on an error that two meshes tell
 # (Roache 1994, ASME V&V 20) it would still be allowed.
-GOOD_TO = (FLOOR / 3.0, SHARE / 3.0)
+GOOD_TO = (FLOOR / 3.0, FRACTION / 3.0)
 
 # Times as fine as the cell's mesh, both ways, of the first reference and of a second one; elements, and
 # expected seconds, of which a reference has no more.
