@@ -20,7 +20,7 @@ from fem.registry import Registry
 from fem.start import start_kinds
 from postprocess.report import files, terminal
 from postprocess.report.table import Table
-from postprocess.units import SI, SYSTEMS
+from postprocess.units import SYSTEMS
 from tailslap import result
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
@@ -37,8 +37,6 @@ Changes = Mapping[str, Any] | Sequence[str]
 
 Values = str | Sequence[Any]
 """Values of a key that varies: a list, or text as the command takes it, "log:20 GPa:2 TPa:5"."""
-
-MODAL = "modal"
 
 REGISTRIES: dict[str, Registry[Any]] = {
     "corner.reaction": friction.FRICTION_LAWS,
@@ -93,37 +91,21 @@ def run(
     >>> result.passed, round(result.summary["fe"]["t"], 4)
     (True, 0.3867)
     """
+    from tailslap.case import report
+
     case = _affordable(scene, changes, allow_large)
     outcome = case.run(tolerance)
-    summary = files.plain(case.summary(outcome, True))
-    histories = case.histories(outcome)
-
-    def fields() -> Any:
-        from tailslap.case.report import field_series
-
-        return field_series(outcome.fe_plan.model, outcome.run.snapshots)
-
-    def ends() -> Any:
-        from tailslap.case.report import series_of_ends
-
-        return series_of_ends(outcome)
-
-    return result.Result(
-        "run",
-        summary["scene"],
-        summary,
-        result.run_headline(summary),
-        summary["passed"],
-        result.run_tables(summary),
-        {
-            result.FE: load.history(histories["history.csv"]),
-            result.RIGID: load.history(histories["rigid.csv"]),
-        },
-        fill=result.filled_by(
+    found, columns = outcome.run, case.histories(outcome)
+    return result.of_run(
+        files.plain(case.summary(outcome, True)),
+        {label: load.history(columns[name]) for label, name in load.FILES.items()},
+        result.filled_by(
             lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])
         ),
-        make_fields=None if outcome.run.snapshots is None else fields,
-        make_ends=ends if getattr(outcome.run, "strike", None) is not None else None,
+        None
+        if found.snapshots is None
+        else lambda: report.field_series(outcome.fe_plan.model, found.snapshots),
+        None if getattr(found, "strike", None) is None else lambda: report.series_of_ends(outcome),
     )
 
 
@@ -159,8 +141,6 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     summary, columns = files.plain(case.rigid_numbers()), case.rigid_history()
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        from postprocess.report import files
-
         files.write_summary(folder / "summary.json", summary)
         files.write_history(folder / "rigid.csv", columns)
 
@@ -209,9 +189,9 @@ def check(
     from tailslap.case.report import LABEL, as_numbers
 
     case = _case(scene, changes)
-    lines, name = case.check_text(allow_large), case.scene.name
-    said, plainly = ([system.rendered(line) for line in lines] for system in (SYSTEMS[units], SI))
-    return result.Result("check", name, as_numbers(name, plainly), text=terminal.labelled_text(said, LABEL))
+    name, lines = case.scene.name, case.check_text(allow_large)
+    text = terminal.labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
+    return result.Result("check", name, files.plain(as_numbers(name, lines)), text=text)
 
 
 def modal(
@@ -259,18 +239,18 @@ def modal(
     >>> tailslap.modal("paper-table-3", modes=2).passed
     True
     """
-    from tailslap.modal_analysis import run as modal_analysis
+    from tailslap.modal_analysis import run
 
     fe_plan = _corner_plan(scene, changes, allow_large)
-    found = modal_analysis.modal_run(fe_plan, modes, tolerance, steps)
-    summary = files.plain(modal_analysis.modal_numbers(fe_plan, found))
+    found = run.modal_run(fe_plan, modes, tolerance, steps)
+    summary = files.plain(run.modal_numbers(fe_plan, found))
     return result.Result(
         "modal",
         summary["scene"],
         summary,
         passed=found.passed,
-        histories={MODAL: load.history(found.history)},
-        text=modal_analysis.modal_text(fe_plan, found, units),
+        histories={"modal": load.history(found.history)},
+        text=run.modal_text(fe_plan, found, units),
     )
 
 
@@ -308,16 +288,8 @@ def modes(
     """
     from tailslap.modal_analysis import modes as free
 
-    found = free.find_modes(_corner_plan(scene, changes, allow_large), count)
-    summary = files.plain(free.summary(found))
-    return result.Result(
-        "modes",
-        summary["scene"],
-        summary,
-        free.headline(found),
-        tables={"Frequencies": free.modes_table(found)},
-        fill=result.filled_by(lambda place, pictures, units: free.modes_report(found)),
-    )
+    report = free.modes_report(free.find_modes(_corner_plan(scene, changes, allow_large), count))
+    return result.of_report("modes", report, {"Frequencies": report.terminal[1]})
 
 
 def study(
@@ -376,17 +348,9 @@ def study(
     place, found = compute_study(chosen, os.fspath(scene), _texts(changes), out, allow_large, own, force)
     report = chosen.report(found)
     parts = [part for part in report.terminal if isinstance(part, Table)]
-    return result.Result(
-        f"study {name}",
-        report.page.title,
-        files.plain(report.summary),
-        report.page.headline,
-        report.page.passed,
-        {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables),
-        fill=result.filled_by(lambda place, pictures, units: report),
-        text=terminal.printed(report.terminal),
-        place=place,
-    )
+    tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
+    text = terminal.printed(report.terminal)
+    return result.of_report(f"study {name}", report, tables, text=text, place=place)
 
 
 def sweep(
@@ -442,19 +406,17 @@ def sweep(
     >>> found = tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})  # doctest: +SKIP
     >>> found.history["difference.v_gy"]  # doctest: +SKIP
     """
-    from tailslap.campaign.definition import make_definition
-    from tailslap.campaign.perform import perform
-    from tailslap.campaign.report import sweep_text
+    from tailslap.campaign import definition, perform, report
 
     if cluster and workers:
         raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
     if isinstance(vary, Mapping):
         texts = {k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in vary.items()}
         vary = [f"{key}={text}" for key, text in texts.items()]
-    definition = make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
-    place = Path(folder) if folder is not None else Path("results") / f"{definition.scene}-sweep"
-    done = perform(definition, place, cluster, workers, units=units)
-    return replace(load.sweep_result(place), text=sweep_text(done, place), place=place)
+    asked = definition.make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
+    place = Path(folder) if folder is not None else Path("results") / f"{asked.scene}-sweep"
+    done = perform.perform(asked, place, cluster, workers, units=units)
+    return replace(load.sweep_result(place), text=report.sweep_text(done, place), place=place)
 
 
 def compare(
@@ -498,27 +460,26 @@ def compare(
     from tailslap.comparing import report
 
     found = report.compare_items((reference, *others), columns, only)
-    return result.Result(
-        "compare",
-        " · ".join(item.label for item in found.items),
-        files.plain(report.summary(found)),
-        report.headline(found),
-        found.within,
-        {"Metrics": report.metrics_table(found)},
-        {item.label: result.Columns(item.columns, item.units) for item in found.items},
-        fill=result.filled_by(lambda place, pictures, units: report.compare_report(found)),
-    )
+    made = report.compare_report(found)
+    histories = {item.label: result.Columns(item.columns, item.units) for item in found.items}
+    return result.of_report("compare", made, {"Metrics": made.tables["metrics.csv"]}, histories=histories)
 
 
 def _case(scene: Scene, changes: Changes | None) -> Case:
     """The case of a scene with these changes. Raises InputError."""
     if isinstance(scene, Case) and not changes:
         return scene
-    source = scene.source if isinstance(scene, Case) else _source(scene)
-    if isinstance(changes, Mapping):
-        values = named({key: _plain(value) for key, value in changes.items()})
+    if isinstance(scene, Case):
+        source = scene.source
+    elif isinstance(scene, Mapping):
+        source = Source(given=_plain(scene))
+    elif isinstance(scene, str | os.PathLike):
+        source = read.read_source(os.fspath(scene))
     else:
-        values = parse_changes(changes or (), source.given)
+        allowed = "allowed is a name, the path of a TOML file, or a dict of tables"
+        raise InputError("scene", type(scene).__name__, allowed)
+    typed = not isinstance(changes, Mapping)
+    values = parse_changes(changes or (), source.given) if typed else named(_plain(changes))
     varied, source = vary(source, values)
     for remark in read.remarks(source):
         warnings.warn(remark, stacklevel=3)
@@ -543,15 +504,6 @@ def _corner_plan(scene: Scene, changes: Changes | None, allow_large: bool) -> An
 def _texts(changes: Changes | None) -> tuple[str, ...]:
     """The changes as texts, which workers take."""
     return shown(named(changes)) if isinstance(changes, Mapping) else tuple(changes or ())
-
-
-def _source(scene: Scene) -> Source:
-    if isinstance(scene, Mapping):
-        return Source(given={key: _plain(value) for key, value in scene.items()})
-    if isinstance(scene, str | os.PathLike):
-        return read.read_source(os.fspath(scene))
-    allowed = "allowed is a name, the path of a TOML file, or a dict of tables"
-    raise InputError("scene", type(scene).__name__, allowed)
 
 
 def _plain(value: Any) -> Any:

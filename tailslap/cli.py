@@ -56,31 +56,22 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
     return options.with_options(options.SCENE, options.SET)(command)
 
 
-def filled(fill: Fill | None, place: Path, pictures: bool, units: str) -> Report:
-    """Fill the folder `place` with a result's files; its report. Raises InputError where it cannot be written."""
+def deliver(
+    fill: Fill | None, place: Path, as_json: bool, units: str = "si", pictures: bool = True, page: str = ""
+) -> int:
+    """Fill the folder `place` and say what was found, or as JSON the summary; 1 if something failed.
+
+    page: its name, where it is another than a report's.
+    """
     from tailslap.files.folder import result_folder
 
     assert fill is not None
     with result_folder(place) as folder:
         report = fill(folder, pictures, units)
     assert report is not None
-    return report
+    from postprocess.report.report import PAGE, report_text
 
-
-def deliver(
-    fill: Fill | None,
-    place: Path,
-    as_json: bool,
-    units: str = "si",
-    pictures: bool = True,
-    page: str = "report.html",
-) -> int:
-    """Fill the folder `place` and say what was found, or as JSON the summary; 1 if something failed."""
-    report = filled(fill, place, pictures, units)
-    from postprocess.report import files
-    from postprocess.report.report import report_text
-
-    click.echo(files.summary_text(report.summary) if as_json else report_text(report, place, page))
+    options.tell(report.summary, report_text(report, place, page or PAGE), as_json)
     return DONE if report.passed else CHECK_FAILED
 
 
@@ -104,7 +95,7 @@ def commands() -> None:
     help="Pick the cheapest mesh and constraint for this relative error.",
 )
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
-@options.with_options(options.FORCE, options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
+@options.with_options(options.FORCE, *options.WATCHED)
 def run(
     case: Case,
     allow_large: bool,
@@ -118,7 +109,7 @@ def run(
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from tailslap.files import checkpoints
-    from tailslap.files.folder import demand_own, demand_place
+    from tailslap.files.folder import demand_own, demand_place, result_folder
 
     place = out or RESULTS / case.scene.name
     demand_own(place, case.scene.name, force)
@@ -126,13 +117,15 @@ def run(
     with checkpoints.checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
         found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
         if not no_pictures:  # what was computed is there, whatever becomes of the pictures
-            filled(found.fill, place, False, units)
+            with result_folder(place) as folder:
+                assert found.fill is not None
+                found.fill(folder, False, units)
         return deliver(found.fill, place, as_json, units, not no_pictures)
 
 
 @commands.command()
 @takes_a_case
-@options.with_options(options.UNITS, options.JSON, options.QUIET)
+@options.with_options(*options.PRINTED)
 def rigid(case: Case, as_json: bool, units: str) -> int:
     """The rigid-body method, or the rigid vehicle's whole impact, alone."""
     if as_json and units == "us":
@@ -161,27 +154,15 @@ def study() -> None:
 def study_command(chosen: Study) -> click.Command:
     """The study on the command line: SCENE, --set, --out, and its own options."""
     help_out = f"Result folder  [default: results/NAME-{chosen.name}]"
-    shared: list[click.Parameter] = [
-        *(options.SCENE, options.SET, click.Option(["--out"], type=options.Folder(), help=help_out)),
-        *(options.ALLOW_LARGE, options.FORCE, options.UNITS, options.JSON, options.QUIET, options.PROGRESS),
-    ]
+    out = click.Option(["--out", "folder"], type=options.Folder(), help=help_out)
+    shared = [options.SCENE, options.SET, out, options.ALLOW_LARGE, options.FORCE, *options.WATCHED]
 
     from tailslap.studies.study import option_names
 
-    def run(
-        name: str,
-        changes: tuple[str, ...],
-        out: Path | None,
-        allow_large: bool,
-        force: bool,
-        units: str,
-        as_json: bool,
-        **given: Any,
-    ) -> int:
-        own = {name: given[str(option.name)] for name, option in option_names(chosen).items()}
-        found = tailslap.study(
-            chosen.name, name, changes, folder=out, allow_large=allow_large, force=force, **own
-        )
+    def run(name: str, changes: tuple[str, ...], units: str, as_json: bool, **given: Any) -> int:
+        asked = {name: given[str(option.name)] for name, option in option_names(chosen).items()}
+        asked |= {name: given[name] for name in ("folder", "allow_large", "force")}
+        found = tailslap.study(chosen.name, name, changes, **asked)
         return deliver(found.fill, found.place or RESULTS, as_json, units)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
@@ -204,7 +185,7 @@ def study_command(chosen: Study) -> click.Command:
     help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
 )
 @click.option("--seed", type=options.Whole(0), default=307, show_default=True, help="Of the samples.")
-@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option("--out", "folder", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
 @click.option(
     "--cluster", type=options.Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786."
 )
@@ -214,19 +195,8 @@ def study_command(chosen: Study) -> click.Command:
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )
-@options.with_options(options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
-def sweep(
-    name: str,
-    varied: tuple[str, ...],
-    changes: tuple[str, ...],
-    sample: int | None,
-    seed: int,
-    out: Path | None,
-    cluster: str | None,
-    workers: int | None,
-    units: str,
-    as_json: bool,
-) -> int:
+@options.with_options(*options.WATCHED)
+def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json: bool, **given: Any) -> int:
     """Run a scene for many values of its keys: one table, a row a run.
 
     Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
@@ -234,9 +204,8 @@ def sweep(
     """
     from tailslap.campaign.perform import StoppedError
 
-    settings: dict[str, Any] = {"sample": sample, "seed": seed, "cluster": cluster, "workers": workers}
     try:
-        found = tailslap.sweep(name, varied, changes, folder=out, units=units, **settings)
+        found = tailslap.sweep(name, varied, changes, **given)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
@@ -245,9 +214,9 @@ def sweep(
 
 
 @commands.command()
-@click.argument("folder", metavar="RESULT", type=options.Folder())
+@click.argument("result", metavar="RESULT", type=options.Folder())
 @click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
-@click.option("--out", type=options.Folder(), help="Folder for them  [default: RESULT-FORMAT]")
+@click.option("--out", "folder", type=options.Folder(), help="Folder for them  [default: RESULT-FORMAT]")
 @click.option(
     "--field", type=options.Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
 )
@@ -258,16 +227,14 @@ def sweep(
     show_default=True,
     help="The elastic deformation in them.",
 )
-@options.with_options(options.UNITS, options.JSON, options.QUIET)
-def export(
-    folder: Path, to: str, out: Path | None, field: str | None, magnify: float, units: str, as_json: bool
-) -> int:
+@options.with_options(*options.PRINTED)
+def export(result: Path, as_json: bool, **given: Any) -> int:
     """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
 
     RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
     histories of any run.
     """
-    written = tailslap.export(folder, to, out, field=field, magnify=magnify, units=units)
+    written = tailslap.export(result, **given)
     return options.tell({"written": written}, f"Written: {written}", as_json)
 
 
@@ -281,7 +248,7 @@ def export(
 )
 @click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
 @click.option("--out", type=options.Folder(), help="Folder of the page  [default: results/compare]")
-@options.with_options(options.UNITS, options.JSON, options.QUIET)
+@options.with_options(*options.PRINTED)
 def compare(
     given: tuple[Path, ...],
     columns: str | None,
@@ -302,10 +269,10 @@ def compare(
 
 @commands.command()
 @takes_a_case
-@options.with_options(options.ALLOW_LARGE, options.UNITS, options.JSON, options.QUIET)
-def check(case: Case, allow_large: bool, units: str, as_json: bool) -> int:
+@options.with_options(options.ALLOW_LARGE, *options.PRINTED)
+def check(case: Case, as_json: bool, **given: Any) -> int:
     """Say what a run would use, leave out and cost; run nothing."""
-    found = tailslap.check(case, allow_large=allow_large, units=units)
+    found = tailslap.check(case, **given)
     return options.tell(found.summary, found.text, as_json)
 
 
@@ -316,7 +283,7 @@ def check(case: Case, allow_large: bool, units: str, as_json: bool) -> int:
     "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
 )
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-modes]")
-@options.with_options(options.FORCE, options.UNITS, options.JSON, options.QUIET, options.PROGRESS)
+@options.with_options(options.FORCE, *options.WATCHED)
 def modes(
     case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
 ) -> int:
@@ -349,7 +316,7 @@ def modes(
     show_default=True,
     help="Relative error allowed.",
 )
-@options.with_options(options.UNITS, options.JSON, options.QUIET)
+@options.with_options(*options.PRINTED)
 def modal(case: Case, as_json: bool, **given: Any) -> int:
     """Run a scene with a few modes of the plate."""
     found = tailslap.modal(case, **given)
@@ -425,6 +392,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _status(arguments: list[str] | None) -> int:
+    """Run the command; every error becomes a message and an exit status."""
     try:
         status = _run(arguments)
         sys.stdout.flush()

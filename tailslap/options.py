@@ -139,6 +139,10 @@ UNITS = click.Option(
     default="si",
     help="Units of what people read; files are in SI.",
 )
+PRINTED = (UNITS, JSON, QUIET)
+"""Options of what is printed."""
+WATCHED = (*PRINTED, PROGRESS)
+"""Those of a command that takes its time."""
 FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another scene.")
 
 

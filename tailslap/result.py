@@ -365,7 +365,30 @@ def _table_html(title: str, table: Table) -> str:
     return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
 
 
-def run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
+def of_report(command: str, report: Report, tables: Mapping[str, Any], **more: Any) -> Result:
+    """The result of a command that makes a report; more: what else the result has."""
+    from postprocess.report import files
+
+    page, fill = report.page, filled_by(lambda place, pictures, units: report)
+    summary = files.plain(report.summary)
+    return Result(command, page.title, summary, page.headline, page.passed, tables, fill=fill, **more)
+
+
+def of_run(
+    summary: dict[str, Any],
+    histories: Mapping[str, Columns],
+    fill: Fill,
+    make_fields: Callable[[], FieldSeries] | None,
+    make_ends: Callable[[], FieldSeries] | None = None,
+) -> Result:
+    """The result of a run, just made or read again."""
+    said, passed, tables = _run_headline(summary), summary["passed"], _run_tables(summary)
+    return Result(
+        "run", summary["scene"], summary, said, passed, tables, histories, fill, make_fields, make_ends
+    )
+
+
+def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Tables of a run from its summary: what was found, and the checks that failed."""
     from postprocess.comparison import quantities
     from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
@@ -381,7 +404,7 @@ def run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})
 
 
-def run_headline(summary: Mapping[str, Any]) -> str:
+def _run_headline(summary: Mapping[str, Any]) -> str:
     """The verdict of a run from its summary; of a whole impact its forces."""
     if "verdict" in summary:
         return str(summary["verdict"])

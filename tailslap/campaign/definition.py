@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,13 +37,12 @@ Read = Callable[[str], tuple[Any, str]]
 """From a value's text to the value that the scene has then, in SI or a word, and its unit. Raises InputError."""
 
 
-@dataclass(frozen=True)
-class TypedRange:
+class TypedRange(NamedTuple):
     """A range as typed: its ends, how many values (None for samples), and whether they are in equal ratios."""
 
     lower: str
     upper: str
-    count: int | None
+    number: int | None
     logarithmic: bool
 
 
@@ -139,14 +138,11 @@ def make_definition(
     text = read.scene_text(name)
     given = [parse_varied(each, bool(sample)) for each in varied]
     source = _fixed(read.source_of_text(text, name), changes, [key for key, _ in given])
-    counts = [(values.count or 1) if isinstance(values, TypedRange) else len(values) for _, values in given]
+    counts = [(values.number or 1) if isinstance(values, TypedRange) else len(values) for _, values in given]
     if math.prod(counts) > MAX_RUNS:
         shown = " x ".join(map(str, counts)) + " runs"
         raise InputError("--vary", shown, f"allowed are at most {MAX_RUNS} runs")
-    first = {
-        key: vary.parse_value(values.lower if isinstance(values, TypedRange) else values[0])
-        for key, values in given
-    }
+    first = {key: vary.parse_value(values[0]) for key, values in given}
     scene = _scene(source, first)
     kind = kind_of(scene)
 
@@ -195,9 +191,8 @@ def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:
     if not (text and re.fullmatch(vary.KEY, key)):
         raise InputError("--vary", varied, ALLOWED)
     if key == "name":
-        raise InputError(
-            "--vary", varied, "a scene's name changes nothing in a run; allowed are its other keys"
-        )
+        allowed = "a scene's name changes nothing in a run; allowed are its other keys"
+        raise InputError("--vary", varied, allowed)
     parts = split_outside(text, ":")
     if len(parts) == 1:
         texts = tuple(split_outside(text, ","))
@@ -208,12 +203,12 @@ def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:
     ends = parts[logarithmic:]
     if not 2 <= len(ends) <= 3 or not all(ends):
         raise InputError(key, text, ALLOWED)
-    if sampled and len(ends) == 3:
+    lower, upper, count = (*ends, "")[:3]
+    if sampled and count:
         raise InputError(key, text, "with --sample a range is a:b or log:a:b; --sample says how many")
-    count = ends[2] if len(ends) == 3 else ""
     if not sampled and (not re.fullmatch("[0-9]{1,9}", count) or int(count) < 2):
         raise InputError(key, text, "a range ends with how many values it has, a whole number from 2: a:b:n")
-    return key, TypedRange(ends[0], ends[1], None if sampled else int(count), logarithmic)
+    return key, TypedRange(lower, upper, None if sampled else int(count), logarithmic)
 
 
 def split_outside(text: str, separator: str) -> list[str]:
@@ -251,11 +246,11 @@ def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray |
             lower * (upper / lower) ** fractions if given.logarithmic else lower + (upper - lower) * fractions
         )
         return Variation(key, unit, tuple(between.tolist()), given.logarithmic)
-    assert given.count is not None
-    values = (np.geomspace if given.logarithmic else np.linspace)(lower, upper, given.count).tolist()
+    assert given.number is not None
+    values = (np.geomspace if given.logarithmic else np.linspace)(lower, upper, given.number).tolist()
     if isinstance(lower, int) and isinstance(upper, int):
         if any(value != round(value) for value in values):
-            shown = f"{given.lower}:{given.upper}:{given.count}"
+            shown = f"{given.lower}:{given.upper}:{given.number}"
             raise InputError(key, shown, f"not all of its values are whole numbers, like {values[1]:g}")
         values = [round(value) for value in values]
     return Variation(key, unit, tuple(values), given.logarithmic)

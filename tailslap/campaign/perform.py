@@ -14,7 +14,6 @@ One process at a time works in it: the lock goes with the process, however that 
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import json
 import os
 from collections.abc import Callable, Iterator
@@ -26,8 +25,7 @@ from tailslap.campaign import engine, pools, records, report, table
 from tailslap.campaign.definition import Definition
 from tailslap.case import cost
 from tailslap.errors import InputError, place_error
-from tailslap.files import folder as result_folder
-from tailslap.files import manifest
+from tailslap.files import folder, manifest
 
 LOST, INTERRUPTED = 3, 130
 
@@ -59,33 +57,27 @@ def perform(
     units: of the page, "si" or "us".
     Raises InputError, and StoppedError for an interruption or the loss of the scheduler: the rows so far are then kept.
     """
-    with sweep_folder(place, definition) as folder:
+    with sweep_folder(place, definition) as place:
         try:
-            with open_records(folder, definition) as rows:
+            with open_records(place, definition) as rows:
                 effort = _make_missing(definition, rows, cluster, workers, compute)
-                table.write_table(folder, definition, rows)
+                table.write_table(place, definition, rows)
                 statuses = {name: rows.statuses[name] for name in table.STATUSES}
             done = table.FinishedSweep(definition, statuses, effort)
-            report.write_sweep(done, folder, units)
+            report.write_sweep(done, place, units)
             return done
-        except KeyboardInterrupt:
-            raise _stopped("interrupted", folder, definition, INTERRUPTED) from None
-        except pools.LostError as lost:
-            raise _stopped(str(lost), folder, definition, LOST) from None
+        except (KeyboardInterrupt, pools.LostError) as error:
+            is_lost = isinstance(error, pools.LostError)
+            with open_records(place, definition) as rows:
+                if kept := len(rows):
+                    table.write_table(place, definition, rows)
+            why, status = (str(error), LOST) if is_lost else ("interrupted", INTERRUPTED)
+            raise StoppedError(why, kept, definition.runs, status) from None
 
 
-def open_records(folder: Path, definition: Definition) -> contextlib.closing[records.Records]:
-    """The rows of this sweep in its folder, by run."""
-    return contextlib.closing(records.Records(folder / RECORDS, definition.as_written()))
-
-
-def _stopped(why: str, folder: Path, definition: Definition, status: int) -> StoppedError:
-    """The error to raise, when what is on disk is in the table."""
-    with open_records(folder, definition) as rows:
-        kept = len(rows)
-        if kept:
-            table.write_table(folder, definition, rows)
-    return StoppedError(why, kept, definition.runs, status)
+def open_records(place: Path, definition: Definition) -> contextlib.closing[records.Records]:
+    """Open the rows of this sweep in its folder, by run."""
+    return contextlib.closing(records.Records(place / RECORDS, definition.as_written()))
 
 
 def _make_missing(
@@ -126,12 +118,22 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
 
     Raises InputError if it cannot be written, holds another sweep or something else, or is at work.
     """
-    place = result_folder.resolved(place)
-    _refuse_foreign(place, definition)
-    made = result_folder.make_folders(place, place)
+    place = folder.resolved(place)
+    if place.exists() and not place.is_dir():
+        raise InputError("--out", str(place), "this is a file; allowed is a folder")
+    manifest.clear_leftovers(place / DEFINITION)
+    is_known = _is_known(place, definition)  # before anything is written
+    for name in RESULTS if is_known else ():
+        manifest.demand_ours(place / name)
+    made = folder.make_folders(place, place)
     try:
-        with _locked(place):
-            new = _claim(place, definition)
+        with manifest.locked(place) as is_alone:
+            if not is_alone:
+                allowed = "another sweep is at work in it; wait for its end, or give another folder"
+                raise InputError("--out", str(place), allowed)
+            new = not _is_known(place, definition)
+            if new:
+                _write_definition(place, definition)
             try:
                 yield place
             finally:
@@ -139,56 +141,25 @@ def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
                     records.remove(place / RECORDS)
                     (place / DEFINITION).unlink(missing_ok=True)
     finally:
-        result_folder.remove_folders(made)
+        folder.remove_folders(made)
 
 
-def _refuse_foreign(place: Path, definition: Definition) -> None:
-    """Before anything is written; what is there must be this sweep's, and its results as they were written."""
-    if place.exists() and not place.is_dir():
-        raise InputError("--out", str(place), "this is a file; allowed is a folder")
-    manifest.clear_leftovers(place / DEFINITION)
-    names = sorted(os.listdir(place)) if place.is_dir() else []
-    if DEFINITION in names:
-        _demand_same(place, definition)
-        for name in RESULTS:
-            manifest.demand_ours(place / name)
-        return
-    if names:
-        shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
-        allowed = f"it holds other files ({shown}); allowed is a new folder or a sweep's"
-        raise InputError("--out", str(place), allowed)
-
-
-@contextlib.contextmanager
-def _locked(place: Path) -> Iterator[None]:
-    number = os.open(place, os.O_RDONLY)
-    try:
-        try:
-            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            allowed = "another sweep is at work in it; wait for its end, or give another folder"
-            raise InputError("--out", str(place), allowed) from None
-        yield
-    finally:
-        os.close(number)
-
-
-def _claim(place: Path, definition: Definition) -> bool:
-    """Write the definition, or compare it with the one that is there; whether it was written."""
-    if os.path.lexists(place / DEFINITION):
-        _demand_same(place, definition)
-        return False
+def _write_definition(place: Path, definition: Definition) -> None:
     try:
         with manifest.whole_file(place / DEFINITION) as partial:
             text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
             partial.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise place_error(place, "the folder cannot be written", error) from None
-    return True
 
 
-def _demand_same(place: Path, definition: Definition) -> None:
-    """Raise InputError where the folder is another sweep's."""
+def _is_known(place: Path, definition: Definition) -> bool:
+    """True where the folder is this sweep's, False for an empty or missing one. Raises InputError for all others."""
+    names = sorted(os.listdir(place)) if place.is_dir() else []
+    if DEFINITION not in names:
+        if names:
+            raise folder.others(place, names, "allowed is a new folder or a sweep's")
+        return False
     theirs, ours = None, definition.as_written()
     with contextlib.suppress(OSError, ValueError):
         theirs = json.loads((place / DEFINITION).read_text(encoding="utf-8"))
@@ -199,3 +170,4 @@ def _demand_same(place: Path, definition: Definition) -> None:
         shown = ", ".join(name for name in different if name not in ("digest", "runs")) or "values"
         allowed = f"it holds another sweep: {shown} differ (see {DEFINITION}); allowed is that sweep or a new folder"
         raise InputError("--out", str(place), allowed)
+    return True

@@ -15,7 +15,6 @@ import signal
 import sys
 import time
 import warnings
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -35,6 +34,7 @@ LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
+LOGGERS = ("distributed", "asyncio", "tornado")
 ANSWER_S = 5.0
 """Seconds within which a scheduler must reply."""
 LOOK_S = 1.0
@@ -49,33 +49,6 @@ class LostError(OSError):
 
 class OtherProgramError(Exception):
     """The worker has another version of this program than the one that sent the batch."""
-
-
-class Pool(ABC):
-    """Workers of one thread each.
-
-    Attributes
-    ----------
-    died : tuple of exception classes
-        Of a call under which its worker died.
-    again : tuple of exception classes
-        Of a call that was lost on its way and can be made again.
-    """
-
-    died: Errors
-    again: Errors = ()
-
-    @abstractmethod
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a worker make the call."""
-
-    @abstractmethod
-    def threads(self) -> int:
-        """Number of workers. Raises LostError."""
-
-    def fault(self, error: Exception) -> Exception:
-        """Error to raise for another error of a call."""
-        return error
 
 
 class BatchResult(NamedTuple):
@@ -113,10 +86,20 @@ def make_ready() -> str:
     return program()
 
 
-class _Processes(Pool):
-    """Processes of this machine, forked from one that has imported what they need, and started anew if one dies."""
+class Pool:
+    """Workers of one thread each: processes of this machine, forked from one that has imported what they need, and
+    started anew if one dies.
 
-    died = (BrokenProcessPool,)
+    Attributes
+    ----------
+    died : tuple of exception classes
+        Of a call under which its worker died.
+    again : tuple of exception classes
+        Of a call that was lost on its way and can be made again.
+    """
+
+    died: Errors = (BrokenProcessPool,)
+    again: Errors = ()
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
@@ -135,7 +118,7 @@ class _Processes(Pool):
             raise LostError("no worker is left") from None
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a process make the call."""
+        """Have a worker make the call."""
         try:
             return self._executor.submit(function, *arguments)
         except BrokenProcessPool:
@@ -144,8 +127,12 @@ class _Processes(Pool):
             return self._executor.submit(function, *arguments)
 
     def threads(self) -> int:
-        """Number of processes."""
+        """Number of workers. Raises LostError."""
         return self._workers
+
+    def fault(self, error: Exception) -> Exception:
+        """Error to raise for another error of a call."""
+        return error
 
     def close(self) -> None:
         """End all processes, whatever they do."""
@@ -160,9 +147,8 @@ def _begin(lifeline: Connection) -> None:
     """
     own = os.open(f"/proc/self/fd/{lifeline.fileno()}", os.O_RDONLY | os.O_NONBLOCK)
     fcntl.fcntl(own, fcntl.F_SETOWN, os.getpid())
-    fcntl.fcntl(
-        own, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK
-    )  # SIGIO: ends a process that does not handle it
+    # SIGIO ends a process that does not handle it.
+    fcntl.fcntl(own, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
     if select.select([own], [], [], 0.0)[0]:
         os._exit(1)
 
@@ -188,7 +174,7 @@ def _server_environment() -> Iterator[None]:
 def local(workers: int) -> Iterator[Pool]:
     """So many processes of this machine, ended after. Raises LostError."""
     with progress.announced("Starting processes ..."):
-        pool = _Processes(workers)
+        pool = Pool(workers)
     with contextlib.closing(pool):
         yield pool
 
@@ -204,23 +190,18 @@ class _Cluster(Pool):
         self.again = (TimeoutError, CancelledError, asyncio.CancelledError, CommClosedError)
         self._client, self._address = client, address
         self._executor = client.get_executor(pure=False)
-        self._threads, self._looked = 0, -LOOK_S
-
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a worker of the cluster make the call."""
-        future: Future[Any] = self._executor.submit(function, *arguments)
-        return future
+        self._workers, self._looked = 0, -LOOK_S
 
     def threads(self) -> int:
-        """Number of threads of all workers, or had a second ago. Raises LostError without a scheduler."""
+        """Number of threads of all workers, as of a second ago at most. Raises LostError without a scheduler."""
         try:
             if self._client.status != "running":
                 raise TimeoutError
             if time.monotonic() - self._looked > LOOK_S:
-                self._threads, self._looked = sum(self._client.nthreads().values()), time.monotonic()
+                self._workers, self._looked = sum(self._client.nthreads().values()), time.monotonic()
         except (OSError, TimeoutError):
             raise LostError(f"the scheduler at {self._address} is gone") from None
-        return self._threads
+        return self._workers
 
     def fault(self, error: Exception) -> Exception:
         """Wrong input: a worker that cannot load this program, or has another one."""
@@ -239,8 +220,7 @@ def cluster(address: str) -> Iterator[Pool]:
 
             stack.enter_context(warnings.catch_warnings())
             warnings.filterwarnings("ignore", module="distributed")
-            for name in ("distributed", "asyncio", "tornado"):  # what matters of connections we say ourselves
-                logger = logging.getLogger(name)
+            for logger in map(logging.getLogger, LOGGERS):  # what matters of connections we say ourselves
                 stack.callback(logger.setLevel, logger.level)
                 logger.setLevel(logging.CRITICAL + 1)
             try:  # not by making a client: one that cannot connect leaves threads behind

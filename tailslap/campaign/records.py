@@ -134,11 +134,10 @@ class Records(Mapping[Key, Any]):
     def _show(self, names: Mapping[str, None]) -> None:
         """Let the view have these columns too."""
         self.columns |= names
-        inner = [name for name in self.columns if name not in FIRST and '"' not in name]
-        paths = (name.replace("'", "''") for name in inner)
-        shown = [
-            f"""json_extract(value, '$."{path}"') AS "{n}\"""" for n, path in zip(inner, paths, strict=True)
-        ]
+        inner = {
+            name: name.replace("'", "''") for name in self.columns if name not in FIRST and '"' not in name
+        }
+        shown = [f"""json_extract(value, '$."{path}"') AS "{name}\"""" for name, path in inner.items()]
         self._file.execute("DROP VIEW IF EXISTS result")
         self._file.execute(f"CREATE VIEW result AS SELECT {', '.join([*FIRST, *shown])} FROM record")
 
@@ -165,15 +164,14 @@ class Records(Mapping[Key, Any]):
 class Journal:
     """Records of a study in the file `.NAME.journal` beside the result folder NAME; removed when the study is done.
 
-    definition: all that the records depend on, see `Records`, which `records` is.
+    definition: all that the records depend on, see `Records`, which `records` is within a `with` block.
     """
 
     records: Records
 
     def __init__(self, place: Path, definition: Mapping[str, Any]) -> None:
         place = resolved(place)
-        self.path = place.parent / f".{place.name}.journal"
-        self._definition = definition
+        self.path, self._definition = place.parent / f".{place.name}.journal", definition
 
     def __enter__(self) -> Journal:
         try:
@@ -191,13 +189,8 @@ class Journal:
         if kind is None or not kept:
             remove(self.path)
         elif isinstance(error, KeyboardInterrupt):
-            raise Interrupted(
-                f"interrupted; {kept} parts are kept, and the same command goes on from there"
-            ) from None
-
-    def add(self, key: str, record: Any) -> None:
-        """Note a finished part; it is on disk when this returns."""
-        self.records.add({key: record})
+            said = f"interrupted; {kept} parts are kept, and the same command goes on from there"
+            raise Interrupted(said) from None
 
 
 def count(path: Path) -> int:
@@ -246,10 +239,7 @@ def _fault(path: Path, error: sqlite3.OperationalError) -> OSError:
 
 def _text(value: Any) -> str:
     """The value as JSON; numbers that are not finite, which it does not have, are objects with their names."""
-    try:
-        return json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    except ValueError:
-        return json.dumps(_named(value), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return json.dumps(_named(value), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
 def _named(value: Any) -> Any:
@@ -261,8 +251,7 @@ def _named(value: Any) -> Any:
 
 
 def _value(text: str) -> Any:
-    return json.loads(text, object_hook=_unnamed)
+    def unnamed(found: dict[str, Any]) -> Any:
+        return float(found[NUMBER]) if found.keys() == {NUMBER} else found
 
-
-def _unnamed(found: dict[str, Any]) -> Any:
-    return float(found[NUMBER]) if found.keys() == {NUMBER} else found
+    return json.loads(text, object_hook=unnamed)

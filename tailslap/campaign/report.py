@@ -19,8 +19,9 @@ from postprocess.report.table import Column, Table
 from postprocess.report.terminal import place_line, printed
 from postprocess.units import SYSTEMS, Units, measure
 from tailslap.campaign.definition import Definition, Variation
-from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep, read_columns
+from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep
 from tailslap.case.report import footer
+from tailslap.files.load import read_columns
 from tailslap.files.manifest import listed_file
 from tailslap.progress import clock
 

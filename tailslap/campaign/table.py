@@ -5,13 +5,11 @@ from __future__ import annotations
 import functools
 import itertools
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 import tailslap
 from fem import lazy
@@ -97,14 +95,6 @@ def write_table(folder: Path, definition: Definition, rows: Records) -> Path:
         while chunk := list(itertools.islice(found, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
     return path
-
-
-def read_columns(path: Path, names: Iterable[str]) -> dict[str, np.ndarray]:
-    """Columns of the table; numbers that a row lacks are NaN."""
-    import pyarrow.parquet as pq
-
-    table = pq.read_table(path, columns=list(names))
-    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
 
 
 def table_schema(definition: Definition, checks: list[str]) -> pa.Schema:

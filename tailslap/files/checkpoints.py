@@ -42,13 +42,14 @@ class Checkpoints:
 
     def __init__(self, place: Path, definition: Mapping[str, Any], resume: bool) -> None:
         self._place, self._definition, self._resume = resolved(place), _digest(definition), resume
-        self._runs = 0
+        self._runs, self._path, self._due = 0, Path(), 0.0
 
-    def next(self) -> FileCheckpoint:
+    def next(self) -> Checkpoints:
         """The keeper of the next run."""
         self._runs += 1
-        path = self._place.with_name(f".{self._place.name}.checkpoint-{self._runs}.npz")
-        return FileCheckpoint(path, self._definition, self._resume)
+        self._path = self._place.with_name(f".{self._place.name}.checkpoint-{self._runs}.npz")
+        self._due = time.monotonic() + SAVE_S
+        return self
 
     @property
     def files(self) -> list[Path]:
@@ -56,14 +57,6 @@ class Checkpoints:
         prefix = f".{self._place.name}.checkpoint-"
         found = self._place.parent.iterdir() if self._place.parent.is_dir() else ()
         return [path for path in found if path.name.startswith(prefix) and path.suffix == ".npz"]
-
-
-class FileCheckpoint:
-    """The keeper of one run, in a file that is there whole or not at all."""
-
-    def __init__(self, path: Path, definition: str, resume: bool) -> None:
-        self._path, self._definition, self._resume = path, definition, resume
-        self._due = time.monotonic() + SAVE_S
 
     def load(self) -> Arrays | None:
         """Arrays of the file, if it is of the same definition."""
@@ -82,8 +75,8 @@ class FileCheckpoint:
         if began < self._due:
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
+        named: dict[str, Any] = {DEFINITION: np.array(self._definition), **arrays()}
         with manifest.whole_file(self._path) as partial, partial.open("wb") as file:
-            named: dict[str, Any] = {DEFINITION: np.array(self._definition), **arrays()}
             np.savez(file, **named)
         spent = time.monotonic() - began
         self._due = time.monotonic() + max(SAVE_S, spent / MAX_SHARE)
@@ -100,9 +93,8 @@ def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> It
         yield
     except KeyboardInterrupt:
         if checkpoints.files:
-            raise Interrupted(
-                "interrupted; the same command with --resume goes on from its checkpoint"
-            ) from None
+            said = "interrupted; the same command with --resume goes on from its checkpoint"
+            raise Interrupted(said) from None
         raise
     finally:
         _current.reset(token)

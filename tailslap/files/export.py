@@ -64,7 +64,7 @@ def export(
     >>> tailslap.export(result, "vtkhdf", "results/paraview")  # doctest: +SKIP
     PosixPath('results/paraview/fields.vtkhdf')
     """
-    from postprocess.fields import contours, formats
+    from postprocess.fields import contours, formats, series
     from tailslap.files.folder import result_folder
 
     if to not in FORMATS:
@@ -73,35 +73,21 @@ def export(
     base = Path("results") / found.scene if isinstance(result, Result) else Path(str(result)).resolve()
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields
-    writers = {
-        "vtkhdf": formats.write_vtkhdf,
-        "xdmf": formats.write_xdmf,
-        "vtu": formats.write_vtu,
-        "msh": formats.write_msh,
-    }
-    names = _drawn_fields(field)
+    if field is not None and field not in series.SCALARS:
+        raise InputError("--field", field, f"allowed is one of {', '.join(series.SCALARS)}")
     system = _units(to, units)
     with result_folder(place) as unfinished:
         if fields is None:
             _write_tables(found, to, unfinished)
         elif to in PICTURES:
-            for name in names:
+            for name in series.SCALARS if field is None else (field,):
                 if to == "png":
                     contours.draw_instants(unfinished, fields, name, magnify, units=system)
                 else:
                     contours.animate(unfinished / f"{name}.gif", fields, name, magnify, system)
         else:
-            writers[to](unfinished / FIRST[to], fields)
+            getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
-
-
-def _drawn_fields(field: str | None) -> tuple[str, ...]:
-    """Fields to draw. Raises InputError for one that there is not."""
-    from postprocess.fields import series
-
-    if field is not None and field not in series.SCALARS:
-        raise InputError("--field", field, f"allowed is one of {', '.join(series.SCALARS)}")
-    return series.SCALARS if field is None else (field,)
 
 
 def _units(to: str, units: str) -> Units:
@@ -118,8 +104,7 @@ def _units(to: str, units: str) -> Units:
 def _write_tables(found: Result, to: str, folder: Path) -> None:
     from postprocess.fields import formats, series
 
-    write = formats.write_csv if to == "csv" else formats.write_parquet
-    names = {FE: "history", RIGID: "rigid"}
+    write, names = getattr(formats, f"write_{to}"), {FE: "history", RIGID: "rigid"}
     if not found.histories:
         raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed is a run or a sweep")
     for label, columns in found.histories.items():

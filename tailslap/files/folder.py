@@ -156,14 +156,19 @@ def _find_earlier(place: Path) -> Earlier:
         return Earlier()
     listed = manifest.read_manifest(place)
     if listed is None or SWEEP in names:
-        shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
-        raise errors.InputError("--out", str(place), f"it holds other files ({shown}); {ALLOWED}")
+        raise others(place, names, ALLOWED)
     ours = frozenset(item for item in listed if item.path in names)
     known = {item.path for item in ours}
     for name in sorted(known):
         if manifest.entry(place / name) not in ours:
             raise _refusal(place, f"{name} in it was changed since the program wrote it")
     return Earlier(ours, tuple(name for name in names if name not in {manifest.NAME, *known}), False)
+
+
+def others(place: Path, names: list[str], allowed: str) -> errors.InputError:
+    """Make the error for a place with files of others."""
+    shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
+    return errors.InputError("--out", str(place), f"it holds other files ({shown}); {allowed}")
 
 
 def _refusal(place: Path, why: str) -> errors.InputError:

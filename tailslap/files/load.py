@@ -9,6 +9,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
 from postprocess.report import files
 from tailslap import result
@@ -16,6 +18,8 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.files import manifest
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
+COMMANDS = {"modes": "modes", "compared": "compare", "stage2": "rigid", "strikes": "rigid"}
+"""The command that leaves a summary with this key."""
 FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv"}
 
 ENERGY_ERROR = HistoryColumn("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
@@ -77,40 +81,28 @@ def load(folder: str | os.PathLike[str]) -> result.Result:
         for label, name in FILES.items()
         if (place / name).is_file()
     }
-    if result.FE not in histories:
-        name, passed = str(summary.get("scene", "")), summary.get("passed")
-        fill = _copies(place)
-        return result.Result(_command(summary), name, summary, passed=passed, histories=histories, fill=fill)
-    return result.Result(
-        "run",
-        summary["scene"],
-        summary,
-        result.run_headline(summary),
-        summary["passed"],
-        result.run_tables(summary),
-        histories,
-        fill=_copies(place),
-        make_fields=(lambda: series.read_fields(place / series.FILE))
-        if (place / series.FILE).is_file()
-        else None,
-    )
+    fields = place / series.FILE
+    if result.FE in histories:
+        kept = (lambda: series.read_fields(fields)) if fields.is_file() else None
+        return result.of_run(summary, histories, _copies(place), kept)
+    command = f"study {summary.get('study')}"
+    if "study" not in summary:
+        command = next((command for key, command in COMMANDS.items() if key in summary), "paper")
+    name, passed = str(summary.get("scene", "")), summary.get("passed")
+    return result.Result(command, name, summary, passed=passed, histories=histories, fill=_copies(place))
 
 
-def _command(summary: Mapping[str, Any]) -> str:
-    """The command that leaves such a summary."""
-    if "study" in summary:
-        return f"study {summary['study']}"
-    known = {"modes": "modes", "compared": "compare", "stage2": "rigid", "strikes": "rigid"}
-    return next((command for key, command in known.items() if key in summary), "paper")
+def read_columns(path: Path, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+    """Read columns of a sweep's table, without names all; numbers that a row lacks are NaN."""
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(path, columns=None if names is None else list(names))
+    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
 
 
 def sweep_result(place: Path) -> result.Result:
     """The table of a sweep's folder."""
-    import pyarrow.parquet as pq
-
-    table = pq.read_table(place / SWEEP)
-    columns = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-    summary = _summary(place)
+    columns, summary = read_columns(place / SWEEP), _summary(place)
     scene = str(summary.get("scene", place.name))
     passed = not any(status in ("failed", "error") for status in columns["status"])
     return result.Result("sweep", scene, summary, passed=passed, histories={"table": result.Columns(columns)})

@@ -21,7 +21,6 @@ import stat
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import tailslap
 from tailslap.errors import InputError
@@ -60,13 +59,11 @@ def read_manifest(folder: Path) -> frozenset[Entry] | None:
         return None
     try:
         found = json.loads((folder / NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        entries = [Entry(item["path"], item["size"], item["sha256"]) for item in found["files"]]
+    except (OSError, ValueError, TypeError, LookupError, RecursionError):
         return None
-    if not isinstance(found, dict) or found.get("program") != PROGRAM:
-        return None
-    files = found.get("files")
-    entries = [_read_entry(item) for item in files] if isinstance(files, list) else [None]
-    return None if None in entries else frozenset(item for item in entries if item)
+    is_ours = found.get("program") == PROGRAM and isinstance(found["files"], list)
+    return frozenset(entries) if is_ours and all(map(_is_plain, entries)) else None
 
 
 def write_manifest(folder: Path, entries: Iterable[Entry]) -> None:
@@ -117,15 +114,12 @@ def demand_ours(path: Path) -> None:
         raise InputError("--out", str(path.parent), allowed)
 
 
-def _read_entry(item: Any) -> Entry | None:
-    """An entry that names a file in the folder itself; None for anything else."""
-    if not isinstance(item, dict):
-        return None
-    path, size, digest = (item.get(key) for key in ("path", "size", "sha256"))
-    if not isinstance(path, str) or not isinstance(digest, str) or type(size) is not int:
-        return None
-    outside = path in ("", ".", "..", NAME) or re.search(r"[/\0]", path)
-    return None if outside or not re.fullmatch("[0-9a-f]{64}", digest) else Entry(path, size, digest)
+def _is_plain(item: Entry) -> bool:
+    """True for an entry, read from a file, that names a file in the folder itself."""
+    if not isinstance(item.path, str) or not isinstance(item.sha256, str) or type(item.size) is not int:
+        return False
+    outside = item.path in ("", ".", "..", NAME) or re.search(r"[/\0]", item.path)
+    return not outside and re.fullmatch("[0-9a-f]{64}", item.sha256) is not None
 
 
 @contextlib.contextmanager
@@ -137,7 +131,7 @@ def unfinished(place: Path, make: Callable[[Path], None]) -> Iterator[Path]:
     while True:
         new = place.parent / f".{place.name[:MAX_STEM]}.{secrets.token_hex(8)}{SUFFIX}"
         make(new)
-        with _locked(new) as is_ours:
+        with locked(new) as is_ours:
             if is_ours:
                 yield new
                 return
@@ -153,7 +147,7 @@ def clear_leftovers(place: Path) -> None:
 
 
 @contextlib.contextmanager
-def _locked(path: Path) -> Iterator[bool]:
+def locked(path: Path) -> Iterator[bool]:
     """Lock the path; yields False where another process has it, or has cleared it in between."""
     try:
         number = os.open(path, os.O_RDONLY)
@@ -172,7 +166,7 @@ def _locked(path: Path) -> Iterator[bool]:
 
 def _clear(path: Path) -> None:
     """Remove it if its process is dead: of a folder the plain files in it, and then itself."""
-    with contextlib.suppress(OSError), _locked(path) as is_dead:
+    with contextlib.suppress(OSError), locked(path) as is_dead:
         if not is_dead:
             return
         if not path.is_dir():

@@ -102,7 +102,12 @@ def _modes(fe_plan: CornerPlan, found: FreeModes, beam: Beam) -> Iterator[dict[s
 
 def modes_report(found: PlateModes) -> Report:
     """Page, summary, and what the terminal says."""
-    plan, table, said = found.fe_plan.case, modes_table(found), headline(found)
+    plan, first = found.fe_plan.case, found.modes[0]
+    table = Table(COLUMNS, [mode | {"name": _name(mode)} for mode in found.modes])
+    said = (
+        f"The first elastic mode of the free plate in its plane is {_name(first)}, "
+        f"at {first['frequency']:.4g} Hz."
+    )
     page = study_page(
         plan,
         "Natural frequencies of the free plate in its plane",
@@ -114,26 +119,14 @@ def modes_report(found: PlateModes) -> Report:
         ),
         "summary.json, these numbers and the shares of energy behind the kinds",
     )
-    return Report(page, summary(found), (f"{plan.scene.name}: {said}", table))
-
-
-def modes_table(found: PlateModes) -> Table:
-    """Frequencies beside beam theory's."""
-    return Table(COLUMNS, [mode | {"name": _name(mode)} for mode in found.modes])
+    return Report(page, _summary(found), (f"{plan.scene.name}: {said}", table))
 
 
 def _name(mode: dict[str, Any]) -> str:
     return f"{mode['kind']} {mode['order']}"
 
 
-def headline(found: PlateModes) -> str:
-    """The first mode, in a sentence."""
-    first = found.modes[0]
-    at = f"at {first['frequency']:.4g} Hz"
-    return f"The first elastic mode of the free plate in its plane is {_name(first)}, {at}."
-
-
-def summary(found: PlateModes) -> dict[str, Any]:
+def _summary(found: PlateModes) -> dict[str, Any]:
     """The numbers, SI; frequencies in Hz."""
     plan, plate, model = found.fe_plan.case, found.fe_plan.plate, found.fe_plan.model
     return {

@@ -494,7 +494,7 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
                 done.append("interrupt")
                 raise KeyboardInterrupt
             done.append(key)
-            journal.add(key, point_record(float(key.split()[0]), rigid))
+            journal.records.add({key: point_record(float(key.split()[0]), rigid)})
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
@@ -509,7 +509,7 @@ def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
         rigid = plan.tail_slap
         for key in parts:
             if key not in journal.records:
-                journal.add(key, point_record(5.0, rigid, values={}, failed=["finite numbers"]))
+                journal.records.add({key: point_record(5.0, rigid, values={}, failed=["finite numbers"])})
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_fail)
     given = [

@@ -15,6 +15,7 @@ from tailslap.campaign.definition import make_definition
 from tailslap.campaign.perform import perform
 from tailslap.case import case_of
 from tailslap.errors import InputError
+from tailslap.files.load import read_columns
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 
@@ -52,7 +53,7 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
     definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
     done = perform(definition, tmp_path / "sweep", workers=1)
     assert (done.statuses["passed"], done.effort.runs) == (2, 2)
-    found = table.read_columns(
+    found = read_columns(
         tmp_path / "sweep" / "sweep.parquet", ["run", "rigid.strike_1.peak_force", "rigid.strike_1.mean_50ms"]
     )
     assert found["rigid.strike_1.peak_force"][1] / found["rigid.strike_1.peak_force"][0] == pytest.approx(

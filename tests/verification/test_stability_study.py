@@ -200,8 +200,7 @@ def journal(tmp_path):
 
 def interrupt(journal, records):
     with journal as begun:
-        for key, record in records.items():
-            begun.add(key, record)
+        begun.records.add(records)
         raise KeyboardInterrupt
 
 
@@ -256,7 +255,7 @@ def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(journal, monkeypatch):
 
 def test_parts_that_the_journal_has_are_not_run_again(journal):
     with journal(a=1) as noted:
-        noted.add("seven", "kept")
+        noted.records.add({"seven": "kept"})
         run_parts(operator.add, {"seven": (3, 4), "five": (2, 3)}, noted, "adding", workers=1)
         assert noted.records == {"seven": "kept", "five": 5}
 
@@ -626,7 +625,7 @@ def all_right(stop_at=""):
             if key == stop_at:
                 raise KeyboardInterrupt
             if key not in journal.records:
-                journal.add(key, study.verdict("right", steps=len(parts)))
+                journal.records.add({key: study.verdict("right", steps=len(parts))})
 
     return run
 

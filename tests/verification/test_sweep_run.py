@@ -24,11 +24,12 @@ from tailslap.campaign import engine, pools, records
 from tailslap.campaign.definition import make_definition
 from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
-from tailslap.campaign.table import CIRCUMSTANCES, compute_row, read_columns, write_table
+from tailslap.campaign.table import CIRCUMSTANCES, compute_row, write_table
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.files.folder import result_folder
+from tailslap.files.load import read_columns
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.files.manifest import demand_ours, listed_file
 from tailslap.scene.read import source_of_text
