@@ -288,7 +288,7 @@ def modes(
     """
     from tailslap.modal_analysis import modes as free
 
-    report = free.modes_report(free.find_modes(_corner_plan(scene, changes, allow_large), count))
+    report = free.modes_report(_corner_plan(scene, changes, allow_large), count)
     return result.of_report("modes", report, {"Frequencies": report.terminal[1]})
 
 

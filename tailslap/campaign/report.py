@@ -215,9 +215,7 @@ def _sentences(sweep: FinishedSweep) -> list[str]:
         f"The runs are a Latin hypercube of {definition.sample} samples with the seed {definition.seed}: each range is "
         "cut into as many equal parts, and each part has one sample. The same call gives the same runs."
     )
-    said = [
-        latin if definition.sample else "The runs are all combinations of the values.",
-    ]
+    said = [latin if definition.sample else "The runs are all combinations of the values."]
     if any(name.startswith("fe.") for name in definition.kinds):
         said.append(
             "Every row has the exact rigid solution of its own inputs, its differences, and values of all checks."

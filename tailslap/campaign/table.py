@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import tailslap
 from fem import lazy
 from postprocess.report import files
-from tailslap.campaign.definition import Definition, Variation, plain
+from tailslap.campaign.definition import Definition, plain
 from tailslap.campaign.engine import CampaignEffort
 from tailslap.campaign.records import Records
 from tailslap.case import case_of
@@ -104,16 +104,11 @@ def table_schema(definition: Definition, checks: list[str]) -> pa.Schema:
     real, whole, text = pa.float64(), pa.int64(), pa.string()
     kinds = {float: real, int: whole, str: text}
     columns: dict[str, Any] = {"run": whole, "status": text, "reason": text}
-    columns |= {item.key: kinds[_kind(item)] for item in definition.variations}
+    for item in definition.variations:
+        is_whole = all(isinstance(value, int) for value in item.values)
+        columns[item.key] = (whole if is_whole else real) if item.numeric else text
     types = {name: kinds[kind] for name, kind in definition.kinds.items()}
     columns |= {name: kind for name, kind in types.items() if not name.startswith("cost.")}
     columns |= dict.fromkeys(checks, real) | types
     columns |= dict.fromkeys(TIMES, real) | {REUSED: text} | dict.fromkeys(versions(), text)
     return pa.schema(list(columns.items()))
-
-
-def _kind(item: Variation) -> type:
-    """The type of a column of inputs."""
-    if not item.numeric:
-        return str
-    return int if all(isinstance(value, int) for value in item.values) else float

@@ -48,35 +48,22 @@ def result_folder(place: Path) -> Iterator[Path]:
     A link to a folder is followed. Raises InputError if `place` cannot be written or would lose what is not ours.
     """
     place = resolved(place)
-    _find_earlier(place)
-    made = make_folders(place.parent, place)
-    manifest.clear_leftovers(place)
-    try:
-        with _unfinished(place) as folder:
-            try:
-                yield folder
-                _seal(folder)
-                folder.chmod(stat.S_IMODE(place.stat().st_mode) if place.exists() else 0o755)
-            except BaseException:
-                shutil.rmtree(folder, ignore_errors=True)
-                raise
-            _put_in_place(folder, place)
-    except BaseException:
-        remove_folders(made)
-        raise
+    with _unfinished(place) as folder:
+        try:
+            yield folder
+            _seal(folder)
+            folder.chmod(stat.S_IMODE(place.stat().st_mode) if place.exists() else 0o755)
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        _put_in_place(folder, place)
 
 
 def demand_place(place: Path) -> None:
     """Before long work: raise InputError if `place` holds something else than an unchanged earlier result, or cannot be
     written."""
-    place = resolved(place)
-    _find_earlier(place)
-    made = make_folders(place.parent, place)
-    try:
-        with _unfinished(place) as folder:
-            folder.rmdir()
-    finally:
-        remove_folders(made)
+    with _unfinished(resolved(place)) as folder:
+        folder.rmdir()
 
 
 def demand_own(place: Path, scene: str, force: bool) -> None:
@@ -123,8 +110,12 @@ def remove_folders(folders: list[Path]) -> None:
 
 @contextlib.contextmanager
 def _unfinished(place: Path) -> Iterator[Path]:
-    """A fresh folder beside `place`."""
+    """Yield a fresh folder beside `place`, which may be taken; folders made for it that stay empty go again."""
+    _find_earlier(place)
+    made = make_folders(place.parent, place)
+    manifest.clear_leftovers(place)
     with contextlib.ExitStack() as stack:
+        stack.callback(remove_folders, made)
         try:
             folder = stack.enter_context(manifest.unfinished(place, lambda path: path.mkdir(0o700)))
         except OSError as error:
