@@ -63,8 +63,7 @@ def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(said):
     """s to all printed digits, omega to its two, v_GX closer than with friction by a factor of four."""
     table = said["table_3"]
     read, drag = table["abaqus_read"], table["abaqus_drag"]
-    assert table["reading"] == 0.3625
-    assert f"{read['slide']['computed']:.3f}" == "8.915"
+    assert (table["reading"], f"{read['slide']['computed']:.3f}") == (0.3625, "8.915")
     assert f"{read['omega']['computed']:.2f}" == "0.66"
     assert read["v_gy"]["computed"] == pytest.approx(-3.289, rel=2e-3)
     assert abs(drag["v_gx"]["computed"] - 23.305) > 4.0 * abs(read["v_gx"]["computed"] - 23.305)
@@ -150,10 +149,8 @@ def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike()
     free, drag = (plane_motion(TRUCK, *START, FRICTION, reaction) for reaction in ("none", "drag"))
     t = float(np.interp(8.915, *(getattr(free.at(np.linspace(0.0, 0.38, 2001)), x) for x in ("slide", "t"))))
     state = free.at(t)
-    assert t == pytest.approx(0.3625, abs=0.0002)
-    assert state.v_gx == pytest.approx(23.305, abs=0.01)
-    assert state.v_gy == pytest.approx(-3.289, abs=0.01)
-    assert state.omega == pytest.approx(0.66, abs=0.005)
+    assert (t, state.v_gx) == (pytest.approx(0.3625, abs=0.0002), pytest.approx(23.305, abs=0.01))
+    assert (state.v_gy, state.omega) == (pytest.approx(-3.289, abs=0.01), pytest.approx(0.66, abs=0.005))
     assert abs(drag.at(t).v_gx - 23.305) > 3.0 * abs(state.v_gx - 23.305)
 
 
@@ -178,8 +175,7 @@ def test_the_abaqus_column_is_the_frictionless_run_read_before_the_strike(outcom
     """At t = 0.3625 s: s to all printed digits, omega too, the velocities to 0.2 %."""
     history, printed = outcome("paper-abaqus").fe_history, PAPER_TABLE_3["abaqus"]
     at = {name: np.interp(0.3625, history["t"], history[name]) for name in ("slide", "omega", "v_gx", "v_gy")}
-    assert round(at["slide"], 3) == printed["slide"]
-    assert round(at["omega"], 2) == printed["omega"]
+    assert (round(at["slide"], 3), round(at["omega"], 2)) == (printed["slide"], printed["omega"])
     assert at["v_gx"] == pytest.approx(printed["v_gx"], rel=5e-4)
     assert at["v_gy"] == pytest.approx(printed["v_gy"], rel=2e-3)
 

@@ -17,7 +17,7 @@ ERASED = "\x1b[2K"
 class Terminal(io.StringIO):
     """Takes what is written, and says that it is a terminal."""
 
-    def isatty(self) -> bool:
+    def isatty(self):
         return True
 
 
@@ -33,7 +33,7 @@ def terminal(monkeypatch):
     return made
 
 
-def seen(terminal: Terminal, words: str, times: int = 1) -> None:
+def seen(terminal, words, times=1):
     """Wait until they have been said so often."""
     end = time.monotonic() + 5.0
     while text(terminal).count(words) < times:
@@ -41,7 +41,7 @@ def seen(terminal: Terminal, words: str, times: int = 1) -> None:
         time.sleep(0.01)
 
 
-def text(terminal: Terminal) -> str:
+def text(terminal):
     """All that was written, without colours."""
     return re.sub(r"\x1b\[[\d;]*m", "", terminal.getvalue())
 
@@ -71,7 +71,7 @@ def test_what_is_said_meanwhile_has_a_line_of_its_own(terminal):
 
 
 def test_an_error_ends_the_line(terminal):
-    def fail() -> None:
+    def fail():
         with announced("Building ..."):
             seen(terminal, "Building")
             raise ValueError

@@ -6,9 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,20 +23,20 @@ from tailslap.scene.read import read_scene
 class Stopping:
     """Keeps a copy each time, and interrupts the run at one of them."""
 
-    def __init__(self, at: int, kept: observers.Arrays | None = None) -> None:
+    def __init__(self, at, kept=None):
         self.left, self.kept = at, kept
 
-    def load(self) -> observers.Arrays | None:
+    def load(self):
         return self.kept
 
-    def save(self, arrays: Callable[[], observers.Arrays]) -> None:
+    def save(self, arrays):
         self.left -= 1
         if self.left == 0:
             self.kept = {name: np.array(array) for name, array in arrays().items()}
             raise KeyboardInterrupt
 
 
-def same(a: Any, b: Any) -> None:
+def same(a, b):
     """All numbers of two runs, bit for bit, but for the times that they took."""
     for name in set(vars(a)) - {"setup_s", "time_loop_s", "strike", "snapshots"}:
         mine, its = getattr(a, name), getattr(b, name)
@@ -51,11 +48,10 @@ def same(a: Any, b: Any) -> None:
 def test_the_loop_goes_on_with_the_same_bits(at):
     fe_plan = CornerCase(*read_scene("paper-table-3")).plan()
 
-    def run(keeper: Any) -> Any:
+    def run(keeper):
         duration = fe_plan.case.motion.strike.t
-        return corner.simulate(
-            fe_plan.model, fe_plan.start, duration, rows=300, checkpoint=keeper, snapshots=6
-        )
+        kept = {"rows": 300, "snapshots": 6, "checkpoint": keeper}
+        return corner.simulate(fe_plan.model, fe_plan.start, duration, **kept)
 
     stopping = Stopping(at)
     with pytest.raises(KeyboardInterrupt):
@@ -78,7 +74,7 @@ def test_a_whole_impact_goes_on_with_the_same_bits(wall):
     scene = ("time.end=0.4", "plate.elements=[8,3]", *wall)
     fe_plan = ImpactCase(*read_scene("impact-mash-tl4-sut", scene)).plan()
 
-    def run(keeper: Any) -> Any:
+    def run(keeper):
         return impact.simulate_impact(fe_plan.model, fe_plan.touch, fe_plan.sample, 0.4, checkpoint=keeper)
 
     stopping = Stopping(2)
@@ -87,11 +83,11 @@ def test_a_whole_impact_goes_on_with_the_same_bits(wall):
     same(run(Stopping(0, stopping.kept)), run(None))
 
 
-def loaded(place: Path, definition: dict[str, Any], resume: bool, count: int = 1) -> list[int | None]:
+def loaded(place, definition, resume, count=1):
     """Sizes of what the first runs of a command find, which is then interrupted."""
     found: list[observers.Arrays | None] = []
 
-    def interrupted_command() -> None:
+    def interrupted_command():
         with checkpointed(place, definition, resume):
             found.extend(next_checkpoint().load() for _ in range(count))
             raise KeyboardInterrupt
@@ -115,10 +111,8 @@ def test_files_belong_to_one_definition(tmp_path, monkeypatch):
     keepers = checkpoints.Checkpoints(place, {"scene": 1}, False)
     for size in (3, 4):
         keepers.next().save(functools.partial(dict, x=np.arange(size)))
-    assert len(list(tmp_path.iterdir())) == 2
-    assert loaded(place, {"scene": 1}, True, 3) == [3, 4, None]
-    assert loaded(place, {"scene": 2}, True) == [None]
-    assert loaded(place, {"scene": 1}, False) == [None]
+    assert (len(list(tmp_path.iterdir())), loaded(place, {"scene": 1}, True, 3)) == (2, [3, 4, None])
+    assert (loaded(place, {"scene": 2}, True), loaded(place, {"scene": 1}, False)) == ([None], [None])
     (tmp_path / ".out.checkpoint-1.npz").write_bytes(b"torn")
     with checkpointed(place, {"scene": 1}, True):
         assert next_checkpoint().load() is None
@@ -136,12 +130,12 @@ main(sys.argv[1:])
 """Checkpoints as soon as they may be, so that on no machine the run ends before the first."""
 
 
-def started(folder: Path, *more: str) -> subprocess.Popen[bytes]:
+def started(folder, *more):
     command = [sys.executable, "-c", OFTEN, "run", "paper-table-3", *LONG, *more]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
 
-def files(folder: Path) -> dict[str, Any]:
+def files(folder):
     """Result files, of the summary what does not depend on the clock."""
     found = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix == ".csv"}
     summary = json.loads((folder / "summary.json").read_text())

@@ -22,14 +22,14 @@ from tailslap.scene.read import read_scene
 START = RigidStart(0.26, 0.707, 25.053)
 
 
-def cloud(seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def cloud(seed=3):
     """Positions [m], velocities [m/s] and masses [kg] of 40 nodes."""
     random = np.random.default_rng(seed)
     positions = random.uniform(-10.0, 3.0, (2, 40))
     return positions, random.normal(size=(2, 40)), random.uniform(1.0, 9.0, 40)
 
 
-def forces(positions: np.ndarray, velocities: np.ndarray, masses: np.ndarray, step: float = 0.0) -> Any:
+def forces(positions, velocities, masses, step=0.0):
     force = np.zeros_like(positions)
     law = ElasticDamping(50.0, float(masses.sum()))
     return force, damp(law, positions, velocities, masses, step, np.zeros(SUMS), force)
@@ -136,7 +136,7 @@ def test_without_it_there_is_no_code(plate_model):
 DURATION = 0.384
 
 
-def growth_rates(model: Any, angle: float, ratio: float = 0.0) -> np.ndarray:
+def growth_rates(model, angle, ratio=0.0):
     """Rates [1/s] of all modes by dense eigenvalues of the first-order system, damping included."""
     corner, masses, nodes = model.loop.corner, model.loop.mass, model.loop.mass.size
     along, across = to_global(angle)
@@ -217,7 +217,7 @@ def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model):
     assert -4.0 * slowest < measured_rate(damped, 1e-6, slice(2, 10)) < -0.9 * slowest
 
 
-def measured_rate(model: Any, size: float, calls: slice) -> float:
+def measured_rate(model, size, calls):
     """Rate [1/s] at which the vibration of a plate disturbed by random velocities of this size [m/s] grows."""
     stepper = Stepper(model)
     state = stepper.start(START, "inertia-relief")
@@ -253,7 +253,7 @@ def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
     """Of the coarser meshes of a large one."""
     made, plain = [], decisions.static_models
 
-    def counted(plan: Any, plates: Any, meshes: Any) -> Any:
+    def counted(plan, plates, meshes):
         made.extend(plate.elements for plate in plates)
         return plain(plan, plates, meshes)
 

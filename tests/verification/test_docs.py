@@ -26,12 +26,12 @@ STAND_INS = {"SHELL": "bash", "X": "0.5", "FORMAT": "vtkhdf", "N": "20", "--samp
 """Values for the placeholders of a synopsis; others are accepted as they stand."""
 
 
-def below(paths: list[Path]) -> list[str]:
+def below(paths):
     """Paths below the checkout, for the cases of a test."""
     return [str(path.relative_to(ROOT)) for path in paths]
 
 
-def prose_and_blocks(text: str) -> tuple[str, list[str]]:
+def prose_and_blocks(text):
     """The text without blocks of code, and the lines of these, fenced or indented."""
     lines: list[str] = []
     prose: list[str] = []
@@ -46,20 +46,20 @@ def prose_and_blocks(text: str) -> tuple[str, list[str]]:
     return "\n".join(prose), lines
 
 
-def command_lines(path: Path) -> set[str]:
+def command_lines(path):
     """Each `tailslap ...` that a document shows, in a block or between backticks."""
     prose, lines = prose_and_blocks(path.read_text(encoding="utf-8"))
     given = [part for line in lines for part in line.split(" && ")] + QUOTED.findall(prose)
     return {" ".join(text.split()) for text in given if COMMAND.fullmatch(text.strip())}
 
 
-def anchors(path: Path) -> set[str]:
+def anchors(path):
     """What a link may name behind "#", as GitHub makes it from a heading."""
     headings = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading).strip().lower().replace(" ", "-") for heading in headings}
 
 
-def broken_links(path: Path) -> list[str]:
+def broken_links(path):
     """Relative links of a document to a file or heading that is not there."""
     broken = []
     for link in LINK.findall(path.read_text(encoding="utf-8")):
@@ -70,7 +70,7 @@ def broken_links(path: Path) -> list[str]:
     return broken
 
 
-def accept(line: str) -> None:
+def accept(line):
     """Parse a command line without running it; a scene that it names is read, with its changes."""
     words = shlex.split(line.replace("[", "").replace("]", "").replace("...", ""))[1:]
     words = [
@@ -89,7 +89,7 @@ def accept(line: str) -> None:
         read_scene(scene, tuple(given.get("changes", ())))
 
 
-def missing_files(text: str) -> list[str]:
+def missing_files(text):
     """File names between backticks that are not in the checkout, neither from its root nor within a package."""
     known = ["/" + str(path.relative_to(ROOT)) for path in ROOT.rglob("*.*") if ".venv" not in path.parts]
     named = (name for name in QUOTED.findall(text) if FILE.fullmatch(name))
@@ -125,9 +125,8 @@ def test_files_named_exist(name):
 
 
 def test_every_page_is_linked_from_the_readme():
-    links = {
-        link.partition("#")[0] for link in LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
-    }
+    found = LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+    links = {link.partition("#")[0] for link in found}
     assert {str(page.relative_to(ROOT)) for page in (ROOT / "docs").glob("*.md")} <= links
 
 
@@ -142,7 +141,7 @@ def test_every_promise_has_its_test():
         assert name == "" or ("(long)" in row) == is_long(text, name), row
 
 
-def is_long(text: str, name: str) -> bool:
+def is_long(text, name):
     """Whether all of a test is marked long."""
     above = text.partition(f"def {name}(")[0].rpartition("\n\n\n")[2]
     return "@pytest.mark.long\n" in above
@@ -174,13 +173,11 @@ def test_wrong_commands_are_noticed(line):
 
 def test_wrong_links_and_files_are_noticed(tmp_path):
     page = tmp_path / "page.md"
-    page.write_text(
-        "# One thing\n[a](page.md#one-thing) [b](page.md#two) [c](none.md) [d](https://example.org)"
-    )
+    links = "[a](page.md#one-thing) [b](page.md#two) [c](none.md) [d](https://example.org)"
+    page.write_text(f"# One thing\n{links}")
     assert broken_links(page) == ["page.md#two", "none.md"]
-    assert missing_files("`fem/machine_code/compiled.py` `compiled.py` `fem/none.py` `text`") == [
-        "fem/none.py"
-    ]
+    named = "`fem/machine_code/compiled.py` `compiled.py` `fem/none.py` `text`"
+    assert missing_files(named) == ["fem/none.py"]
 
 
 FOLDER = Path(__file__).parents[2] / "examples"

@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import click
 import pytest
@@ -30,7 +29,7 @@ QUICK = (
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
 
 
-def said(*arguments: str, cwd: Path) -> str:
+def said(*arguments, cwd):
     command = [sys.executable, "-m", "tailslap", *arguments]
     done = subprocess.run(
         command, capture_output=True, text=True, cwd=cwd, env=os.environ | {"COLUMNS": "80"}, check=False
@@ -161,7 +160,7 @@ def test_another_scene_s_result_is_replaced_by_force_alone(tmp_path, capsys):
     assert json.loads((tmp_path / "a" / "summary.json").read_text())["scene"] == "paper-abaqus"
 
 
-def scene_keys() -> set[str]:
+def scene_keys():
     found = set()
     for name, field in Scene.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
@@ -179,9 +178,8 @@ def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
         assert any(line.startswith(f"{key.rpartition('.')[2]} = ") for line in bare), key
     everything = "\n".join([line for line in bare if "=" in line or line.startswith("[")])
     tables = tomllib.loads(everything)
-    assert {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys} | {
-        "name"
-    } == set(meanings.MEANINGS)
+    keys = {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys}
+    assert keys | {"name"} == set(meanings.MEANINGS)
 
 
 def test_examples_in_a_new_scene_are_allowed():
@@ -215,7 +213,7 @@ def test_did_you_mean(change, hint):
 
 
 def test_a_shell_completes_scenes_and_keys(tmp_path):
-    def completed(*words: str) -> list[str]:
+    def completed(*words):
         line = " ".join(("tailslap", *words))
         asked = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
         command = [sys.executable, "-m", "tailslap"]
@@ -236,7 +234,7 @@ def test_progress_off_a_terminal(capsys, monkeypatch):
 
     monkeypatch.setattr(progress, "ASKED_EVERY", 0.0)
 
-    def work() -> str:
+    def work():
         with progress.progress_bar("steps", 200) as outer:
             outer(0.5)
             with progress.counted("inner", 3, 0) as inner:

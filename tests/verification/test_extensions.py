@@ -6,7 +6,6 @@ import json
 import sys
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -37,11 +36,9 @@ SCENE = ("corner.reaction=smoothed", "corner.constraint=cubic", "material.law=ha
 PLATE = ("plate.element=quad8", "plate.lumping=diagonal", "plate.start=pressed", "plate.elements=[10,3]")
 
 
-def load(name: str) -> ModuleType:
+def load(name):
     """Import a file as a module of its own, as a user's script would."""
     spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
     sys.modules[name] = module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -101,20 +98,13 @@ def test_the_files_and_the_page_show_them(result, folder):
         rows = list(csv.DictReader(file))
     recorded = [float(row["height"]) for row in rows]
     np.testing.assert_array_equal(recorded, result.run.history["height"])
-    assert result.run.strike is not None
     assert recorded[-1] == pytest.approx(result.run.strike.positions[1].mean(), rel=1e-12)
     summary = json.loads((folder / "summary.json").read_text())
-    assert {"name": "rise", "passed": True}.items() <= next(
-        check for check in summary["checks"] if check["name"] == "rise"
-    ).items()
+    assert [check["passed"] for check in summary["checks"] if check["name"] == "rise"] == [True]
     page = (folder / "report.html").read_text()
-    texts = (
-        "smoothed Coulomb friction",
-        "a spring that hardens",
-        "a plate that hardens",
-        "largest rise of the plate",
-    )
-    assert [text for text in (*texts, "Mean height of the nodes above the wall") if text not in page] == []
+    texts = ("smoothed Coulomb friction", "a spring that hardens", "a plate that hardens")
+    texts += ("largest rise of the plate", "Mean height of the nodes above the wall")
+    assert [text for text in texts if text not in page] == []
 
 
 def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
@@ -126,11 +116,8 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
     assert plate_result.run.history["gap"][0] == pytest.approx(statics(model, fe_plan.start).gap, rel=1e-6)
     write_report(report.corner_report(plate_result, pictures=False), tmp_path)
     page = (tmp_path / "report.html").read_text()
-    texts = (
-        "quad8",
-        "unstrained, its corner pressed into the constraint",
-        "it is that of the scaled diagonal",
-    )
+    texts = ("quad8", "unstrained, its corner pressed into the constraint")
+    texts += ("it is that of the scaled diagonal",)
     assert [text for text in texts if text not in page] == []
 
 
@@ -140,9 +127,8 @@ def test_a_check_from_outside_can_fail(result):
 
     history = result.run.history | {"height": -result.run.history["height"]}
     run = replace(result.run, history=history)
-    checks = evaluated(
-        CHECKS.values(), Evidence(result.fe_plan, run, result.rigid_history, result.difference)
-    )
+    evidence = Evidence(result.fe_plan, run, result.rigid_history, result.difference)
+    checks = evaluated(CHECKS.values(), evidence)
     assert [check.name for check in checks if not check.passed] == ["rise"]
     assert advice(CHECKS, ["rise"]) == "less of everything"
 

@@ -7,8 +7,6 @@ import os
 import resource
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import psutil
 import pytest
@@ -31,16 +29,15 @@ with result_folder(Path(sys.argv[1])) as folder:
 """
 
 
-def filling(place: Path) -> subprocess.Popen[bytes]:
+def filling(place):
     """A process that has begun to fill the folder; it kills itself when its input ends."""
     line = [sys.executable, "-c", DYING, str(place)]
     process = subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    assert process.stdout is not None
     assert process.stdout.readline() == b"filling\n"
     return process
 
 
-def fill(place: Path) -> None:
+def fill(place):
     with result_folder(place) as folder:
         (folder / "whole.csv").write_text("1,2")
 
@@ -64,9 +61,7 @@ def test_what_a_dead_process_left_is_cleared_and_what_a_living_one_fills_is_not(
     assert (place / "whole.csv").read_text() == "1,2"
 
 
-def command(
-    folder: Path, *arguments: str, prepare: Callable[[], None] | None = None, **variables: str
-) -> subprocess.CompletedProcess[str]:
+def command(folder, *arguments, prepare=None, **variables):
     line = [sys.executable, "-m", "tailslap.cli", *arguments]
     environment = {**os.environ, "PYTHONPATH": os.getcwd(), **variables}
     return subprocess.run(
@@ -97,19 +92,18 @@ def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path, besides_
     assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
 
 
-def doubled(value: float) -> float:
+def doubled(value):
     return 2.0 * value
 
 
 def test_a_full_cache_disk_ends_no_run(tmp_path, monkeypatch):
-    def full(*given: object, **options: object) -> None:
+    def full(*given, **options):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     tried = []
     monkeypatch.setattr(object_code.os, "replace", lambda *given: tried.append(1) or full())
     monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path)
-    assert compiled(doubled)(1.5) == 3.0
-    assert tried == [1]
+    assert (compiled(doubled)(1.5), tried) == (3.0, [1])
     assert not list(tmp_path.iterdir())
 
 

@@ -1,7 +1,6 @@
 """Verification: fields of a run: they agree with its history, cost nothing where none are asked for, survive a stop."""
 
 import functools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.run.observers import SnapshotKeeper
 from fem.stability.deformed import element_stress
-from postprocess.fields.series import FieldSeries, read_fields, write_fields
+from postprocess.fields.series import read_fields, write_fields
 from tailslap.case.corner import run as corner_run
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import run as impact_run
@@ -21,16 +20,16 @@ KEPT = "output.fields=6"
 
 
 @functools.cache
-def corner(*changes: str) -> Any:
+def corner(*changes):
     return corner_run.attempt(CornerCase(*read_scene("paper-table-3", changes)))
 
 
 @functools.cache
-def impact(*changes: str) -> Any:
+def impact(*changes):
     return impact_run.attempt(ImpactCase(*read_scene("impact-mash-tl4-sut", changes)))
 
 
-def series(outcome: Any) -> FieldSeries:
+def series(outcome):
     return field_series(outcome.fe_plan.model, outcome.run.snapshots)
 
 
@@ -41,8 +40,7 @@ def test_fields_agree_with_the_history(ran):
     found, history, loop = series(outcome), outcome.run.history, outcome.fe_plan.model.loop
     rows = np.searchsorted(history["t"], found.t - 1e-12)
     assert_allclose(history["t"][rows], found.t, rtol=0, atol=1e-12)
-    assert found.t[0] == 0.0
-    assert found.t[-1] == history["t"][-1]
+    assert (found.t[0], found.t[-1]) == (0.0, history["t"][-1])
     volumes = loop.table.weights.sum(axis=0)
     energy = (found.elemental["strain_energy_density"] * volumes).sum(axis=1)
     # At the tail-slap positions and energy are interpolated apart from each other.

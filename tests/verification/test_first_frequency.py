@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from tailslap.scene.write import resolved_inputs
 EIGHT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
 
 
-def dense_frequencies(model: Any) -> np.ndarray:
+def dense_frequencies(model):
     """All frequencies of the free plate [Hz], by LAPACK."""
     masses = np.tile(model.loop.mass, 2)
     squares = scipy.linalg.eigvalsh(model.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))
@@ -108,12 +107,7 @@ def test_inputs_of_a_scene_with_its_modulus_are_as_before():
 
 def test_too_stiff_names_the_key(refused):
     plan = CornerCase(*read_scene("paper-table-3", ("plate.youngs_modulus=", "plate.first_frequency=1e9")))
-    assert (
-        refused(
-            plan.plan,
-        )
-        == "plate.first_frequency"
-    )
+    assert refused(plan.plan) == "plate.first_frequency"
 
 
 def test_rigid_method_needs_no_modulus_to_be_resolved():

@@ -6,9 +6,7 @@ out of records of runs, what it says of them, and its pages.
 import json
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -32,7 +30,7 @@ from tailslap.studies.flexibility.report import WORDS, headline, plates_table, r
 SMALL = ("plate.elements=[8,4]",)
 
 
-def power(frequency: float, error: float = 1e-3, passed: bool = True) -> levels.Sample:
+def power(frequency, error=1e-3, passed=True):
     """A point of 0.04 (f1 / 1 Hz)^-2, with an error that is a fraction of that."""
     return levels.Sample(frequency, 0.04 / frequency**2, error * 0.04 / frequency**2, passed)
 
@@ -57,7 +55,7 @@ def test_levels_that_are_not_crossed():
     assert math.isnan(none.frequency)
 
 
-def level(kind: str, frequency: float) -> levels.Reach:
+def level(kind, frequency):
     return levels.Reach(0.01, kind, frequency)
 
 
@@ -98,9 +96,8 @@ def test_failed_points_say_nothing_of_a_level():
     assert (found.kind, found.frequency) == (levels.CROSSED, pytest.approx(2.0, rel=1e-12))
     below = next(i for i, f in enumerate(SWEEP) if f < 2.0)
     points[below] = points[below]._replace(passed=False)
-    assert (
-        levels.lowest_frequency(points, 0.01).kind == levels.UNKNOWN
-    )  # the crossing lies beside a point that failed
+    # The crossing lies beside a point that failed.
+    assert levels.lowest_frequency(points, 0.01).kind == levels.UNKNOWN
 
 
 def test_a_power_law_is_followed_to_its_end():
@@ -112,8 +109,7 @@ def test_a_power_law_is_followed_to_its_end():
     bent = [*points[:6], *(p._replace(difference=3.0 * p.difference) for p in points[6:])]
     law = levels.power_law(bent)
     assert law
-    assert law.lowest == SWEEP[5]
-    assert law.exponent == pytest.approx(-2.0, abs=1e-12)
+    assert (law.lowest, law.exponent) == (SWEEP[5], pytest.approx(-2.0, abs=1e-12))
     assert levels.power_law([power(f, error=0.5) for f in SWEEP]) is None
 
 
@@ -122,9 +118,8 @@ def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
     assert compute.convergence_index(*second) * second[0] == pytest.approx(1.25 * 0.01, rel=1e-9)
     lucky = [3.0 + 1e-6 * h**8 for h in (1.0, 2.0, 4.0)]
     assert compute.convergence_index(*lucky) * lucky[0] == pytest.approx(1.25 * 255e-6 / 3.0, rel=1e-9)
-    assert compute.convergence_index(1.0, 1.01, 1.0) == pytest.approx(
-        0.03
-    )  # to and fro: three times the change
+    # To and fro: three times the change.
+    assert compute.convergence_index(1.0, 1.01, 1.0) == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize(("error", "kind"), [(0.9e-3, levels.CROSSED), (1.0e-3, levels.UNKNOWN)])
@@ -138,7 +133,7 @@ def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error, kind):
         assert found.frequency == pytest.approx(100.0)
 
 
-def small_sweep(scene: str) -> compute.Sweep:
+def small_sweep(scene):
     return compute.define(CornerCase(*read_scene(scene, SMALL)))
 
 
@@ -149,9 +144,8 @@ def test_thickness_at_constant_mass_does_what_the_modulus_does(scene, hertz):
     sweep = small_sweep(scene)
     base, changes = sweep.case.source, compute.run_changes(sweep, hertz, (8, 4))
     by_modulus = compute.one_run(base, changes)
-    by_thickness = compute.one_run(
-        base, compute.thickness_changes(changes, by_modulus["youngs_modulus"], sweep.own)
-    )
+    thickness = compute.thickness_changes(changes, by_modulus["youngs_modulus"], sweep.own)
+    by_thickness = compute.one_run(base, thickness)
     assert by_thickness["youngs_modulus"] == sweep.own[2]
     ratio = by_modulus["youngs_modulus"] / sweep.own[2]
     assert by_thickness["thickness"] / sweep.own[0] == pytest.approx(ratio, rel=1e-14)
@@ -221,9 +215,8 @@ def test_meshes_and_hold():
     assert compute.three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
     assert compute.corner_support(scene, (10, 3))["patch"] == 1.0
     assert compute.corner_support(scene, (10, 3))["constraint"] == "exact"
-    assert compute.corner_support(scene, (7, 2))["patch"] == pytest.approx(
-        10.0 / 7.0
-    )  # a tenth, as whole elements
+    # A tenth, as whole elements.
+    assert compute.corner_support(scene, (7, 2))["patch"] == pytest.approx(10.0 / 7.0)
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
     assert compute.three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
     own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
@@ -241,12 +234,11 @@ def test_three_starts_whatever_the_scene_has():
     assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(compute.STARTS)
     assert compute.run_changes(sweep, 50.0, sweep.meshes[0]) == changes[compute.STARTS[0]]
     assert not any(scene.verify or scene.wall for scene in scenes.values())
-    for start in (
-        compute.STARTS
-    ):  # an oscillation has its error from three meshes too, whatever the phase of the strike
-        assert [run and run["plate.elements"] for run in compute.mesh_changes(sweep, 50.0, start)] == list(
-            sweep.meshes
-        )
+    for (
+        start
+    ) in compute.STARTS:  # an oscillation has its error from three meshes too, at any phase of the strike
+        changed = compute.mesh_changes(sweep, 50.0, start)
+        assert [run and run["plate.elements"] for run in changed] == list(sweep.meshes)
 
 
 @pytest.mark.parametrize(
@@ -269,23 +261,21 @@ def test_command(tmp_path, capsys):
     given = ["study", "flexibility", "paper-abaqus", *small, "--lowest", "0.05 Hz", "--highest", "50 Hz"]
     assert cli._status(given) == cli.DONE
     printed = capsys.readouterr().out.replace("\N{NO-BREAK SPACE}", " ")
-    assert "good to 1 %, at the strike and before, down to a first frequency of 1." in " ".join(
-        printed.split()
-    )
-    assert "Failed: 0.05 Hz: plate.start" in " ".join(printed.split())
+    printed = " ".join(printed.split())
+    assert "good to 1 %, at the strike and before, down to a first frequency of 1." in printed
+    assert "Failed: 0.05 Hz: plate.start" in printed
     points = json.loads((out / "summary.json").read_text())["points"]
     assert [point["passed"] for point in points] == [True, True, True, False]
     assert [point["thickness_apart"] is not None for point in points].count(True) == 2
     assert max(point["thickness_apart"] or 0.0 for point in points) < 1e-11
     assert [point["half_patch_v_gy"] is not None for point in points] == [False, False, True, False]
-    assert (
-        1.0 < points[2]["half_patch_v_gy"] / points[2]["difference_v_gy"] < 1.3
-    )  # what holds on less gives more
+    # What holds on less gives more.
+    assert 1.0 < points[2]["half_patch_v_gy"] / points[2]["difference_v_gy"] < 1.3
     assert cli._status([*given, "--lowest", "50 Hz"]) == cli.WRONG_INPUT
     assert cli._status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == cli.WRONG_INPUT
 
 
-def mesh_record(difference: float, rigid: Mapping[str, float], **changes: Any) -> dict[str, Any]:
+def mesh_record(difference, rigid, **changes):
     record = {
         "elements": [8, 4], "youngs_modulus": 1e9, "thickness": 0.1, "damping": 0.0,
         "values": {name: value * (1.0 + difference) for name, value in rigid.items()}, "failed": [],
@@ -296,11 +286,11 @@ def mesh_record(difference: float, rigid: Mapping[str, float], **changes: Any) -
     return record | changes
 
 
-def point_record(hertz: float, rigid: Mapping[str, float], **changes: Any) -> dict[str, Any]:
+def point_record(hertz, rigid, **changes):
     """Differences of 0.04 (f1 / 1 Hz)^-2 on fine meshes, with an error of second order in the element's size; 0.36
     of it for the second start, and 0.04 f1^-1 for the third."""
 
-    def meshes(factor: float) -> list[dict[str, Any]]:
+    def meshes(factor):
         sizes = [factor * 0.04 / hertz**2 * (1.0 - 1e-3 * h**2) for h in (4, 2, 1)]
         return [mesh_record(size, rigid, **changes) for size in sizes]
 
@@ -309,7 +299,7 @@ def point_record(hertz: float, rigid: Mapping[str, float], **changes: Any) -> di
     return {"starts": dict(zip(compute.STARTS, runs, strict=True)), "modal": modal}
 
 
-def main_meshes(record: dict[str, Any]) -> list[dict[str, Any]]:
+def main_meshes(record):
     found: list[dict[str, Any]] = record["starts"][compute.STARTS[0]]
     return found
 
@@ -324,7 +314,7 @@ def synthetic(plan):
     """The campaign of a synthetic power law; changes: records by the place of the point."""
     sweep = compute.define(plan)
 
-    def build(changes: Mapping[int, dict[str, Any]] = {}) -> compute.Flexibility:
+    def build(changes={}):  # noqa: B006
         rigid = plan.tail_slap
         records = [point_record(f, rigid) for f in SWEEP]
         rows = [
@@ -364,7 +354,7 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     assert sizes == sorted(sizes)
 
 
-def said(found: compute.Flexibility, tmp_path: Path) -> tuple[str, str]:
+def said(found, tmp_path):
     """Terminal and page, with plain spaces."""
     made = report(found)
     write_report(made, tmp_path)
@@ -417,12 +407,12 @@ def test_what_the_starts_depart_from_is_said(synthetic, tmp_path):
     assert kept == pytest.approx(0.9, rel=1e-3)
 
 
-def number(shown: str) -> float:
+def number(shown):
     """With the minus of print."""
     return float(shown.replace("\N{MINUS SIGN}", "-"))
 
 
-def cells(rows: list[str], first: str) -> list[str]:
+def cells(rows, first):
     """Of the row that begins like this, all others."""
     row = next(row for row in rows if f">{first}<" in row)
     return re.findall(r"<td[^>]*>([^<]*)</td>", row)
@@ -435,7 +425,7 @@ def test_headline_of_what_is_not_known(synthetic):
     assert "no run passed its checks" in headline(nothing)
     rigid = nothing.case.tail_slap
 
-    def words(found: compute.Flexibility) -> str:
+    def words(found):
         return headline(found).replace("\N{NO-BREAK SPACE}", " ")
 
     soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
@@ -466,11 +456,9 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     assert "Failed: 1 kHz: left out" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
     assert page.count("<svg") == 5
-    assert "failed: energy balance" in page
-    assert "none: left out" in page
+    assert [words for words in ("failed: energy balance", "none: left out") if words not in page] == []
     assert "failed a check" in page
-    assert "NaN" not in page
-    assert "nan" not in page
+    assert [words for words in ("NaN", "nan") if words in page] == []
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["headline"] == headline(found)
     assert summary["points"][8]["difference_v_gy"] is None
@@ -486,7 +474,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
 def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
     rigid, done = plan.tail_slap, []
 
-    def one_at_a_time(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+    def one_at_a_time(function, parts, journal, *rest):
         for key in parts:
             if key in journal.records:
                 continue
@@ -505,7 +493,7 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
 
 
 def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
-    def all_fail(function: Any, parts: Any, journal: Any, *rest: Any) -> None:
+    def all_fail(function, parts, journal, *rest):
         rigid = plan.tail_slap
         for key in parts:
             if key not in journal.records:
@@ -529,7 +517,7 @@ def impact():
     return ImpactCase(*read_scene("impact-mash-tl4-sut"))
 
 
-def impact_plate(frequency: float, why: str = "", size: float | None = None) -> dict[str, Any]:
+def impact_plate(frequency, why="", size=None):
     """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
     size = 10.0 / frequency**2 if size is None else size
     groups = {
@@ -543,30 +531,27 @@ def test_levels_lie_where_the_difference_of_strikes_crosses_them():
     samples = compute.impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
     reaches = [levels.lowest_frequency(samples, level) for level in compute.IMPACT_LEVELS]
     assert [level.kind for level in reaches] == ["crossed"] * 3
-    assert [level.frequency for level in reaches] == pytest.approx(
-        [math.sqrt(10.0 / x) for x in (0.01, 0.05, 0.1)]
-    )
+    expected = [math.sqrt(10.0 / x) for x in (0.01, 0.05, 0.1)]
+    assert [level.frequency for level in reaches] == pytest.approx(expected)
 
 
 def test_a_plate_that_strikes_with_other_corners_tells_no_level():
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, size=math.nan)]
-    level = levels.lowest_frequency(
-        compute.impact_samples(rows, "strike_1.impulse"), compute.IMPACT_LEVELS[-1]
-    )
+    samples = compute.impact_samples(rows, "strike_1.impulse")
+    level = levels.lowest_frequency(samples, compute.IMPACT_LEVELS[-1])
     assert (level.kind, level.frequency) == ("not reached", 16.0)
 
 
 def test_what_a_plate_s_run_records(monkeypatch, impact):
     """The mesh's check is left to the reaches; what is not compared is not a number; a refusal is its reason."""
 
-    def run(case: Any) -> Any:
+    def run(case):
         checks = [SimpleNamespace(name=name, passed=False) for name in ("mesh", "energy balance")]
         return SimpleNamespace(difference={compute.NAMES[0]: 0.5}, mesh_error={}, checks=checks)
 
     monkeypatch.setattr(ImpactCase, "run", run)
-    row = compute.impact_row(
-        8.0, compute.one_run(impact.source, {"contact.friction": 0.1}, compute.strike_record)
-    )
+    ran = compute.one_run(impact.source, {"contact.friction": 0.1}, compute.strike_record)
+    row = compute.impact_row(8.0, ran)
     assert (row[f"difference.{compute.NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
     assert math.isnan(row[f"difference.{compute.NAMES[1]}"])
     refused = {"contact.restitution": 2.0}
@@ -597,8 +582,7 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     terminal, page = said(found, tmp_path)
     assert "to 1 % down to 31.6 Hz" in page
     assert all(word in page for word in WORDS.values())
-    assert "8 Hz: energy balance" in page
-    assert "2 Hz: contact: no." in page
+    assert [words for words in ("8 Hz: energy balance", "2 Hz: contact: no.") if words not in page] == []
     assert "A plate of 8 Hz changes the second strike's impulse by +50 %" in terminal
     assert page.count("<svg") == 2
     lines = (tmp_path / "points.csv").read_text().splitlines()
@@ -610,11 +594,9 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
 
 
 def test_contacts_of_a_corner_that_are_close_are_one_strike():
-    contacts = [
-        Strike("front", start, end, 1.0, 1.0) for start, end in ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
-    ]
-    assert first_strike(contacts) == contacts[:2]
-    assert first_strike([]) == []
+    times = ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
+    contacts = [Strike("front", *each, 1.0, 1.0) for each in times]
+    assert (first_strike(contacts), first_strike([])) == (contacts[:2], [])
 
 
 @pytest.mark.long

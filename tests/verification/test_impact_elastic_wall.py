@@ -11,9 +11,8 @@ import pytest
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
-from fem.model.plate_model import PlateModel
 from fem.plate.kinds import ContactProperties, ModelError, PlateProperties, StepProperties, WallProperties
-from fem.run.impact import FirstTouch, ImpactRun, ImpactStepper, simulate_impact
+from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh, wall_mesh
 
 DEPTH, MODULUS = 0.3, 24.82e9
@@ -23,22 +22,20 @@ ANGLE, SPEED = math.radians(15.0), 25.034
 TRUCK_MASS = 9979.0
 
 
-def concrete(
-    foundation: float, elements: int = 60, length: float = 36.0, start: float = -12.0
-) -> WallProperties:
+def concrete(foundation, elements=60, length=36.0, start=-12.0):
     mesh = wall_mesh(start, length, DEPTH, (elements, 1))
     return WallProperties(mesh, 1.0, 2400.0, MODULUS, 0.2, foundation)
 
 
-def wave_number(foundation: float) -> float:
+def wave_number(foundation):
     """Hetenyi's b [1/m]."""
     return (foundation / (4.0 * BENDING)) ** 0.25
 
 
 def truck_model(
-    wall: WallProperties | None, law: str = "crush", longest: float = 1e-4, modulus: float = 200e9,
-    **contact: float,
-) -> PlateModel:  # fmt: skip
+    wall, law = "crush", longest = 1e-4, modulus = 200e9,
+    **contact,
+):  # fmt: skip
     """Table 1's truck."""
     plate = PlateProperties(0.053, TRUCK_MASS / (10.0 * 2.438 * 0.053), modulus, 0.3)
     given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
@@ -47,12 +44,12 @@ def truck_model(
     return build_impact_model(mesh, plate, properties, StepProperties(longest=longest), wall)
 
 
-def touch() -> FirstTouch:
+def touch():
     return FirstTouch(ANGLE, SPEED * math.cos(ANGLE), -SPEED * math.sin(ANGLE))
 
 
 @functools.cache
-def truck(foundation: float, law: str = "crush", layer: float = 0.0) -> tuple[PlateModel, ImpactRun]:
+def truck(foundation, law="crush", layer=0.0):
     """The whole impact on the parapet; on a rigid wall for an infinite foundation."""
     wall = None if math.isinf(foundation) else concrete(foundation)
     contact = {"side_stiffness": layer} if layer else {}
@@ -60,7 +57,7 @@ def truck(foundation: float, law: str = "crush", layer: float = 0.0) -> tuple[Pl
     return model, simulate_impact(model, touch(), 2e-4, 0.6)
 
 
-def static(foundation: float, elements: int, length: float = 48.0) -> tuple[np.ndarray, np.ndarray]:
+def static(foundation, elements, length=48.0):
     """Places along the face, and its displacements in x and y under 1 N into the middle of the wall."""
     wall = truck_model(concrete(foundation, elements, length, -0.5 * length)).loop.wall
     places = wall.start + wall.spacing * np.arange(wall.face.shape[1])
@@ -105,7 +102,7 @@ def test_the_deflection_converges_with_the_mesh():
 def test_modes_that_the_step_leaves_out_hardly_deflect():
     """A soft plate with long steps, and a stiff one that leaves out none; most of the difference is the dent."""
 
-    def deflection(modulus: float) -> tuple[float, float]:
+    def deflection(modulus):
         """Under 1 N, and the highest frequency over that of the foundation."""
         wall = truck_model(concrete(1e8, 72), modulus=modulus).loop.wall
         below = float((wall.face[1, wall.face.shape[1] // 3] ** 2 / wall.stiffness).sum())
@@ -166,7 +163,7 @@ def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
     assert np.abs(state.wall.impulse).min() > 0.05 * TRUCK_MASS * SPEED * math.sin(ANGLE)
 
 
-def heavier(scale: float) -> tuple[float, float]:
+def heavier(scale):
     """Peak and impulse of the first strike on a wall this many times as stiff and as heavy; its frequencies stay."""
     wall = concrete(1e9)
     wall = replace(
@@ -187,7 +184,7 @@ def test_a_stiff_wall_approaches_the_rigid_one_at_first_order():
     assert np.log2(off[:-1] / off[1:]) == pytest.approx(1.0, abs=0.01)
 
 
-def first_peak(foundation: float) -> float:
+def first_peak(foundation):
     run = truck(foundation)[1]
     return float(run.history["force_normal"][run.history["t"] < 0.14].max())
 
