@@ -1,5 +1,7 @@
 """Verification: docstrings of public names are in numpydoc form and agree with the code."""
 
+from __future__ import annotations
+
 import ast
 import dataclasses
 import importlib
