@@ -127,16 +127,9 @@ def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None)
     """Make the properties of the plate; inertia: that its masses carry, where it is not the plate's own."""
     from fem.plate.kinds import PlateProperties
 
-    return PlateProperties(
-        plate.thickness,
-        plate_density(scene, plate),
-        plate.modulus,
-        plate.poissons_ratio,
-        lumping=plate.lumping,
-        element=plate.element,
-        material=scene.material.law if scene.material else "st-venant-kirchhoff",
-        inertia=inertia,
-    )
+    given = plate.thickness, plate_density(scene, plate), plate.modulus, plate.poissons_ratio
+    law = scene.material.law if scene.material else "st-venant-kirchhoff"
+    return PlateProperties(*given, plate.lumping, plate.element, law, inertia)
 
 
 def step_properties(scene: Scene, longest: float) -> StepProperties:

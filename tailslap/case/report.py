@@ -207,16 +207,9 @@ def run_page(
         Section("Left out", "" if parts else "Nothing.", tables=[left_out], is_folded=True),
         Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
     ]
-    return Page(
-        kicker=kicker,
-        title=scene.name,
-        headline=headline,
-        sections=[*sections, *record],
-        footer=f"{footer()} {about}",
-        scene_text=write.scene_text(source),
-        passed=outcome.passed,
-        contents=True,
-    )
+    below, given = f"{footer()} {about}", write.scene_text(source)
+    every = [*sections, *record]
+    return Page(kicker, scene.name, headline, every, below, given, outcome.passed, contents=True)
 
 
 def terminal_text(

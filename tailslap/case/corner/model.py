@@ -41,21 +41,12 @@ def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerPr
     from fem.plate.kinds import CornerProperties
 
     scene, corner, angle = case.scene, case.scene.corner, case.start.angle
-    friction = scene.corner_friction
-    return (
-        plate_properties(scene, plate),
-        CornerProperties(
-            FRICTION_LAWS[corner.reaction].constants(friction)
-            if friction > 0.0
-            else None,  # None: no friction code
-            corner.constraint,
-            corner.penalty_scale,
-            patch_length=corner.patch_length or 0.0,
-            damping_ratio=corner.damping_ratio or 0.0,
-            angles=(angle, 0.5 * angle, 0.0),
-        ),
-        step_properties(scene, case.duration / MIN_STEPS),
-    )
+    properties, step = plate_properties(scene, plate), step_properties(scene, case.duration / MIN_STEPS)
+    friction = None  # no friction code
+    if scene.corner_friction > 0.0:
+        friction = FRICTION_LAWS[corner.reaction].constants(scene.corner_friction)
+    given = corner.constraint, corner.penalty_scale, corner.patch_length or 0.0, corner.damping_ratio or 0.0
+    return properties, CornerProperties(friction, *given, angles=(angle, 0.5 * angle, 0.0)), step
 
 
 def static_models(

@@ -76,25 +76,18 @@ def run_report(outcome: CornerOutcome, folder: Path, pictures: bool, units: Unit
 def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
     verdict, peaks, design = verdict_sentence(outcome), *_forces(outcome)
-    failed = failed_names(outcome.checks)
-    page = report.run_page(
-        outcome,
-        KICKER,
-        (f"Failed: {', '.join(failed)}. " if failed else "") + verdict,
-        sections(outcome),
-        omitted_parts(outcome.fe_plan.case.scene, pictures),
-        FOOTER,
-        {"pictures_s": outcome.pictures_s},
-    )
-    said = report.terminal_text(
-        outcome,
-        verdict,
-        (peaks, report.short(design), comparison(outcome, " ")),
-        lambda name: advice(CHECKS, [name]),
-        [prediction(outcome)],
-        f", pictures {outcome.pictures_s:.2f} s",
-    )
-    return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
+    failed, omitted = failed_names(outcome.checks), omitted_parts(outcome.fe_plan.case.scene, pictures)
+    headline = (f"Failed: {', '.join(failed)}. " if failed else "") + verdict
+    spent = {"pictures_s": outcome.pictures_s}
+    page = report.run_page(outcome, KICKER, headline, sections(outcome), omitted, FOOTER, spent)
+    tables = (peaks, report.short(design), comparison(outcome, " "))
+    drawn = f", pictures {outcome.pictures_s:.2f} s"
+    lines = report.terminal_text(outcome, verdict, tables, _cure, [prediction(outcome)], drawn)
+    return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
+
+
+def _cure(name: str) -> str:
+    return advice(CHECKS, [name])
 
 
 def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
@@ -163,7 +156,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
-        report.failed_section(outcome.checks, lambda name: advice(CHECKS, [name]), diagnosis(outcome)),
+        report.failed_section(outcome.checks, _cure, diagnosis(outcome)),
         Section("The plate at the tail-slap", figures=drawn, layout="tall"),
         *_curves(outcome),
         Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),

@@ -107,14 +107,9 @@ def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
     start = 0.5 * (min(places) + max(places) - wall.length)
     assert wall.height is not None
     assert wall.foundation_stiffness is not None
-    return WallProperties(
-        wall_mesh(start, wall.length, wall.depth, wall.elements),
-        wall.height,
-        wall.density,
-        wall.youngs_modulus,
-        wall.poissons_ratio,
-        wall.foundation_stiffness,
-    )
+    mesh = wall_mesh(start, wall.length, wall.depth, wall.elements)
+    material = wall.density, wall.youngs_modulus, wall.poissons_ratio
+    return WallProperties(mesh, wall.height, *material, wall.foundation_stiffness)
 
 
 def contact_properties(contact: Contact) -> ContactProperties:
@@ -125,12 +120,5 @@ def contact_properties(contact: Contact) -> ContactProperties:
     friction = Drag(contact.friction) if contact.friction > 0.0 else None
     if contact.stiffness is None:
         return ContactProperties(friction, contact.enforcement, penalty_scale=contact.penalty_scale)
-    return ContactProperties(
-        friction,
-        "crush",
-        contact.stiffness,
-        contact.initial_force,
-        contact.restitution or 0.0,
-        contact.side_stiffness or 0.0,
-        patch_length=contact.patch_length or 0.0,
-    )
+    law = contact.stiffness, contact.initial_force, contact.restitution or 0.0, contact.side_stiffness or 0.0
+    return ContactProperties(friction, "crush", *law, patch_length=contact.patch_length or 0.0)
