@@ -26,19 +26,10 @@ USUAL = (
 )
 """Columns that are compared unless the caller says otherwise."""
 
+HEADS = {"magnitude": "M", "phase": "P", "combined": "C", "mean_residual": "Mean", "deviation": "SD"}
 METRICS = (
     *columns({"item": "Result", "name": "Column"}),
-    *columns(
-        {
-            "magnitude": "M",
-            "phase": "P",
-            "combined": "C",
-            "mean_residual": "Mean",
-            "deviation": "SD",
-            "largest": "Largest",
-        },
-        form=lambda ratio: percent(ratio).removesuffix(" %"),
-    ),
+    *columns({**HEADS, "largest": "Largest"}, form=lambda ratio: percent(ratio).removesuffix(" %")),
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
 WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
@@ -80,9 +71,8 @@ def compare_items(
 ) -> Comparison:
     """Compare results, folders and files with the first of them. Raises InputError."""
     if len(given) < 2:
-        raise InputError(
-            "RESULT", Verbatim(len(given)), "allowed are two or more, the first is the reference"
-        )
+        allowed = "allowed are two or more, the first is the reference"
+        raise InputError("RESULT", Verbatim(len(given)), allowed)
     mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
     items = [read_item(each, mapping) for each in given]
     labels = [item.label for item in items]
@@ -100,21 +90,32 @@ def _in_common(item: Item, reference: Item, only: Sequence[str]) -> list[Beside]
         if name not in common:
             raise InputError("--only", name, f"allowed are the columns in common, {', '.join(common)}")
     chosen = only or [name for name in USUAL if name in common] or common
-    found = [beside(name, item.columns, reference.columns) for name in chosen]
-    known = [each for each in found if each is not None]
-    if not known:
+    found = [each for name in chosen if (each := beside(name, item.columns, reference.columns))]
+    if not found:
         allowed = f"it has no column over a common time with {reference.label}; see --columns"
         raise InputError("RESULT", item.label, allowed)
-    return known
+    return found
 
 
 def compare_report(found: Comparison) -> Report:
     """Page, summary, and the text for the terminal."""
-    table, notes = metrics_table(found), [note for item in found.items for note in item.notes]
+    table, said = metrics_table(found), headline(found)
+    notes = [note for item in found.items for note in item.notes]
+    compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
+    for label, each in found.pairs:
+        compared[label][each.name] = _numbers(each)
+    summary = {
+        "version": tailslap.__version__,
+        "reference": found.reference.label,
+        "passed": found.within,
+        "limits": asdict(LIMITS),
+        "compared": compared,
+        "notes": notes,
+    }
     page = Page(
         kicker="Histories side by side",
         title=" · ".join(item.label for item in found.items),
-        headline=headline(found),
+        headline=said,
         sections=(
             Section("Metrics", tables=(table,), sentences=notes),
             Section("Numbers of the results", tables=tuple(_quantities(found))),
@@ -124,21 +125,18 @@ def compare_report(found: Comparison) -> Report:
         footer=footer("summary.json, these numbers; metrics.csv, the table"),
         passed=found.within,
     )
-    return Report(page, summary(found), (table, *notes, headline(found)), tables={"metrics.csv": table})
+    return Report(page, summary, (table, *notes, said), tables={"metrics.csv": table})
 
 
 def headline(found: Comparison) -> str:
     """Verdict in a sentence, and the column that is furthest off."""
     sizes = [abs(each.largest[0]) for _, each in found.pairs]
-    label, worst = found.pairs[
-        max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
-    ]
+    most = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
+    label, worst = found.pairs[most]
     outside = [f"{each.name} of {label}" for label, each in found.pairs if not each.within]
-    verdict = (
-        f"Beyond NCHRP W179's limits: {', '.join(outside)}."
-        if outside
-        else f"All {len(sizes)} histories are within NCHRP W179's limits."
-    )
+    verdict = f"All {len(sizes)} histories are within NCHRP W179's limits."
+    if outside:
+        verdict = f"Beyond NCHRP W179's limits: {', '.join(outside)}."
     return (
         f"{verdict} Against {found.reference.label}, {worst.name} of {label} differs most, by "
         f"{percent(worst.largest[0])} of its peak, at {worst.largest[1]:.4g} s."
@@ -163,21 +161,6 @@ def _numbers(each: Beside) -> dict[str, Any]:
         "from": float(each.t[0]),
         "to": float(each.t[-1]),
         "within": each.within,
-    }
-
-
-def summary(found: Comparison) -> dict[str, Any]:
-    """All numbers; differences are relative to the reference."""
-    compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
-    for label, each in found.pairs:
-        compared[label][each.name] = _numbers(each)
-    return {
-        "version": tailslap.__version__,
-        "reference": found.reference.label,
-        "passed": found.within,
-        "limits": asdict(LIMITS),
-        "compared": compared,
-        "notes": [note for item in found.items for note in item.notes],
     }
 
 

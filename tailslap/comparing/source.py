@@ -87,10 +87,9 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
         for ours, theirs in mapping.items()
         if ours not in columns or _parts(theirs, columns)[1] in columns
     }
-    own = column_units(columns)
+    own = {TIME, *column_units(columns)}
     for name in columns:
-        ours = _time_as_t(name)
-        if ours in own or ours == TIME:
+        if (ours := _time_as_t(name)) in own:
             wanted.setdefault(ours, name)
     known = column_units(wanted)
     found, assumed = {}, []
@@ -138,6 +137,8 @@ def _demand_rising(found: Mapping[str, Floats], path: Path) -> None:
 def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
     """Columns of a file by name, shape (rows,) each, and the units that it gives; "" is the unit of those without.
 
+    An empty or missing cell, or a word, is NaN.
+
     Raises OSError, and ValueError, saying why, for a file that has no named columns of numbers.
     """
     if path.stat().st_size > MAX_BYTES:
@@ -147,10 +148,8 @@ def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
     if len(lines) < 3:
         raise ValueError("it has less than two rows below a line of names")
     separator = next((mark for mark in ("\t", ";", ",") if mark in lines[0]), None)
-    if separator is None:
-        rows = [line.split() for line in lines]
-    else:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+    cells = csv.reader(lines, delimiter=separator) if separator else map(str.split, lines)
+    rows = [[cell.strip() for cell in row] for row in cells]
     if all(_is_number(cell) for cell in rows[0] if cell):
         raise ValueError("its first line has no names of columns")
     matches = [NAME_AND_UNIT.fullmatch(cell.strip()) for cell in rows[0]]
@@ -159,15 +158,10 @@ def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
     first = 1
     if not any(map(_is_number, rows[1])):
         units, first = [cell.strip("[]() ") for cell in rows[1]], 2
-    values = _numbers(rows[first:], len(names))
+    padded = ((row + [""] * len(names))[: len(names)] for row in rows[first:])
+    values = np.array([[float(cell) if _is_number(cell) else np.nan for cell in row] for row in padded])
     columns = {name: values[:, k] for k, name in enumerate(names) if name}
     return columns, {name: unit for name, unit in zip(names, units, strict=False) if name}
-
-
-def _numbers(rows: list[list[str]], width: int) -> Floats:
-    """The rows as numbers; an empty or missing cell, or a word, is NaN."""
-    cells = ((row + [""] * width)[:width] for row in rows)
-    return np.array([[float(cell) if _is_number(cell) else np.nan for cell in row] for row in cells])
 
 
 def _is_number(cell: str) -> bool:
