@@ -22,7 +22,7 @@ from postprocess.report import files, terminal
 from postprocess.report.table import Table
 from postprocess.units import SYSTEMS
 from tailslap import result
-from tailslap.case import case_of, cost
+from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.errors import InputError, Verbatim
 from tailslap.files import load
@@ -488,6 +488,8 @@ def _case(scene: Scene, changes: Changes | None) -> Case:
 
 def _affordable(scene: Scene, changes: Changes | None, allow_large: bool) -> Case:
     """The case of a scene with a plate that this machine can carry. Raises InputError."""
+    from tailslap.case import cost
+
     case = _case(scene, changes)
     cost.demand_run(case.scene, case.duration, allow_large)
     return case

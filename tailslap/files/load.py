@@ -15,7 +15,6 @@ from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
 from postprocess.report import files
 from tailslap import result
 from tailslap.errors import InputError, Verbatim
-from tailslap.files import manifest
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
 COMMANDS = {"modes": "modes", "compared": "compare", "stage2": "rigid", "strikes": "rigid"}
@@ -121,6 +120,8 @@ def _summary(place: Path) -> dict[str, Any]:
 
 def _copies(place: Path) -> Any:
     """Make a function that fills another folder with the files of this one."""
+
+    from tailslap.files import manifest
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         for entry in manifest.read_manifest(place) or ():
