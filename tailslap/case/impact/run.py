@@ -18,7 +18,6 @@ from tailslap.case.model import refusal
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
-from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
     from fem.run.impact import ImpactRun
@@ -119,7 +118,7 @@ def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     """The outcome with what higher-order or finer elements change; without, where they make no model."""
     fe_plan = outcome.fe_plan
-    for plate in _higher_order(fe_plan.plate):
+    for plate in refine.higher_order_plates(fe_plan.plate):
         try:
             model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
         except InputError:
@@ -132,13 +131,3 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
         frequency = fe_plan.first_frequency / finer.first_frequency - 1.0
         return replace(outcome, mesh_error=error, frequency_error=frequency)
     return outcome
-
-
-def _higher_order(plate: Plate) -> list[Plate]:
-    """The plate with elements of twice the order, half as many each way where that can be; else twice as many."""
-    from fem.plate import kinds
-
-    higher = kinds.ELEMENT_KINDS[plate.element].higher_order
-    if not higher:
-        return [refine.refined(plate)]
-    return [refine.refined(plate, 0.5 if min(plate.counts) > 3 else 1.0, higher), refine.refined(plate)]
