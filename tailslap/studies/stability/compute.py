@@ -133,13 +133,7 @@ class StabilityResult(NamedTuple):
 
 
 def compute(
-    case: Any,
-    place: Path,
-    points: int | None,
-    tolerance: float | None,
-    count: int | None,
-    seed: int,
-    workers: int | None,
+    case: Any, place: Path, points: int | None, tolerance: Any, count: int | None, seed: int, workers: Any
 ) -> StabilityResult:
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
     began, scene = time.perf_counter(), case.scene
@@ -438,18 +432,17 @@ def against_reference(outcome: CornerOutcome) -> Row:
         first = next(references(cell, plate, FINER), None)
     if first is None:
         return grade(outcome.difference, failed, None, math.nan)
-    apart = partial(
-        distance_in_motion, its=first.histories, rigid=outcome.rigid, oscillates=not plate.relieved
-    )
-    ours = (outcome.fe_history, outcome.rigid_history)
-    found = grade(outcome.difference, failed, first, apart(ours))
+    motion: Row = {"its": first.histories, "rigid": outcome.rigid, "oscillates": not plate.relieved}
+    ours = outcome.fe_history, outcome.rigid_history
+    found = grade(outcome.difference, failed, first, distance_in_motion(ours, **motion))
     if found["kind"] != GOOD:
         return found
     others = references(cell, plate, FINEST)
     second = next((other for other in others if other.model != first.model), None)
     off = math.inf
     if second:
-        off = max(apart(second.histories), distance(second.difference, first.difference))
+        off = distance(second.difference, first.difference)
+        off = max(distance_in_motion(second.histories, **motion), off)
     return found if off <= _limit(GOOD_TO, largest(first.difference)) else found | {"kind": CAUGHT}
 
 
@@ -589,8 +582,9 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
             continue
         if effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS:
             return changes
-    allowed = f"none of {MAX_TRIES} draws of this scene is possible and affordable"
-    raise InputError("--random", number, allowed)
+    raise InputError(
+        "--random", number, f"none of {MAX_TRIES} draws of this scene is possible and affordable"
+    )
 
 
 def _drawn(scene: Scene, choices: Row, dice: Dice, number: int) -> Changes:

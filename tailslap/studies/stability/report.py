@@ -18,16 +18,7 @@ from tailslap.case.report import study_page, study_summary
 from tailslap.scene.vary import changed_tables
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute
-from tailslap.studies.stability.compute import (
-    CAUGHT,
-    GOOD,
-    REFUSED,
-    RIGHT,
-    UNKNOWN,
-    WRONG,
-    Row,
-    StabilityResult,
-)
+from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, UNKNOWN, WRONG, Row, StabilityResult
 
 MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
 RANDOM = "Stability on scenes drawn at random: every quantity and every choice of the scene at once"
@@ -110,8 +101,8 @@ def listed_kinds(found: StabilityResult) -> tuple[str, ...]:
 def headline(found: StabilityResult) -> str:
     """The result in two sentences."""
     number, limit = counts(found), f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
-    others = [f"{n} {kind}" for kind, n in number.items() if n and kind not in (RIGHT, WRONG)]
-    ends, wrong = ", ".join([f"{number[RIGHT]} are right to {limit}", *others]), number[WRONG]
+    others = [f"{n} {kind}" for kind, n in number.items() if n and kind not in (compute.RIGHT, WRONG)]
+    ends, wrong = ", ".join([f"{number[compute.RIGHT]} are right to {limit}", *others]), number[WRONG]
     return f"Of {len(found.rows)} cells {ends}. {f'{wrong} are' if wrong else 'None is'} wrong without being caught."
 
 
@@ -144,20 +135,15 @@ def cells_table(found: StabilityResult) -> Table:
 def _scene_file(found: StabilityResult, key: str) -> str:
     row, settings = found.rows[key], ", ".join(f"{name} {value}" for name, value in found.settings.items())
     off = f"{row['distance']:.1e} off, {row['allowed']:.1e} allowed, own estimate {row['error']:.1e}"
-    why = _why(row) or "no check failed"
+    why = row["failed"] or row["reason"] or "no check failed"
     title = f"Cell {key} from {found.case.scene.name}, {settings}: {row['kind']}; {off}; {why}"
     return scene_file(changed_tables(found.base.given, found.cells[key])[0], title)
 
 
-def _why(row: Row) -> str:
-    """Failed checks, or the reason."""
-    return row["failed"] or row["reason"]
-
-
 def _records(found: StabilityResult, *kinds: str) -> list[Row]:
-    rows = found.of_kind(*kinds)
     return [
-        {"cell": key, "why": _why(row)} | {name: row[name] for name in UNKNOWN} for key, row in rows.items()
+        {"cell": key, "why": row["failed"] or row["reason"]} | {name: row[name] for name in UNKNOWN}
+        for key, row in found.of_kind(*kinds).items()
     ]
 
 
