@@ -126,12 +126,8 @@ def corner_report(found: Flexibility) -> Report:
         Section("Modal model against finite elements", "", (modes,), (modal,)),
         Section("Every plate", tables=tables),
     )
-    numbers = {
-        "rigid": found.case.tail_slap,
-        "levels_v_gy": found.levels,
-        "levels_v_gy_any_start": found.band,
-    }
-    numbers |= {"levels": found.others, "power_laws": found.laws}
+    numbers: Record = {"rigid": found.case.tail_slap, "levels_v_gy": found.levels}
+    numbers |= {"levels_v_gy_any_start": found.band, "levels": found.others, "power_laws": found.laws}
     kicker = "Flexibility: how soft the vehicle may be for the rigid-body method to hold"
     return _report(found, kicker, headline(found), sections, numbers, (v_gy, said))
 
@@ -196,9 +192,8 @@ def figures(found: Flexibility) -> list[Chart]:
     begun = zip(passed, *(values[f"{start}:passed"] for start in STARTS), strict=True)
 
     def size(name: str) -> SweepLine:
-        return SweepLine(
-            SYMBOLS[name], [abs(x) for x in values[compute.MEASURED[name]]], values[f"error_{name}"]
-        )
+        sizes = [abs(x) for x in values[compute.MEASURED[name]]]
+        return SweepLine(SYMBOLS[name], sizes, values[f"error_{name}"])
 
     def start_line(start: str) -> SweepLine:
         largest, error = values[f"{start}:v_gy_largest"], values[f"{start}:v_gy_error"]

@@ -54,18 +54,12 @@ def report(found: StabilityResult) -> Report:
         text_table("Key", "Cells", rows=refused, title="Refused by"),
         _listed(found, LISTED, *listed_kinds(found)),
     )
-    page = study_page(
-        found.case,
-        MAP if found.axes else RANDOM,
-        said,
-        (
-            Section("StabilityResult", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
-            Section("A picture per pair of axes", figures=maps(found), layout="narrow"),
-            Section("Why", tables=why),
-        ),
-        FILES,
-        not counted[WRONG],
+    sections = (
+        Section("Verdicts", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
+        Section("A picture per pair of axes", figures=maps(found), layout="narrow"),
+        Section("Why", tables=why),
     )
+    page = study_page(found.case, MAP if found.axes else RANDOM, said, sections, FILES, not counted[WRONG])
     shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], WRONG, GOOD), said)
     numbers = {key: number for number, key in enumerate(found.rows)}
     texts = {f"cell-{numbers[key]:04d}.toml": _scene_file(found, key) for key in found.of_kind(WRONG, GOOD)}
