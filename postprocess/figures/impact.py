@@ -26,11 +26,6 @@ class StrikeMark:
     end: float
     places: tuple[float, float] = (0.0, 0.0)
 
-    @property
-    def colour(self) -> str:
-        """Colour of all marks of this corner."""
-        return corner_colour(self.corner)
-
 
 def corner_colour(corner: str) -> str:
     """One colour for each of the two corners, grey for what is none."""
@@ -39,7 +34,9 @@ def corner_colour(corner: str) -> str:
 
 def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
     """Their times as bands behind the plot, each with its corner's name on top."""
-    return tuple(Span(strike.corner, strike.start, strike.end, strike.colour) for strike in strikes)
+    return tuple(
+        Span(strike.corner, strike.start, strike.end, corner_colour(strike.corner)) for strike in strikes
+    )
 
 
 WIDTH, EDGE = 900.0, 0.4
@@ -110,8 +107,9 @@ def _strike(strike: StrikeMark, height: float, end: float) -> list[Mark]:
     (first, last), near = sorted(strike.places), max(strike.places) > end - 3.5
     place, shift, anchor = (first, -6.0, "end") if near else (last, 6.0, "start")
     text = f"{strike.corner} {strike.start:.3f} to {strike.end:.3f} s"
-    bar = Line("", np.array(strike.places), np.full(2, height), strike.colour, 4.0)
-    return [bar, Words(text, place, height, (shift, 3.5), anchor, strike.colour)]
+    colour = corner_colour(strike.corner)
+    bar = Line("", np.array(strike.places), np.full(2, height), colour, 4.0)
+    return [bar, Words(text, place, height, (shift, 3.5), anchor, colour)]
 
 
 START = replace(histories.TIME, low=0.0)

@@ -245,7 +245,10 @@ def draw_parallels(rows: SweepRows) -> Chart:
     if rows.fe:
         places = np.arange(len(inputs), len(scales) - 1)
         lines.insert(0, _across(places, np.array(rigid)[:, shown], "rigid", 2.2))
-    axes = [mark for place, scale in enumerate(scales) for mark in _scale_marks(place, scale)]
+    axes: list[Mark] = []
+    for place, scale in enumerate(scales):
+        axes.append(Line("", np.full(2, float(place)), np.array([0.0, 1.0]), "grey", 0.8))
+        axes += [Words(text, place, height, (4.0, 3.5)) for height, text in scale.ticks]
     labels = [scale.label.replace(".", ".\n").replace(" [", "\n[") for scale in scales]
     x = Axis(low=-0.15, high=len(scales) - 0.4, named=tuple(enumerate(labels)))
     y = Axis(low=-0.04, high=1.04, named=())
@@ -266,11 +269,6 @@ def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
     gap = np.full((1, heights.shape[1]), np.nan)
     x = np.tile(np.append(places, np.nan), heights.shape[1])
     return Line("", x, np.concatenate([heights, gap]).T.ravel(), colour, width)
-
-
-def _scale_marks(place: int, scale: Scaled) -> list[Mark]:
-    line = Line("", np.full(2, float(place)), np.array([0.0, 1.0]), "grey", 0.8)
-    return [line, *(Words(text, place, height, (4.0, 3.5)) for height, text in scale.ticks)]
 
 
 def _points(scales: Sequence[Scaled], shown: Values) -> Line:

@@ -46,10 +46,6 @@ class Axis:
         """Unit in brackets behind the label."""
         return self.label.partition("[")[2].rstrip("]")
 
-    def named_as(self, label: str) -> Axis:
-        """Return the axis with another label."""
-        return replace(self, label=label)
-
     def scaled(self, factor: float, unit: str) -> Axis:
         """The axis of values so many times as large, in another unit."""
         low, high = (None if end is None else factor * end for end in (self.low, self.high))
@@ -61,11 +57,8 @@ class Axis:
     def ticks(self, scale: Scale, room: float) -> list[tuple[float, str]]:
         """Values and their texts; room: for one of them."""
         if self.named is not None:
-            return [
-                (value, text)
-                for value, text in self.named
-                if min(scale.low, scale.high) <= value <= max(scale.low, scale.high)
-            ]
+            low, high = sorted((scale.low, scale.high))
+            return [(value, text) for value, text in self.named if low <= value <= high]
         values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
         return list(zip(values, tick_texts(values, self.is_log), strict=True))
 
@@ -109,10 +102,7 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
     left = 8.0 + max(drawing.text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
     beside = [
-        drawing.text_width(line, 10.0)
-        for plot in plots
-        for level in _levels(plot)
-        for line in _level_lines(plot, level)
+        drawing.text_width(line, 10.0) for plot in plots for _, lines in _levels(plot) for line in lines
     ]
     along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
@@ -133,57 +123,41 @@ def drawn(frame: Frame) -> str:
     x, y, plot = frame.x, frame.y, frame.plot
     width, height = x.end - x.start, y.start - y.end
     box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
-    near = f' data-nearest="{plot.nearest}" data-y="{escape(plot.y.label)}"'
-    kind = f' data-log="{int(x.is_log)}"'
-    edges = (
-        f'data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" data-x="{x.low:.7g} {x.high:.7g}"'
-    )
-    return (
-        f'<g class="plot" {edges}{kind}{near}>'
-        + (_grid(frame) if plot.has_grid else "")
-        + "".join(mark.draw(x, y) for mark in plot.marks)
-        + (
-            drawing.coloured(f'<rect {box} stroke="currentColor" stroke-width="0.8"/>', "grey")
-            if frame.y_ticks
-            else ""
-        )
-        + _y_axis(frame)
-        + _level_names(frame)
-        + "</g>"
-    )
-
-
-def _grid(frame: Frame) -> str:
-    lines = "".join(
-        f"M{frame.x.start:.2f} {frame.y.at(value):.2f}H{frame.x.end:.2f}" for value, _ in frame.y_ticks
-    )
-    return drawing.coloured(f'<path d="{lines}" stroke="currentColor" stroke-width="0.8"/>', "grid")
-
-
-def _y_axis(frame: Frame) -> str:
-    texts = [
-        drawing.words(text, frame.x.start - 5.0, float(frame.y.at(value)) + 4.0, "end", SMALL)
-        for value, text in frame.y_ticks
+    places = [(float(y.at(value)), text) for value, text in frame.y_ticks]
+    grid = "".join(f"M{x.start:.2f} {place:.2f}H{x.end:.2f}" for place, _ in places)
+    texts = [drawing.words(text, x.start - 5.0, place + 4.0, "end", SMALL) for place, text in places]
+    parts = [
+        f'<g class="plot" data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" '
+        f'data-x="{x.low:.7g} {x.high:.7g}" data-log="{int(x.is_log)}" '
+        f'data-nearest="{plot.nearest}" data-y="{escape(plot.y.label)}">',
+        _stroked(f'<path d="{grid}"', "grid") if plot.has_grid else "",
+        *(mark.draw(x, y) for mark in plot.marks),
+        _stroked(f"<rect {box}", "grey") if places else "",
+        drawing.coloured("".join(texts), "soft"),
+        drawing.coloured(drawing.words(plot.y.label, 0.0, y.end - 7.0), "ink"),
+        _level_names(frame),
     ]
-    return drawing.coloured("".join(texts), "soft") + drawing.coloured(
-        drawing.words(frame.plot.y.label, 0.0, frame.y.end - 7.0), "ink"
-    )
+    return "".join(parts) + "</g>"
 
 
-def _levels(plot: Plot) -> list[Level]:
-    return [mark for mark in plot.marks if isinstance(mark, Level)]
+def _stroked(opening: str, colour: str) -> str:
+    return drawing.coloured(f'{opening} stroke="currentColor" stroke-width="0.8"/>', colour)
 
 
-def _level_lines(plot: Plot, level: Level) -> list[str]:
-    """Name, if it has one, and value of a level."""
-    return [*([level.label] if level.label else []), f"{level.value:.4g} {plot.y.unit}".rstrip()]
+def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
+    """The levels from below, each with its name, if it has one, and its value."""
+    levels = sorted((mark for mark in plot.marks if isinstance(mark, Level)), key=lambda level: level.value)
+    values = [f"{level.value:.4g} {plot.y.unit}".rstrip() for level in levels]
+    return [
+        (level, [level.label, value] if level.label else [value])
+        for level, value in zip(levels, values, strict=True)
+    ]
 
 
 def _level_names(frame: Frame) -> str:
     """Names of levels beside the plot, from below, each clear of the one before and none above the plot."""
     lowest, placed = np.inf, []
-    for level in sorted(_levels(frame.plot), key=lambda level: level.value):
-        lines = _level_lines(frame.plot, level)
+    for level, lines in _levels(frame.plot):
         lowest = min(float(frame.y.at(level.value)) + 3.0, lowest - 12.0 * len(lines))
         placed.append((level, lines, lowest))
     lower = max(0.0, frame.y.end + 22.0 - lowest) if placed else 0.0
@@ -304,9 +278,5 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     label = drawing.words(
         axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle"
     )
-    line = f'<path d="{marks}" stroke="currentColor" stroke-width="0.8"/>'
-    return (
-        drawing.coloured(line, "grey")
-        + drawing.coloured("".join(texts), "soft")
-        + drawing.coloured(label, "ink")
-    )
+    shown = drawing.coloured("".join(texts), "soft") + drawing.coloured(label, "ink")
+    return _stroked(f'<path d="{marks}"', "grey") + shown

@@ -25,9 +25,8 @@ class Mark:
     def ranges(self) -> tuple[drawing.Range, drawing.Range]:
         """Smallest and largest x and y, of the entries that ACROSS and UP name."""
         along, up = ([np.ravel(getattr(self, name)) for name in names] for names in (self.ACROSS, self.UP))
-        return drawing.extent(np.concatenate([np.zeros(0), *along])), drawing.extent(
-            np.concatenate([np.zeros(0), *up])
-        )
+        x, y = (drawing.extent(np.concatenate([np.zeros(0), *each])) for each in (along, up))
+        return x, y
 
     def scaled(self, along: float, up: float) -> Mark:
         """Return the mark with x and y times these factors."""
@@ -113,14 +112,11 @@ class Words(Mark):
     shift: tuple[float, float] = (0.0, 0.0)
     anchor: str = "start"
     colour: str = "ink"
-    size: float = 10.0
 
     def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """The text, with an edge that sets it off from lines."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
-        return drawing.coloured(
-            drawing.words(self.label, across, down, self.anchor, self.size, HALO), self.colour
-        )
+        return drawing.coloured(drawing.words(self.label, across, down, self.anchor, 10.0, HALO), self.colour)
 
 
 @dataclass(frozen=True)
@@ -208,22 +204,17 @@ class Boxes(Mark):
         gap = 0.0 if is_small else 0.4
         edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
         look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
-        shown = self._shown(
-            ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges], look
-        )
+        drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
+        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
+        shown = ""
+        for colour in dict.fromkeys(colours):
+            path = "".join(compress(drawn, [each == colour for each in colours]))
+            shown += drawing.coloured(f'<path d="{path}"{look}/>', colour)
         if not self.values:
             return shown
         centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
         unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
         return f'{shown}<path {drawing.named(self.label, self.values, self.at)}d="{unseen}"/>'
-
-    def _shown(self, drawn: list[str], look: str) -> str:
-        """The boxes of each colour as one path."""
-        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
-        paths = {
-            one: "".join(compress(drawn, [each == one for each in colours])) for one in dict.fromkeys(colours)
-        }
-        return "".join(drawing.coloured(f'<path d="{edge}"{look}/>', one) for one, edge in paths.items())
 
     def key(self) -> str:
         """A patch, if it has one colour."""
@@ -245,9 +236,8 @@ class Span(Mark):
         left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
         if self.start == self.end:
             line = f'<path d="M{left:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
-            return drawing.coloured(
-                line + drawing.words(self.label, left + 3.0, y.end + 11.0, size=10.0), self.colour
-            )
+            name = drawing.words(self.label, left + 3.0, y.end + 11.0, size=10.0)
+            return drawing.coloured(line + name, self.colour)
         box = f'x="{left:.2f}" y="{y.end:.2f}" width="{right - left:.2f}" height="{y.start - y.end:.2f}"'
         name = drawing.words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 10.0)
         return drawing.coloured(f'<rect {box} fill-opacity="0.1"/>{name}', self.colour)
@@ -269,10 +259,8 @@ class Outline(Mark):
     def draw(self, x: scale.Scale, y: scale.Scale) -> str:
         """A closed path."""
         edge = drawing.path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
-        look = f'fill-opacity="{self.fill:g}" stroke="currentColor" '
-        return drawing.coloured(
-            f'<path d="{edge}Z" {look}stroke-opacity="{self.strength:.3g}"/>', self.colour
-        )
+        look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
+        return drawing.coloured(f'<path d="{edge}Z" {look}/>', self.colour)
 
 
 COUNT = 65

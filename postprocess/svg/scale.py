@@ -100,8 +100,6 @@ def fitted(low: float, high: float, margin: float = 0.05, is_log: bool = False) 
     if is_log:
         more = max((high / low) ** margin, 1.1)
         return low / more, high * more
-    if high - low <= 1e-9 * max(abs(low), abs(high)):
-        more = 0.1 * max(abs(low), abs(high)) or 1.0
-        return low - more, high + more
-    more = margin * (high - low)
+    size = max(abs(low), abs(high))
+    more = margin * (high - low) if high - low > 1e-9 * size else 0.1 * size or 1.0
     return low - more, high + more

@@ -71,13 +71,10 @@ SOURCES = {
 
 
 def _row(
-    row: str,
-    duration: float,
-    kilonewtons: tuple[float, float, float],
-    factor: tuple[float, float],
-    projected: bool = False,
+    row: str, duration: float, forces: tuple[float, ...], factor: tuple[float, float], projected: bool = False
 ) -> ForceRow:
-    measured, elastic, plastic = (1e3 * force for force in kilonewtons)
+    """A row of the forces in kN."""
+    measured, elastic, plastic = (1e3 * force for force in forces)
     return ForceRow(row, SOURCES[row], duration, measured, (elastic, plastic), factor, projected)
 
 

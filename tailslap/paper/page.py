@@ -90,7 +90,7 @@ def sections(found: Numbers, courses: Mapping[str, History]) -> tuple[Section, .
         "Figures 10 to 14. The course of the motion": figure_tables(found["figures"]),
         "Table 4. TL-4 peak lateral impact force, 50 ms average": force_tables(found["table_4"], known[0]),
         "Table 5. TL-4 peak lateral impact force, SAE-filtered data": force_tables(
-            found["table_5"], known[1], repeated=True
+            found["table_5"], known[1], True
         ),
         "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)": earlier_tables(found["earlier"]),
         "Assumptions. Restitution, the wall's pull, the mass that strikes": assumed(found),
@@ -220,20 +220,15 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
     )
     note = "Computed is the exact motion with friction, from the printed start."
     decimals = {"theta": 4, "v_gy": 4, "v_gx": 3, "omega": 5, "slide": 4}
-    heads = [
+    heads = (
         Column(name, NAMES[name].symbol, NAMES[name].unit, f"z.{decimals[name]}f", group=f"Fig. {number}")
         for number, name in FIGURES.items()
-    ]
+    )
+    instants = (Column("t", "t", "s", ".4f"), *heads)
     values = tables.course("drag", np.array(found["instants"]))
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    return (
-        Table(columns, found["readings"], "What the paper reads off the charts", (note,)),
-        Table(
-            (Column("t", "t", "s", ".4f"), *heads),
-            rows,
-            "The exact motion with friction, to lay over the charts",
-        ),
-    )
+    readings = Table(columns, found["readings"], "What the paper reads off the charts", (note,))
+    return readings, Table(instants, rows, "The exact motion with friction, to lay over the charts")
 
 
 def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> tuple[Table, Table]:

@@ -139,9 +139,7 @@ def table_1() -> Numbers:
         "corner_radius": TRUCK.corner_radius,
         "moment_of_inertia": TRUCK.moment_of_inertia,
     }
-    unit = corner_impulse(
-        TRUCK, 1.0, ANGLE, FRICTION, RESTITUTION
-    )  # velocities are proportional to the speed
+    unit = stages(1.0).stage1  # velocities are proportional to the speed
     implied = data.START["corner_speed"] / unit.corner_speed
     return {"derived": derived, "starts": starts, "implied_speed": implied}
 
@@ -227,10 +225,7 @@ def marks(name: str) -> dict[str, tuple[tuple[float, float], ...]]:
     starts = {"theta": data.START["angle"], "omega": data.START["omega"], "slide": 0.0}
     analytical = [(0.0, starts[name])] if name in starts else []
     analytical.append((data.CHART_TIME, 0.0) if name == "theta" else (ANALYTICAL["t"], ANALYTICAL[name]))
-    return {
-        "paper": tuple(analytical),
-        "ABAQUS": ((ABAQUS["t"], ABAQUS[name]),) if name in ABAQUS else (),
-    }
+    return {"paper": tuple(analytical), "ABAQUS": ((ABAQUS["t"], ABAQUS[name]),) if name in ABAQUS else ()}
 
 
 def force_row(row: data.ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) -> Numbers:
