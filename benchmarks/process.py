@@ -81,7 +81,7 @@ def _environment(checkout: Path) -> dict[str, str]:
     return without | given
 
 
-COMMAND = ("-m", "tailslap.cli")
+COMMAND = ("-m", "tailslap")
 NEEDED = ("-c", "import numpy, click; from pydantic import BaseModel")
 """What every command loads that is not ours: no time can be below it."""
 
@@ -107,7 +107,7 @@ def row_of_a_sweep(checkout: Path, varied: str) -> Spent:
         command = [
             sys.executable,
             "-m",
-            "tailslap.cli",
+            "tailslap",
             *SWEEP,
             "--vary",
             varied,
