@@ -8,7 +8,6 @@ hinges; each states its error. Signs are those of `solver.MotionState`; SI units
 
 from solver.impact.solve import (
     ImpactMotion,
-    ImpactRecord,
     Impacts,
     Trajectories,
     solve_impact,
@@ -31,7 +30,6 @@ __all__ = [
     "CORNERS",
     "CrushLaw",
     "ImpactMotion",
-    "ImpactRecord",
     "ImpactState",
     "ImpactVehicle",
     "Impacts",

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import astuple, dataclass
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
+from solver.impact import train as vehicles
 from solver.impact.step import STRIKE, SUMS, UNIT, Timing, Train, advance, workspace
 from solver.impact.strikes import Strike
 from solver.impact.train import CORNERS, ImpactState, ImpactVehicle, WallContact, train_of
@@ -206,59 +208,13 @@ def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Arr
     return np.where(known & same.all(axis=1), np.maximum(changes, spins), math.inf)
 
 
-@dataclass(frozen=True)
-class ImpactRecord:
-    """The impact at given instants; arrays of the shape of the instants, forces and energies summed over the points.
-
-    Attributes
-    ----------
-    t : ndarray
-        Time since the start [s], of any shape.
-    x_g, y_g : ndarray
-        Centre of mass [m], shape of t.
-    theta : ndarray
-        Between the wall side and the wall [rad], shape of t.
-    omega : ndarray
-        [rad/s], positive where it closes the angle, shape of t.
-    v_gx, v_gy : ndarray
-        [m/s], shape of t.
-    force_normal, force_tangential : ndarray
-        Of the wall on the vehicle along +Y and +X [N], shape of t.
-    impulse_normal, impulse_tangential : ndarray
-        Their integrals [N s], shape of t.
-    impulse_angular : ndarray
-        Integral of their moment about X = Y = 0 [N m s], shape of t.
-    kinetic_energy : ndarray
-        [J], shape of t.
-    crush_energy_stored, crush_energy_lost : ndarray
-        Energy taken up by the crush that unloading would return, and that it would not [J], shape of t.
-    crush_work : ndarray
-        Integral of the power of the normal forces on the crush [J], shape of t: stored and lost together.
-    friction_work : ndarray
-        Done on the vehicle, 0 or less [J], shape of t.
-    """
-
-    t: Array
-    x_g: Array
-    y_g: Array
-    theta: Array
-    omega: Array
-    v_gx: Array
-    v_gy: Array
-    force_normal: Array
-    force_tangential: Array
-    impulse_normal: Array
-    impulse_tangential: Array
-    impulse_angular: Array
-    kinetic_energy: Array
-    crush_energy_stored: Array
-    crush_energy_lost: Array
-    crush_work: Array
-    friction_work: Array
-
-
 COLUMNS = (*UNIT, *SUMS)
-RATES = {"x_g": "v_gx", "y_g": "v_gy", "impulse": "normal", "along": "tangential"}
+RATES = {
+    "x_g": "v_gx",
+    "y_g": "v_gy",
+    "impulse_normal": "force_normal",
+    "impulse_tangential": "force_tangential",
+}
 """Columns of rows and, of those that are integrals of another, of which."""
 
 
@@ -298,7 +254,7 @@ class ImpactMotion:
     interval: float
     rows: Array
 
-    def at(self, times: ArrayLike) -> ImpactRecord:
+    def at(self, times: ArrayLike) -> SimpleNamespace:
         """The motion at given instants.
 
         Parameters
@@ -308,8 +264,14 @@ class ImpactMotion:
 
         Returns
         -------
-        ImpactRecord
-            Arrays of the shape of `times`.
+        SimpleNamespace
+            Arrays of the shape of `times`, forces and energies summed over the points: `t` [s]; `x_g`, `y_g`, centre of
+            mass [m]; `theta`, between the wall side and the wall [rad]; `omega`, positive where it closes the angle
+            [rad/s]; `v_gx`, `v_gy` [m/s]; `force_normal`, `force_tangential`, of the wall on the vehicle along +Y and
+            +X [N]; `impulse_normal`, `impulse_tangential`, their integrals [N s]; `impulse_angular`, the integral of
+            their moment about X = Y = 0 [N m s]; `kinetic_energy` [J]; `crush_energy_stored`, `crush_energy_lost`,
+            taken up by the crush, that unloading would return and that it would not [J]; `crush_work`, of the normal
+            forces on the crush, stored and lost together [J]; `friction_work`, on the vehicle, 0 or less [J].
 
         Raises
         ------
@@ -327,11 +289,10 @@ class ImpactMotion:
             secant = after[..., i] - before[..., i]
             one, two = one * self.interval - secant, two * self.interval - secant
             value[..., i] += u * (1.0 - u) * ((1.0 - u) * one - u * two)
-        x_g, y_g, theta, v_gx, v_gy, omega, normal, tangential, *rest = np.moveaxis(value, -1, 0)
-        impulse, along, angular, friction, crush, stored, lost = rest
-        kinetic = 0.5 * (self.vehicle.mass * (v_gx**2 + v_gy**2) + self.vehicle.inertia * omega**2)
-        return ImpactRecord(t, x_g, y_g, theta, omega, v_gx, v_gy, normal, tangential, impulse, along, angular,
-                            kinetic, stored, lost, crush, friction)  # fmt: skip
+        found = SimpleNamespace(t=t, **dict(zip(COLUMNS, np.moveaxis(value, -1, 0), strict=True)))
+        moving = self.vehicle.mass * (found.v_gx**2 + found.v_gy**2)
+        found.kinetic_energy = 0.5 * (moving + self.vehicle.inertia * found.omega**2)
+        return found
 
     def corner_depths(self, times: ArrayLike) -> Array:
         """Depths of the corners behind the wall at given instants.
@@ -529,26 +490,16 @@ def solve_impacts(
         "restitution": restitution, "friction": friction, "initial_force": initial_force,
     }  # fmt: skip
     shape, v = _gathered(given, centre_of_mass, yaw_inertia)
-    b, rear, zero = 0.5 * v["width"], v["centre"] - v["length"], np.zeros_like(v["mass"])
-
-    def four(value: Array) -> Array:
-        return np.tile(value, (4, 1))
-
+    places = vehicles.corner_places(v["centre"], v["length"], v["width"])
+    stiffness, force, e, mu = (
+        np.tile(v[name], (4, 1)) for name in ("stiffness", "initial_force", "restitution", "friction")
+    )
+    n = v["mass"].size
     train = Train(
-        v["mass"][None], v["inertia"][None], zero[:0, None] + zero, zero[:0, None] + zero,
-        np.zeros(4, dtype=np.int64), np.arange(4), np.stack([v["centre"], rear, v["centre"], rear]),
-        np.stack([-b, -b, b, b]), four(v["stiffness"]), four(v["initial_force"]), four(v["restitution"]),
-        four(v["friction"]), np.zeros((1, 3, v["mass"].size)),
+        v["mass"][None], v["inertia"][None], np.zeros((0, n)), np.zeros((0, n)), np.zeros(4, dtype=np.int64),
+        np.arange(4), places[:, 0], places[:, 1], stiffness, force, e, mu, np.zeros((1, 3, n)),
     )  # fmt: skip
-    s, c = np.sin(v["angle"]), np.cos(v["angle"])
-    start = [
-        b * s - v["centre"] * c,
-        v["centre"] * s + b * c,
-        v["angle"],
-        v["speed"] * c,
-        -v["speed"] * s,
-        zero,
-    ]
+    start = vehicles.touching(v["centre"], v["width"], v["angle"], v["speed"])
     found = solve_trains(
         train, np.stack(start, axis=-1)[:, None], interval=interval, after_second=after_second,
         longest=longest, tolerance=tolerance,
@@ -566,38 +517,28 @@ def _mean_forces(found: Trajectories, interval: float | None) -> Array:
     if interval is None:
         return np.zeros((0, len(found.end)))
     count = math.ceil(float(found.end.max()) / interval)
-    column, instants = COLUMNS.index("impulse"), interval * np.arange(count + 1)
+    column, instants = COLUMNS.index("impulse_normal"), interval * np.arange(count + 1)
     impulse = found.rows[:, : count + 1, column]
     over = instants >= found.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
     last = np.where(over, -math.inf, impulse)
     return np.diff(np.maximum.accumulate(last, axis=1), axis=1).T / interval
 
 
-def _gathered(given: dict[str, Any], centre: Any, inertia: Any) -> tuple[tuple[int, ...], dict[str, Array]]:
+def _gathered(
+    given: dict[str, Number], centre: Number | None, inertia: Number | None
+) -> tuple[tuple[int, ...], dict[str, Array]]:
     """The common shape of the arguments, and flat arrays of them that have passed the rules."""
     values = {key: number(key, value) for key, value in given.items()}
-    length, width, mass = values["length"], values["width"], values["mass"]
-    values["centre"] = 0.5 * length if centre is None else number("centre_of_mass", centre)
-    values["inertia"] = (
-        mass * (length**2 + width**2) / 12.0 if inertia is None else number("yaw_inertia", inertia)
-    )
+    size = values["length"], values["width"], values["mass"]
+    values["centre"] = 0.5 * size[0] if centre is None else number("centre_of_mass", centre)
+    values["inertia"] = vehicles.uniform_inertia(*size) if inertia is None else number("yaw_inertia", inertia)
     arrays = np.broadcast_arrays(*values.values())
-    flat = {key: np.ravel(array).astype(float) for key, array in zip(values, arrays, strict=True)}
-    _demand(**flat, given=inertia is not None)
-    return arrays[0].shape, flat
-
-
-def _demand(given: bool, **v: Array) -> None:
-    gate, e, a = Gate(), v["restitution"], v["centre"]
-    for rule in (rules.LENGTH, rules.WIDTH, rules.MASS, rules.SPEED, rules.STIFFNESS):
-        gate.positive(rule, v[rule.key])
+    v = {key: np.ravel(array).astype(float) for key, array in zip(values, arrays, strict=True)}
+    size = v["length"], v["width"], v["mass"]
+    vehicles.demand_body(*size, v["centre"], v["inertia"], inertia is not None)
+    vehicles.demand_law(v["stiffness"], v["initial_force"], v["restitution"])
+    gate = Gate()
+    gate.positive(rules.SPEED, v["speed"])
     gate.demand(rules.TOUCH_ANGLE, (v["angle"] > 0.0) & (v["angle"] < math.pi / 2.0), v["angle"])
-    gate.demand(rules.RETURNED, (e >= 0.0) & (e <= 1.0), e)
-    gate.demand(rules.LINE, (v["initial_force"] == 0.0) | (2.0 * e * e <= 1.0 + 1e-12), e)
-    for rule in (rules.FRICTION, rules.INITIAL_FORCE):
-        gate.not_negative(rule, v[rule.key])
-    gate.demand(rules.CENTRE, (a > 0.0) & (a < v["length"]), a, length=v["length"])
-    most, inertia = v["mass"] * (a * (v["length"] - a) + v["width"] ** 2 / 4.0), v["inertia"]
-    rule, value = (rules.INERTIA, inertia) if given else (rules.UNIFORM, a)
-    fits = (inertia >= rules.MIN_INERTIA * most) & (inertia <= most * (1.0 + 1e-12))
-    gate.demand(rule, fits, value, inertia=inertia, most=most)
+    gate.not_negative(rules.FRICTION, v["friction"])
+    return arrays[0].shape, v

@@ -31,7 +31,8 @@ STRIKE = ("corner", "start", "end", "peak", "impulse", "tangential", "along", "p
 impulse times place on the vehicle and along the wall [N s m], works [J]."""
 
 UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
-SUMS = ("normal", "tangential", "impulse", "along", "angular", "friction", "crush", "stored", "lost")
+SUMS = ("force_normal", "force_tangential", "impulse_normal", "impulse_tangential", "impulse_angular",
+        "friction_work", "crush_work", "crush_energy_stored", "crush_energy_lost")  # fmt: skip
 """Columns of a row: `UNIT` of each unit, then `SUMS` of the train: forces [N], their impulses [N s] and that of their
 moment about the origin [N m s], works of friction and on the crush, energies stored and lost [J]."""
 

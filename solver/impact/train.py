@@ -8,16 +8,50 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver import rules
 from solver.impact.step import Train
-from solver.rules import Array, Gate
+from solver.rules import Array, Gate, Number
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
+
+
+def uniform_inertia(length: Number, width: Number, mass: Number) -> Any:
+    """Yaw inertia of the uniform rectangle, m (L^2 + B^2)/12 [kg m^2]."""
+    return mass * (length**2 + width**2) / 12.0
+
+
+def greatest_inertia(length: Number, width: Number, mass: Number, centre: Number) -> Any:
+    """Greatest yaw inertia of any such body, with all mass at the corners, m (a (L - a) + B^2/4) [kg m^2]."""
+    return mass * (centre * (length - centre) + width**2 / 4.0)
+
+
+def demand_body(
+    length: Number, width: Number, mass: Number, centre: Number, inertia: Number, given: bool
+) -> None:
+    """Require sizes and masses that a body, or each of many, can have; `given`: the inertia is not the uniform one."""
+    gate = Gate()
+    for rule, value in ((rules.LENGTH, length), (rules.WIDTH, width), (rules.MASS, mass)):
+        gate.positive(rule, value)
+    gate.demand(rules.CENTRE, (centre > 0.0) & (centre < length), centre, length=length)
+    most = greatest_inertia(length, width, mass, centre)
+    fits = (inertia >= rules.MIN_INERTIA * most) & (inertia <= most * (1.0 + 1e-12))
+    rule, shown = (rules.INERTIA, inertia) if given else (rules.UNIFORM, centre)
+    gate.demand(rule, fits, shown, inertia=inertia, most=most)
+
+
+def demand_law(stiffness: Number, initial_force: Number, restitution: Number) -> None:
+    """Require numbers that a crush law, or each of many, can have."""
+    gate, e = Gate(), restitution
+    gate.positive(rules.STIFFNESS, stiffness)
+    gate.not_negative(rules.INITIAL_FORCE, initial_force)
+    gate.demand(rules.RETURNED, (e >= 0.0) & (e <= 1.0), e)
+    gate.demand(rules.LINE, (initial_force == 0.0) | (2.0 * e * e <= 1.0 + 1e-12), e)
 
 
 @dataclass(frozen=True)
@@ -52,14 +86,11 @@ class ImpactVehicle:
     yaw_inertia: float | None = None
 
     def __post_init__(self) -> None:
-        for rule in (rules.LENGTH, rules.WIDTH, rules.MASS):
-            rules.positive(rule, getattr(self, rule.key))
-        rules.within(rules.CENTRE, self.front_distance, 0.0, self.length, length=self.length)
-        inertia, most = rules.one("yaw_inertia", self.inertia), self.greatest_inertia
-        rule = rules.UNIFORM if self.yaw_inertia is None else rules.INERTIA
-        given = self.front_distance if self.yaw_inertia is None else inertia
-        fits = rules.MIN_INERTIA * most <= inertia <= most * (1.0 + 1e-12)
-        Gate().demand(rule, fits, given, inertia=inertia, most=most)
+        length, width, mass = (rules.one(key, getattr(self, key)) for key in ("length", "width", "mass"))
+        centre = rules.one("centre_of_mass", self.front_distance)
+        demand_body(
+            length, width, mass, centre, rules.one("yaw_inertia", self.inertia), self.yaw_inertia is not None
+        )
 
     @property
     def front_distance(self) -> float:
@@ -69,14 +100,14 @@ class ImpactVehicle:
     @property
     def inertia(self) -> float:
         """Yaw inertia about the centre of mass, I [kg m^2]."""
-        uniform = self.mass * (self.length**2 + self.width**2) / 12.0
-        return uniform if self.yaw_inertia is None else self.yaw_inertia
+        if self.yaw_inertia is not None:
+            return self.yaw_inertia
+        return uniform_inertia(self.length, self.width, self.mass)
 
     @property
     def greatest_inertia(self) -> float:
         """Greatest inertia of any body of that mass, size and centre of mass, m (a (L - a) + B^2/4) [kg m^2]."""
-        a = self.front_distance
-        return self.mass * (a * (self.length - a) + self.width**2 / 4.0)
+        return greatest_inertia(self.length, self.width, self.mass, self.front_distance)
 
     @property
     def reach(self) -> float:
@@ -141,8 +172,14 @@ def first_touch(vehicle: ImpactVehicle, angle: float, speed: float) -> ImpactSta
     """
     theta = rules.within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
     v = rules.positive(rules.SPEED, speed)
-    s, c, a, b = math.sin(theta), math.cos(theta), vehicle.front_distance, vehicle.width / 2.0
-    return ImpactState(b * s - a * c, a * s + b * c, theta, v * c, -v * s, 0.0)
+    return ImpactState(*touching(vehicle.front_distance, vehicle.width, theta, v))
+
+
+def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tuple[Any, ...]:
+    """The state at first touch, in the order of `step.UNIT`, of one vehicle or of many."""
+    f, b = rules.functions(theta), width / 2.0
+    s, c = f.sin(theta), f.cos(theta)
+    return b * s - centre * c, centre * s + b * c, theta, speed * c, -speed * s, 0.0 * speed
 
 
 @dataclass(frozen=True)
@@ -174,12 +211,8 @@ class CrushLaw:
     restitution: float = 0.0
 
     def __post_init__(self) -> None:
-        gate, e = Gate(), rules.one("restitution", self.restitution)
-        rules.positive(rules.STIFFNESS, self.stiffness)
-        force = rules.one("initial_force", self.initial_force)
-        gate.not_negative(rules.INITIAL_FORCE, force)
-        gate.demand(rules.RETURNED, 0.0 <= e <= 1.0, e)
-        gate.demand(rules.LINE, force == 0.0 or 2.0 * e * e <= 1.0 + 1e-12, e)
+        names = ("stiffness", "initial_force", "restitution")
+        demand_law(*(rules.one(name, getattr(self, name)) for name in names))
 
 
 @dataclass(frozen=True)
@@ -214,6 +247,12 @@ class WallContact:
         Gate().demand(rules.POINTS, self.side_points >= 1, self.side_points)
 
 
+def corner_places(front: Number, length: Number, width: Number) -> Array:
+    """The four corners from the centre of mass, along the heading and to its left [m], shape (4, 2, ...)."""
+    rear, b = front - length, width / 2.0
+    return np.array([[front, -b], [rear, -b], [front, b], [rear, b]])
+
+
 def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
     """Contact nodes of a vehicle: their places, the nearest corner of their side, and their part of the law.
 
@@ -233,9 +272,7 @@ def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array,
     length : ndarray, shape (points,)
         Of side that a point of the layer stands for [m]; 1 for a corner.
     """
-    front, b = vehicle.front_distance, vehicle.width / 2.0
-    rear = front - vehicle.length
-    corners = np.array([[front, -b], [rear, -b], [front, b], [rear, b]])
+    corners = corner_places(vehicle.front_distance, vehicle.length, vehicle.width)
     if contact.side is None:
         return corners, np.arange(4), np.ones(4)
     nodes, weights = np.polynomial.legendre.leggauss(contact.side_points)
@@ -281,25 +318,15 @@ def train_of(
     place, corner, length = (np.concatenate(values) for values in zip(*found, strict=True))
     unit = np.repeat(np.arange(len(vehicles)), [len(values[1]) for values in found])
     at_corner = np.concatenate([np.arange(len(values[1])) < 4 for values in found])
-    ends = [(v.front_distance - a, w.front_distance - b)
-            for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
-    hitch, kingpin = np.array(ends).reshape(-1, 2).T
+    joints = [(v.front_distance - a, w.front_distance - b)
+              for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
+    hitch, kingpin = np.array(joints).reshape(-1, 2).T
 
     def own(name: str, part: Array) -> Array:
         return np.where(at_corner, getattr(law, name), getattr(side, name) * part)[:, None]
 
-    return Train(
-        np.array([[v.mass] for v in vehicles]),
-        np.array([[v.inertia] for v in vehicles]),
-        hitch[:, None],
-        kingpin[:, None],
-        unit,
-        corner,
-        place[:, :1],
-        place[:, 1:],
-        own("stiffness", length),
-        own("initial_force", length),
-        own("restitution", np.ones_like(length)),
-        np.full((unit.size, 1), contact.friction),
-        np.zeros((len(vehicles), 3, 1)),
-    )
+    masses = np.array([[v.mass] for v in vehicles]), np.array([[v.inertia] for v in vehicles])
+    laws = own("stiffness", length), own("initial_force", length), own("restitution", np.ones_like(length))
+    friction, load = np.full((unit.size, 1), contact.friction), np.zeros((len(vehicles), 3, 1))
+    ends = hitch[:, None], kingpin[:, None]
+    return Train(*masses, *ends, unit, corner, place[:, :1], place[:, 1:], *laws, friction, load)
