@@ -57,7 +57,8 @@ def compare_histories(instants: Floats, history: Floats, reference: Floats) -> M
     """
     if instants.size < 2:
         return Metrics(*(5 * (math.nan,)))
-    weights = _trapezoidal(instants)
+    steps = np.diff(instants)
+    weights = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))  # [s], of the trapezoidal rule
     with np.errstate(all="ignore"):
         size, its = _norm(weights, history), _norm(weights, reference)
         magnitude = float(size / its - 1.0)
@@ -67,12 +68,6 @@ def compare_histories(instants: Floats, history: Floats, reference: Floats) -> M
         deviation = np.sqrt(np.sum(weights * (residual - mean) ** 2) / weights.sum())
     found = (magnitude, phase, math.hypot(magnitude, phase), float(mean), float(deviation))
     return Metrics(*(value if math.isfinite(value) else math.nan for value in found))
-
-
-def _trapezoidal(instants: Floats) -> Floats:
-    """Weights [s] of the trapezoidal rule, shape (instants,)."""
-    steps = np.diff(instants)
-    return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
 
 
 def _norm(weights: Floats, values: Floats) -> np.float64:

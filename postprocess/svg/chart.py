@@ -107,15 +107,12 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
     along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
-        height = _equal_height(along, scale) if plot.height is None else plot.height
+        alike = (along.end - along.start) * abs((scale.high - scale.low) / (along.high - along.low))
+        height = alike if plot.height is None else plot.height
         top += HEAD if plot.y.label else BARE
         frames.append(Frame(plot, along, replace(scale, start=top + height, end=top), marked))
         top += height
     return frames
-
-
-def _equal_height(x: Scale, y: Scale) -> float:
-    return (x.end - x.start) * abs((y.high - y.low) / (x.high - x.low))
 
 
 def drawn(frame: Frame) -> str:
