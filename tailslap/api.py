@@ -46,7 +46,7 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "plate.lumping": kinds.LUMPINGS,
     "plate.start": start_kinds.START_KINDS,
 }
-"""Where the object behind the name of each of these keys is registered."""
+"""Registries of the objects that these keys name."""
 
 _OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
 """Names that the program itself has registered."""

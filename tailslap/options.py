@@ -142,7 +142,7 @@ UNITS = click.Option(
 PRINTED = (UNITS, JSON, QUIET)
 """Options of what is printed."""
 WATCHED = (*PRINTED, PROGRESS)
-"""Those of a command that takes its time."""
+"""Options of a command that takes its time."""
 FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another scene.")
 
 

@@ -64,7 +64,7 @@ class Compared:
 
 
 TAIL_SLAP = Compared(QUANTITIES, "v_gy", "at the tail-slap")
-"""Of the constrained corner."""
+"""Quantities of the constrained corner."""
 
 STRIKES = Compared(
     {
@@ -80,7 +80,7 @@ STRIKES = Compared(
     "strike_2.mean_50ms",
     "of both strikes",
 )
-"""Of a whole impact."""
+"""Quantities of a whole impact."""
 
 PAPER_SOURCE = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307, Table 3"
 

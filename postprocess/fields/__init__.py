@@ -2,4 +2,4 @@
 
 MESHES, TABLES, PICTURES = ("vtkhdf", "xdmf", "vtu", "msh"), ("csv", "parquet"), ("png", "gif")
 FORMATS = (*MESHES, *TABLES, *PICTURES)
-"""What results are written in for others: mesh and fields, histories and fields as tables, pictures of fields."""
+"""Formats for other programs: mesh and fields, histories and fields as tables, pictures of fields."""

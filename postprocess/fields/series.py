@@ -33,7 +33,7 @@ ELEMENTS = {
 COMPONENTS = {f"{name}_{axis}": unit for name, unit in NODES.items() for axis in "xy"}
 UNITS = {"t": "s", "points": "m", **NODES, **ELEMENTS, **COMPONENTS}
 SCALARS = (*COMPONENTS, *NODES, *ELEMENTS)
-"""What has one value a node or an element: components, sizes of vectors, fields of elements."""
+"""Scalars, one value a node or an element: components, sizes of vectors, fields of elements."""
 
 VTK_TYPES = {"triangle": 5, "quad": 9, "triangle6": 22, "quad8": 23, "quad9": 28}
 """Numbers of the cells that meshio calls so."""

@@ -25,7 +25,7 @@ STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grey", "error"
 MAX_DRAWN = 1500
 """Rows above which not all are drawn, or shown on pages: both would be too large."""
 WIDTH, TICKS = 940.0, 4
-"""Of the chart of all keys side by side."""
+"""Width of the chart of all keys side by side, and ticks of a scale."""
 
 
 @dataclass(frozen=True)

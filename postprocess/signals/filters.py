@@ -114,10 +114,10 @@ def _coefficients(corner: float) -> tuple[Floats, Floats]:
 
 
 PROMINENCE = 0.25
-"""How far a peak must stand above the valleys beside it, over the largest value of the curve, to count as a strike."""
+"""Height of a peak above the valleys beside it, over the largest value of the curve, from which it counts as a strike."""
 
 LOWEST = 0.05
-"""How far above the lowest force a valley may lie, over the peak: undershoot of filters elsewhere is no valley."""
+"""Height of a valley above the lowest force, over the peak, at most: undershoot of filters elsewhere is no valley."""
 
 
 FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
@@ -127,7 +127,7 @@ FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
     "cfc180": lambda force, interval: cfc_filter(force, interval, 180),
     "cutoff_60hz": cutoff_60hz,
 }
-"""Of a force [N] with this interval [s]."""
+"""Peaks of a force [N] with this interval [s]."""
 
 
 @dataclass(frozen=True)

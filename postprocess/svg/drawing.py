@@ -37,7 +37,7 @@ SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 MEAN_WIDTH = 0.6
-"""Of a letter, over the size of the font."""
+"""Width of a letter, over the size of the font."""
 
 _WIDTHS = {
     **dict.fromkeys("0123456789", 0.64),

@@ -62,7 +62,7 @@ EXAMPLE: Mapping[str, Mapping[str, Any]] = {
     },
     "plate": {"thickness": "53 mm", "youngs_modulus": "200 GPa", "poissons_ratio": 0.3},
 }
-"""What a new scene gives; all else stands in it as a comment."""
+"""Values that a new scene gives; all else stands in it as a comment."""
 
 
 def write_new_scene(name: str) -> Path:

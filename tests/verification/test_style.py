@@ -96,7 +96,7 @@ def docstrings(path):
                 yield str(child.value.value)
 
 
-@pytest.mark.parametrize("package", ["fem", "solver", "meshes"])
+@pytest.mark.parametrize("package", PACKAGES)
 def test_a_docstring_begins_with_a_verb_or_the_thing_itself(package):
     found = []
     for path in sorted((ROOT / package).rglob("*.py")):
