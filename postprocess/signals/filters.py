@@ -114,7 +114,7 @@ def _coefficients(corner: float) -> tuple[Floats, Floats]:
 
 
 PROMINENCE = 0.25
-"""Height of a peak above the valleys beside it, over the largest value of the curve, from which it counts as a strike."""
+"""Height of a peak above the valleys beside it, over the largest value, from which it counts as a strike."""
 
 LOWEST = 0.05
 """Height of a valley above the lowest force, over the peak, at most: undershoot of filters elsewhere is no valley."""
