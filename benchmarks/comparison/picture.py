@@ -109,7 +109,7 @@ def _name(point: Point, colour: str) -> Words:
     if not point.elements:
         text = f"{point.code}, exact" if point.error == FLOOR else point.code
     shift = (5.0, 11.0 if point.code in BELOW else -4.0)
-    return Words(text, point.time, point.error, shift, colour=colour, size=9.0)
+    return Words(text, point.time, point.error, shift, colour=colour)
 
 
 def write(entries: Sequence[Entry], path: Path) -> None:
