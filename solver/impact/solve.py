@@ -377,7 +377,8 @@ def solve_impact(
     strikes = strikes_of_rows(found.strikes[0], vehicle.front_distance, reached)
     if end is None:
         Gate().demand(rules.NEVER, bool(strikes), state.v_gy)
-    rows = found.rows[0, : int(reached / found.interval[0]) + 2]
+    written = math.ceil(reached / found.interval[0] * (1.0 - 1e-12)) + 1  # no row behind the end is
+    rows = found.rows[0, : max(written, 2)]
     return ImpactMotion(
         vehicle, contact, strikes, reached, last, float(found.step[0]), float(found.error[0]),
         float(found.interval[0]), rows,

@@ -744,3 +744,20 @@ def test_the_rigid_impact_sampled():
         assert one.start == pytest.approx(exact.start, abs=1e-5)
         assert one.duration == pytest.approx(exact.duration, abs=2e-5)
         assert one.peak_force == pytest.approx(exact.peak_force, rel=2e-3)  # the peak is a kink
+
+
+@pytest.mark.parametrize("end", [0.05, 0.1, 0.3, 0.35])
+def test_the_end_is_read_from_rows_that_were_written(monkeypatch, end):
+    """Also where it is a whole number of steps, and memory behind the last row holds anything."""
+
+    def spoilt(shape, *more, **options):
+        return np.full(shape, np.nan, *more, **options)
+
+    monkeypatch.setattr("solver.impact.solve.np.empty", spoilt)
+    motion = impact(end=end)
+    last = motion.at(motion.t_end)
+    read = np.array([last.x_g, last.y_g, last.theta, last.v_gx, last.v_gy, last.omega])
+    followed = np.array(
+        [getattr(motion.end, name) for name in ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")]
+    )
+    assert read == pytest.approx(followed, rel=1e-4, abs=1e-4)
