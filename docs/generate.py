@@ -77,7 +77,9 @@ def _key_row(prefix: str, name: str, field: FieldInfo) -> tuple[str, ...]:
 def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "required"
-    return "" if field.default is None else f"`{field.default!r}`".replace("'", '"')
+    from tailslap.scene.write import toml_value
+
+    return "" if field.default is None else f"`{toml_value(field.default)}`"
 
 
 def _table_of(field: FieldInfo) -> Any:

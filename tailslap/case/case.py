@@ -176,6 +176,9 @@ class Case(ABC):
         if not self.least_tolerance <= tolerance < 1.0:
             allowed = f"allowed is from {self.least_tolerance:g} to below 1"
             raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
+        if not self.scene.verify.companion:
+            allowed = "it needs the error that a run states; leave verify.companion out"
+            raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
         case = self
         while True:
             outcome = case._run()

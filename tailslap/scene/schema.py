@@ -89,6 +89,12 @@ StartName = Annotated[str, _registered(start_kinds.START_KINDS), BeforeValidator
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
+def _flag(given: object) -> object:
+    if not isinstance(given, bool):
+        raise ValueError("allowed is true or false")
+    return given
+
+
 def _name(given: object) -> object:
     """A name of a file, for results go to results/NAME: no "..", and nothing hidden."""
     if not isinstance(given, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", given):
@@ -245,9 +251,15 @@ class Damping(SceneTable):
 
 
 class Verify(SceneTable):
-    """Demands of the scene on its own result: agreement of the five quantities with the rigid motion."""
+    """Demands of the scene on its own result, and companions: runs of the same vehicle on other meshes, from which a run
+    states its numerical error; without them it states none.
 
-    tolerance: Tolerance
+    tolerance: of the five quantities of a constrained corner. mesh: of a whole impact's first two strikes of weight.
+    """
+
+    tolerance: Tolerance | None = None
+    mesh: Tolerance = 0.02
+    companion: Annotated[bool, BeforeValidator(_flag)] = True
 
 
 class Time(SceneTable):
@@ -294,7 +306,7 @@ class Scene(SceneTable):
     plate: Plate | None = None
     material: MaterialTable | None = None
     damping: Damping | None = None
-    verify: Verify | None = None
+    verify: Verify = Verify()
     time: Time = Time()
     output: Output | None = None
     wall: Wall | None = None

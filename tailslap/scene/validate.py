@@ -72,8 +72,8 @@ def _check_together(scene: Scene) -> None:
 
 def _check_corner(scene: Scene) -> None:
     """Keys of the paper's three stages, with a constrained corner."""
-    for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end"):
-        value = value_of(scene, key)
+    for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh"):
+        value = _given(scene, key)
         if value is not None:
             raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")
     for key in OF_A_WALL_THAT_GIVES:
@@ -98,10 +98,11 @@ def _check_corner(scene: Scene) -> None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
 
 
-def value_of(scene: Scene, key: str) -> Any:
-    """The value of a key of two parts; None without its table."""
+def _given(scene: Scene, key: str) -> Any:
+    """The value that the scene gives a key of two parts; None where it leaves that to the default."""
     table, name = key.split(".")
-    return getattr(getattr(scene, table), name, None)
+    own = getattr(scene, table)
+    return getattr(own, name) if name in own.model_fields_set else None
 
 
 def _check_plate(scene: Scene) -> None:
@@ -109,7 +110,7 @@ def _check_plate(scene: Scene) -> None:
     tables = {
         "material": scene.material,
         "damping": scene.damping,
-        "verify": scene.verify,
+        "verify": scene.verify.model_fields_set,
         "wall": scene.wall,
         "output": scene.output,
     }
@@ -159,7 +160,6 @@ OF_THE_CORNER = {
     "corner": "a wall that only pushes has no constrained corner",
     "start": "a whole impact starts at first touch",
     "strike": "a whole impact computes its strikes",
-    "verify": "it belongs to a constrained corner",
 }
 """Tables that [contact] excludes, and why."""
 
@@ -172,6 +172,9 @@ def check_impact(scene: Scene, contact: Contact) -> None:
     for name, why in OF_THE_CORNER.items():
         if name in scene.model_fields_set and getattr(scene, name) is not None:
             raise InputError(name, "a table", f"{why}; leave out this table or [contact]")
+    if scene.verify.tolerance is not None:
+        allowed = "it belongs to a constrained corner; leave it out, or [contact]"
+        raise InputError("verify.tolerance", scene.verify.tolerance, allowed)
     if scene.impact is None:
         raise InputError("impact", Missing, "a whole impact starts from this table")
     if "convention" in scene.impact.model_fields_set:

@@ -135,6 +135,8 @@ def shown(changes: Changes) -> tuple[str, ...]:
 def _shown(value: Any) -> str:
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return str(value).lower()
     return str(list(value)) if isinstance(value, tuple) else str(value)
 
 

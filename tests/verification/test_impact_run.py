@@ -131,7 +131,7 @@ BAD = {
     "corner.friction=0.2": "corner", "contact.restitution=1.01": "contact.restitution",
     "contact.stiffness=-1": "contact.stiffness", "contact.initial_force=-1": "contact.initial_force",
     "contact.friction=-0.1": "contact.friction", "contact.enforcement=exact": "contact.enforcement",
-    "contact.stiffness=": "contact.restitution", "contact.restitution=": "contact.restitution",
+    "verify.tolerance=0.1": "verify.tolerance", "contact.stiffness=": "contact.restitution", "contact.restitution=": "contact.restitution",
     "vehicle.centre_of_mass=10.5 m": "vehicle.centre_of_mass",
     "vehicle.yaw_inertia=300000 kg m^2": "vehicle.yaw_inertia", "impact.speed=0": "impact.speed",
     "impact.angle=90 deg": "impact.angle", "impact.convention=paper": "impact.convention",
@@ -147,7 +147,8 @@ def test_bad_input_names_its_key(change, refused):
 
 
 @pytest.mark.parametrize(
-    "change", ["vehicle.centre_of_mass=5 m", "vehicle.yaw_inertia=80000 kg m^2", "time.end=1 s"]
+    "change",
+    ["vehicle.centre_of_mass=5 m", "vehicle.yaw_inertia=80000 kg m^2", "time.end=1 s", "verify.mesh=0.02"],
 )
 def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change):
     with pytest.raises(errors.InputError, match="belongs to a whole impact"):
@@ -166,6 +167,19 @@ def test_rigid_prints_what_the_contract_names(capsys):
     assert set(found["strikes"][0]) >= {"corner", "start", "end", "duration", "peak_force", "impulse"}
     assert set(found["peaks"]) == {"raw", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"}
     assert set(found["end"]) == {"t", "theta", "omega", "v_gx", "v_gy"}
+
+
+def test_without_companions_no_error_is_stated():
+    """The same run; a tolerance cannot be sought then."""
+    case = planned("verify.companion=false")
+    outcome = case.run()
+    assert outcome.fe.strikes == whole().fe.strikes
+    assert {check.name for check in whole().checks} - {check.name for check in outcome.checks} >= {"mesh"}
+    assert outcome.passed
+    assert math.isnan(case.row(outcome)["numerical_error"])
+    assert "not stated" in report.headline(outcome)
+    with pytest.raises(errors.InputError, match=r"leave verify\.companion out"):
+        case.run(1e-2)
 
 
 def test_a_run_leaves_what_the_contract_names(tmp_path, capsys):
@@ -206,7 +220,9 @@ def test_hops_of_a_plate_leave_the_impulse_of_a_strike_whole():
 def judged(impulse, duration, error):
     """What the checks of the mesh say of so large differences from the rigid vehicle, and errors."""
     difference = {"strike_1.impulse": impulse, "strike_2.duration": duration}
-    outcome = SimpleNamespace(difference=difference, mesh_error=error)
+    scene = SimpleNamespace(verify=SimpleNamespace(companion=True))
+    fe_plan = SimpleNamespace(case=SimpleNamespace(scene=scene))
+    outcome = SimpleNamespace(difference=difference, mesh_error=error, fe_plan=fe_plan)
     kinds = [kind for kind in checks.CHECKS if kind.name in checks.MESH_CHECKS[:2]]
     return {check.name: check.passed for check in evaluated(kinds, outcome)}
 

@@ -82,6 +82,8 @@ WRONG = {
     ("vehicle", "a table"): ["3"],
     ("time.safety_factor", "to 1"): ["1.1"],
     ("damping.ratio", "from 1e-09"): ["0"],
+    ("verify.companion", "true or false"): ["1", "maybe"],
+    ("verify.mesh", "below 1"): ["0", "1"],
     ("name", "letters, digits"): ["../up", "..", ".x", "a/b", "a b", "x" * 81, "3"],
     ("name", 'no "." in front'): ['"."'],
     ("name", "1 to 80"): ['""'],

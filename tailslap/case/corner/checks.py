@@ -229,11 +229,11 @@ def _numerical_error(given: Evidence) -> Evaluation:
 
 def _agreement(given: Evidence) -> Evaluation | None:
     """Judged only where the scene demands it: a flexible plate that is right need not agree."""
-    verify = given.fe_plan.case.scene.verify
-    if verify is None:
+    tolerance = given.fe_plan.case.scene.verify.tolerance
+    if tolerance is None:
         return None
     meaning = "largest difference from the rigid motion; the scene demands it by verify.tolerance"
-    return Evaluation(largest(given.differences), verify.tolerance, meaning)
+    return Evaluation(largest(given.differences), tolerance, meaning)
 
 
 MECHANICS = (

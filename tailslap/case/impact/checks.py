@@ -103,7 +103,9 @@ def _strikes(outcome: ImpactOutcome) -> Evaluation:
     return Evaluation(missing, 0, "of the rigid vehicle's first two, those that the plate lacks")
 
 
-def _mesh(what: str, quantities: tuple[str, ...], outcome: ImpactOutcome) -> Evaluation:
+def _mesh(what: str, quantities: tuple[str, ...], outcome: ImpactOutcome) -> Evaluation | None:
+    if not outcome.fe_plan.case.scene.verify.companion:
+        return None
     meaning = (
         f"what richer elements change in {what} of the first two strikes: {FLOOR:g} and {100 * FRACTION:g} % of what "
         f"flexibility changes, {MOST:g} at most, are allowed; refine plate.elements"
@@ -132,7 +134,9 @@ def _point(outcome: ImpactOutcome) -> Evaluation:
     return Evaluation(softened, _allowed(outcome, FORCES), meaning)
 
 
-def _vibration(outcome: ImpactOutcome) -> Evaluation:
+def _vibration(outcome: ImpactOutcome) -> Evaluation | None:
+    if not outcome.fe_plan.case.scene.verify.companion:
+        return None
     meaning = (
         "change of the second strike's impulse by the vibration that the first one leaves, as far as the mesh does not "
         "tell its phase; refine plate.elements, or let it die away by damping.rate"
