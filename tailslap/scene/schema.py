@@ -251,8 +251,8 @@ class Damping(SceneTable):
 
 
 class Verify(SceneTable):
-    """Demands of the scene on its own result, and companions: runs of the same vehicle on other meshes, from which a run
-    states its numerical error; without them it states none.
+    """Demands of the scene on its own result, and companions: runs of the same vehicle on other meshes, from which a
+    run states its numerical error; without them it states none.
 
     tolerance: of the five quantities of a constrained corner. mesh: of a whole impact's first two strikes of weight.
     """

@@ -138,9 +138,9 @@ class SceneInput:
 def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
     """A row for every key that has a value; keys that the scene left to their defaults say so."""
     rows = _rows(scene, source.given, source.changed, "")
-    unused = ("corner.", "strike.") if scene.contact else ("verify.mesh",)
-    unused += () if scene.plate else ("verify.",)
-    return tuple(row for row in rows if not row.key.startswith(unused))
+    unused = ["corner.", "strike."] if scene.contact else ["verify.mesh"]
+    unused += [] if scene.plate else ["verify."]
+    return tuple(row for row in rows if not row.key.startswith(tuple(unused)))
 
 
 def resolved_inputs(
