@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact import report, rigid
+from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.report import RISK
 from tailslap.cli import _status
 from tailslap.errors import InputError
@@ -166,6 +169,26 @@ def test_records_that_name_their_unit_are_in_american_units():
     assert [column.text(risk.rows[0]) for column in risk.columns[1:3]] == ["30", "ft/s"]
     stiff = Table(STIFF, [{"youngs_modulus": 200e9, "damping": 1.0}]).in_units(US)
     assert (stiff.columns[0].heading, stiff.columns[0].text(stiff.rows[0])) == ("E [ksi]", "2.90e+04")
+
+
+def second_columns(table):
+    table = table.in_units(US)
+    return [tuple(column.text(row) for column in table.columns[1:]) for row in table.rows]
+
+
+def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
+    """The paper's method beside an impact, and what a wall does that gives; 0.1 kN s are 1 % of 2.3556 kip s."""
+    case = ImpactCase(*read_scene("impact-mash-tl3-pickup", ("verify.mesh=0.01",)))
+    method = rigid.paper_method(case.scene, case.answer)
+    outcome = SimpleNamespace(rigid=case.answer, paper_method=method)
+    (beside,) = report._paper(outcome)
+    assert second_columns(beside)[0] == (f"{method['impulse'] / KIP:.5g}", "kip s") == ("2.3556", "kip s")
+    forces = {f"{name}_mean_50ms": 12_345.6 for name in ("foundation", "contact")}
+    found = {"deflection": 1.2345e-3, "place": 3.4567, "t": 0.12345, "foundation_force": 12_345.6} | forces
+    monkeypatch.setattr(report, "wall_numbers", lambda outcome: found)
+    (wall,) = report._wall(outcome)
+    shown = [("0.048602", "in."), ("11.341", "ft"), ("0.12345", "s"), *[("2.7754", "kip")] * 3]
+    assert second_columns(wall) == shown
 
 
 def test_si_stays_the_default():

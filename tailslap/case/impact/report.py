@@ -167,12 +167,12 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
     if found is None:
         return []
     rows = [
-        ("largest deflection of its face", round(1e3 * found["deflection"], 3), "mm"),
-        ("at", round(found["place"], 2), "m along the wall"),
-        ("at", round(found["t"], 4), "s"),
-        ("force of the foundation, 50 ms mean", round(found["foundation_mean_50ms"] / 1e3, 1), "kN"),
-        ("contact force, 50 ms mean", round(found["contact_mean_50ms"] / 1e3, 1), "kN"),
-        ("force of the foundation, largest", round(found["foundation_force"] / 1e3, 1), "kN"),
+        ("largest deflection of its face", 1e3 * found["deflection"], "mm"),
+        ("at this place along the wall", found["place"], "m"),
+        ("at this instant", found["t"], "s"),
+        ("force of the foundation, 50 ms mean", found["foundation_mean_50ms"], "N"),
+        ("contact force, 50 ms mean", found["contact_mean_50ms"], "N"),
+        ("force of the foundation, largest", found["foundation_force"], "N"),
     ]
     return [table.pairs(rows, notes=(WALL_NOTE,))]
 
@@ -185,17 +185,16 @@ def _paper(outcome: ImpactOutcome) -> list[Table]:
     rigid = outcome.rigid
     rear = next((strike for strike in rigid.strikes if strike.corner == "rear"), None)
     rows = [
-        ("impulse of the tail-slap, all of the mass stopped", beside["impulse"] / 1e3, "kN s"),
-        ("impulse of the rear strike, computed", rear.impulse / 1e3 if rear else None, "kN s"),
-        (f"peak force with a duration of {beside['duration']:g} s", beside["peak_force"] / 1e3, "kN"),
+        ("impulse of the tail-slap, all of the mass stopped", beside["impulse"], "N s"),
+        ("impulse of the rear strike, computed", rear.impulse if rear else None, "N s"),
+        (f"peak force with a duration of {beside['duration']:g} s", beside["peak_force"], "N"),
     ]
     if beside["computed_duration"]:
         read = f"peak force with {1e3 * beside['computed_duration']:.0f} ms, read off the computed 50 ms mean"
-        rows.append((read, beside["computed_peak_force"] / 1e3, "kN"))
-    rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"] / 1e3, "kN"))
+        rows.append((read, beside["computed_peak_force"], "N"))
+    rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"], "N"))
     note = "Stages 1 to 3 are those of the uniform rectangle, whatever its centre of mass and yaw inertia are here."
-    rounded = [(what, value and round(value, 1), unit) for what, value, unit in rows]
-    return [table.pairs(rounded, notes=(note,))]
+    return [table.pairs(rows, notes=(note,))]
 
 
 def _statements(outcome: ImpactOutcome) -> list[str]:

@@ -35,6 +35,7 @@ OF_A_WHOLE_IMPACT = (
     "damping",
     "wall",
     "time",
+    "verify",
     "vehicle.centre_of_mass",
     "vehicle.yaw_inertia",
     "impact.test_level",
