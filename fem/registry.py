@@ -120,7 +120,7 @@ def watch(callback: Callable[[], None]) -> None:
 def outside_sources() -> tuple[bytes, ...]:
     """Sources of the laws from outside this package: compiled code depends on them too."""
     functions = [f for registry in _REGISTRIES for law in registry.values() for f in _outside(law)]
-    return tuple(sorted({_source(function) for function in functions}))
+    return tuple(sorted({source_of(function) for function in functions}))
 
 
 def _tell_watchers(law: Law) -> None:
@@ -135,7 +135,7 @@ def _outside(law: Law) -> list[FunctionType]:
     return [f for f in functions if PACKAGE not in Path(f.__code__.co_filename).resolve().parents]
 
 
-def _source(function: FunctionType) -> bytes:
+def source_of(function: Any) -> bytes:
     """The file that a function is written in; its bytecode where there is none."""
     try:
         return Path(function.__code__.co_filename).read_bytes()

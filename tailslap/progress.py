@@ -90,13 +90,10 @@ def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]
         yield show
 
 
-def compiling(seconds: float, done: bool) -> None:
-    """Say that a time loop is being compiled, and how long that takes; terminal or not, for nothing else is seen."""
+def compiling(text: str) -> None:
+    """Say that a time loop is being compiled, terminal or not, for nothing else is seen."""
     global _last_sign
-    text = (
-        "compiled" if done else "compiling the time loop of this kind of model, once on this machine: about"
-    )
-    message = f"tailslap: {text}{' in' if done else ''} {seconds:.0f} s"
+    message = f"tailslap: {text}"
     if _live is None:
         print(message, file=sys.stderr, flush=True)
     else:

@@ -6,6 +6,7 @@ the address of the data, then shape and strides; tuples and NamedTuples are what
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ NUMBERS: dict[type, str] = {
     np.bool_: LOGICAL,
 }
 LAST_INTEGER = 2**63
+
+Call = Callable[[list[Any]], Any]
+"""Calls machine code with the values of its arguments in a row."""
 
 
 class UnknownTypeError(TypeError):

@@ -23,8 +23,10 @@ OPTIONS: dict[str, Any] = {
     "no_cfunc_wrapper": True,
 }
 
-OnCompile = Callable[[float, bool], None]
-"""Callback of seconds that compiling is expected to take, with False, and that it took, with True."""
+OnCompile = Callable[[str], None]
+"""Callback of what there is to say while something is compiled."""
+
+LOOP = "the time loop of this kind of model"
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -45,27 +47,31 @@ def compile_once(
 ) -> None:
     """Compile, or load from disk, what a run needs: of each kind of model, one process of the machine at a time.
 
-    kernel, arguments: by whose machine code it is known whether that was done before. on_compile: where it has to be
-    compiled, called with the time expected [s] and False, and when it is done, with the time it took and True.
+    kernel, arguments: by whose machine code it is known whether that was done before. on_compile: called with the time
+    expected where it has to be compiled, and when that is done with the time it took, and why it is not kept if so; and
+    where another process is waited for.
     """
-    if kernel.has_code(*arguments):
-        compile_all()
-        return
-    code = kernel.path(*arguments)
-    with one_process_compiles(code):
-        if code.exists():
-            compile_all()
-            return
-        on_compile(expected_time(), False)
-        began = time.perf_counter()
-        compile_all()
-        spent = time.perf_counter() - began
-        on_compile(spent, True)
-        keep_time(spent)
+    if not kernel.has_code(*arguments):
+        code = kernel.path(*arguments)
+        with one_process_compiles(
+            code, lambda: on_compile(f"waiting for another process that compiles {LOOP}")
+        ):
+            if not kernel.has_code(*arguments):
+                on_compile(f"compiling {LOOP}, once on this machine: about {expected_time():.0f} s")
+                began = time.perf_counter()
+                compile_all()
+                spent, kept = time.perf_counter() - began, ""
+                try:
+                    keep_time(spent)
+                except OSError as error:
+                    kept = f", not kept for the next run: {code.parent}: {error.strerror or error}"
+                on_compile(f"compiled in {spent:.0f} s{kept}")
+                return
+    compile_all()
 
 
-def ignore_compiling(seconds: float, done: bool) -> None:
-    """Ignore the report of compiling."""
+def ignore_compiling(said: str) -> None:
+    """Ignore what is said of compiling."""
 
 
 def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import json
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from fem.machine_code import folder
-from fem.machine_code.arguments import Prepared, UnknownTypeError, codes_of, flattened, spelled
-from fem.machine_code.folder import own_sources
+from fem.machine_code.arguments import Call, Prepared, UnknownTypeError, codes_of, flattened, spelled
 
 _FINDING = threading.RLock()
 
@@ -55,7 +56,7 @@ class Kernel:
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         functools.update_wrapper(self, function)
         self.py_func, self.targetoptions = function, options
-        self._found: dict[tuple[Any, ...], Callable[[list[Any]], Any]] = {}
+        self._found: dict[tuple[Any, ...], Call] = {}
 
     def __reduce__(self) -> str:
         return self.py_func.__qualname__
@@ -74,57 +75,68 @@ class Kernel:
         return lambda kept=arguments: call(values)  # type: ignore[misc]  # values are addresses: what is there must live
 
     def has_code(self, *arguments: Any) -> bool:
-        """True if this process has machine code for arguments of these types."""
-        return flattened(arguments)[0] in self._found
+        """True if there is machine code for arguments of these types in this process, or on disk: it is then loaded."""
+        return self._find(flattened(arguments)[0]) is not None
 
     def path(self, *arguments: Any) -> Path:
         """The file of the machine code for arguments of these types."""
-        return self._path(flattened(arguments)[0])
+        return self._file(flattened(arguments)[0])[0]
 
     @functools.cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher of the function, for other compiled code to call."""
         return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
 
-    def _path(self, kinds: tuple[Any, ...]) -> Path:
+    def _file(self, kinds: tuple[Any, ...]) -> tuple[Path, dict[str, Any]]:
+        """The file of the code for these types, and all that the code depends on: the file must say the same."""
         from fem.machine_code.object_code import machine
 
         function = self.py_func
-        parts = [function.__module__, function.__qualname__, spelled(kinds), machine(), own_sources(function)]
-        digest = hashlib.sha256("|".join(parts).encode()).hexdigest()[:20]
-        return folder.cache_folder() / f"{self.py_func.__name__}-{digest}.code"
+        identity = machine() | {
+            "kernel": f"{function.__module__}.{function.__qualname__}",
+            "arguments": spelled(kinds),
+            "values": codes_of(kinds),
+            "sources": folder.sources() + folder.own_sources(function),
+        }
+        digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
+        return folder.cache_folder() / f"{function.__name__}-{digest}.code", identity
 
     @functools.cached_property
     def _through_numba(self) -> Any:
         """Callable of the function by Numba itself."""
         return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
 
-    def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...]) -> Callable[[list[Any]], Any] | None:
-        """Callable of the machine code; None where Numba lacks a name that this needs."""
+    def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None = None) -> Call | None:
+        """Callable of the machine code, compiled where arguments are given and none is kept.
+
+        None without arguments where there is none, and where Numba lacks a name that this needs.
+        """
         with _FINDING:
-            if "_through_numba" in vars(self):
-                return None
             try:
-                return self._found.setdefault(kinds, self._loaded(kinds, arguments))
+                if kinds not in self._found and "_through_numba" not in vars(self):
+                    self._load(kinds, arguments)
             except UnknownTypeError:
                 raise
             except NAMELESS:
                 self._through_numba  # noqa: B018  # from now on
-                return None
+            return self._found.get(kinds)
 
-    def _loaded(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...]) -> Callable[[list[Any]], Any]:
+    def _load(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None) -> None:
         from fem.machine_code import object_code
 
-        path = self._path(kinds)
-        code = object_code.read_code(path)
+        path, identity = self._file(kinds)
+        code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
         if code is None:
+            if arguments is None:
+                return
             code = _numba_code().compile_for(self.dispatcher, _plain(arguments))
-            if code.arguments != codes_of(kinds):
+            if code.arguments != identity["values"]:
                 raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
-            object_code.write_code(path, code)
+            with suppress(OSError):  # it is as right, and `compile_once` says so
+                folder.write(path, object_code.encoded(code, identity))
         if object_code.helpers_of(code):  # a law calls what only Numba has
             _numba_code().offer_helpers()
-        return object_code.load_code(code)
+        self._found[kinds] = object_code.load_code(code)
 
 
 def _plain(arguments: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -9,15 +9,16 @@ import importlib.util
 import json
 import os
 import re
-import tempfile
+import sys
 from collections.abc import Callable
-from contextlib import suppress
 from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fem.machine_code.arguments import ADDRESS, FLOAT, INTEGER, LOGICAL
+import numpy as np
+
+from fem.machine_code.arguments import ADDRESS, FLOAT, INTEGER, LOGICAL, Call
 
 C_TYPES = {FLOAT: ctypes.c_double, INTEGER: ctypes.c_int64, LOGICAL: ctypes.c_int8, ADDRESS: ctypes.c_void_p}
 """C types by the code of a value."""
@@ -28,8 +29,8 @@ UNUSED = ("unpickle", "do_raise", "gil_ensure", "gil_release", "runtime_build_ex
 HELPER = re.compile(rb"\bnumba_(\w+)")
 """Names of Numba's own functions in object code: without their addresses LLVM would end the process."""
 
-Call = Callable[[list[Any]], Any]
-"""Calls machine code with the values of its arguments in a row."""
+LARGEST, LONGEST_HEADER = 2**26, 2**16
+"""Bytes of a file of object code, and of its first line, at most."""
 
 
 class ObjectCode(NamedTuple):
@@ -49,43 +50,40 @@ class KernelError(RuntimeError):
     """A kernel has ended with an error, as a law from outside may raise one."""
 
 
-def write_code(path: Path, found: ObjectCode) -> None:
-    """Write object code to a file, whole or not at all; a folder or disk that cannot take it is no error."""
-    content = json.dumps(found[:-1]).encode() + b"\n" + found.code
-    with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(hashlib.sha256(content).digest() + content)
-            os.replace(name, path)
-        except OSError:
-            os.unlink(name)
+def encoded(found: ObjectCode, identity: dict[str, Any]) -> bytes:
+    """Content of a file of object code: a digest of the rest, a line that says what it is, the code."""
+    header = identity | {"symbol": found.symbol, "result": found.result}
+    content = json.dumps(header).encode() + b"\n" + found.code
+    return hashlib.sha256(content).digest() + content
 
 
-def read_code(path: Path) -> ObjectCode | None:
-    """Object code that was written to a file; None where there is none, or none that is whole."""
-    try:
-        content = path.read_bytes()
-    except OSError:
-        return None
+def decoded(content: bytes, identity: dict[str, Any]) -> ObjectCode | None:
+    """Object code out of a file's content; None where that is not whole, or does not say that it is what is wanted."""
     digest, content = content[:32], content[32:]
-    if hashlib.sha256(content).digest() != digest:
+    header, _, code = content.partition(b"\n")
+    if hashlib.sha256(content).digest() != digest or len(header) > LONGEST_HEADER:
         return None
-    layout, _, code = content.partition(b"\n")
-    symbol, arguments, result = json.loads(layout)
-    return ObjectCode(symbol, arguments, result, code)
+    try:
+        said = json.loads(header)
+        found = ObjectCode(said.pop("symbol"), identity["values"], said.pop("result"), code)
+        _layout(found.result), _reader(found.result)
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return None
+    return found if said == identity else None
 
 
 @functools.cache
-def machine() -> str:
+def machine() -> dict[str, Any]:
     """The processor and the programs that code is made by and for, and their settings."""
     llvm = _llvm()
-    settings = sorted(
-        f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and "CACHE" not in k
-    )
-    programs = [f"{name} {version(name)}" for name in ("numba", "llvmlite")]
-    return "|".join([llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), *programs, *settings])
+    programs = {name: version(name) for name in ("numba", "llvmlite")}
+    return {
+        "processor": [llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()],
+        "versions": {"python": sys.version, "numpy": np.__version__, **programs},
+        "settings": sorted(
+            f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and "CACHE" not in k
+        ),
+    }
 
 
 def helpers_of(found: ObjectCode) -> set[str]:
@@ -99,7 +97,9 @@ def load_code(found: ObjectCode) -> Call:
     engine.add_object_file(llvm.ObjectFileRef.from_data(found.code))
     engine.finalize_object()
     kinds: list[Any] = [C_TYPES[code] for code in 2 * ADDRESS + found.arguments]
-    function = ctypes.CFUNCTYPE(ctypes.c_int32, *kinds)(engine.get_function_address(found.symbol))
+    if not (address := engine.get_function_address(found.symbol)):
+        raise LookupError(found.symbol)
+    function = ctypes.CFUNCTYPE(ctypes.c_int32, *kinds)(address)
     layout, read = _layout(found.result), _reader(found.result)
 
     def call(values: list[Any]) -> Any:
@@ -116,7 +116,7 @@ def _layout(result: Any) -> Any:
     if isinstance(result, list):
         fields = [(f"f{i}", _layout(item)) for i, item in enumerate(result[2:])]
         return type("Result", (ctypes.Structure,), {"_fields_": fields})
-    return C_TYPES[result or ADDRESS]
+    return C_TYPES[ADDRESS if result is None else result]
 
 
 def _reader(result: Any) -> Callable[[Any], Any]:
@@ -127,9 +127,10 @@ def _reader(result: Any) -> Callable[[Any], Any]:
         return lambda value: bool(getattr(value, "value", value))
     if not isinstance(result, list):
         return lambda value: getattr(value, "value", value)
-    kind = functools.reduce(getattr, result[1].split("."), importlib.import_module(result[0]))
     items = [(f"f{i}", _reader(item)) for i, item in enumerate(result[2:])]
-    make: Any = kind if kind is tuple else kind._make
+    names, module = result[1].split("."), sys.modules[result[0]]  # nothing is imported for a name
+    kind: Any = functools.reduce(lambda owner, name: vars(owner)[name], names, module)
+    make = kind if kind is tuple else kind._make
     return lambda value: make([read(getattr(value, name)) for name, read in items])
 
 

@@ -64,7 +64,7 @@ def test_long_work_counts_its_seconds_on_one_line_that_vanishes(terminal):
 def test_what_is_said_meanwhile_has_a_line_of_its_own(terminal):
     with announced("Building ..."):
         seen(terminal, "Building")
-        compiling(10.0, False)
+        compiling("compiling the time loop: about 10 s")
         seen(terminal, "about 10 s\n")
         seen(terminal, "Building", times=3)
     assert f"{ERASED}tailslap: compiling the time loop" in text(terminal)

@@ -90,6 +90,7 @@ def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path, besides_
     nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
     done = command(tmp_path, *RUN, "a", **nowhere)
     assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
+    assert f"not kept for the next run: {tmp_path}/file/code/" in done.stderr
 
 
 def doubled(value):

@@ -2,12 +2,16 @@
 
 import fcntl
 import gc
+import hashlib
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +23,6 @@ from fem.machine_code import folder, object_code
 from fem.machine_code.arguments import Prepared, UnknownTypeError, flattened
 from fem.machine_code.compiled import compile_once, compiled
 from fem.machine_code.folder import USUAL_S, one_process_compiles
-from fem.machine_code.object_code import read_code
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
@@ -65,6 +68,11 @@ def add(outer, rows, whole, fixed, flags, factor):
     return Sums(own.sum(), whole.size + fixed.size, some, (own[1], own[2]))
 
 
+def double(value):
+    """Compiled in no time."""
+    return 2.0 * value
+
+
 def arguments(factor, step):
     rows = np.arange(24.0).reshape(4, 6)[:, ::step]
     fixed = np.arange(3, dtype=np.uint8)
@@ -74,8 +82,13 @@ def arguments(factor, step):
 
 
 @pytest.fixture
-def kernel(tmp_path, monkeypatch):
+def keeping(tmp_path, monkeypatch):
+    """Code is kept in a folder of the test's own."""
     monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
+
+
+@pytest.fixture
+def kernel(keeping):
     return compiled(add)
 
 
@@ -91,21 +104,154 @@ def test_the_same_as_in_python(kernel, factor, step):
     assert kernel.has_code(*in_code)
 
 
+def subtract(outer, rows, whole, fixed, flags, factor):
+    """Takes what `add` takes, and says something else."""
+    return Sums(-outer.pair[0], -whole.size, not flags[0], (0.0, 0.0))
+
+
+def said_otherwise(kept, *change):
+    """The file with its header changed, and the digest made right for it."""
+    header, _, code = kept[32:].partition(b"\n")
+    said = json.loads(header)
+    for key, value in zip(change[::2], change[1::2], strict=True):
+        said[key] = value
+    made = json.dumps(said).encode() + b"\n" + code
+    return hashlib.sha256(made).digest() + made
+
+
+def with_header(kept, header):
+    """The file with this for a header."""
+    made = header + b"\n" + kept[32:].partition(b"\n")[2]
+    return hashlib.sha256(made).digest() + made
+
+
+DAMAGE = {
+    "cut": lambda kept: kept[:-100],
+    "empty": lambda kept: b"",
+    "without a digest": lambda kept: b"{}\n",
+    "one byte": lambda kept: kept.replace(b"q", b"d", 1),
+    "more": lambda kept: kept + b"\0",
+    "no JSON": lambda kept: with_header(kept, b"\xff{"),
+    "deep": lambda kept: with_header(kept, b"[" * 50_000),
+    "long": lambda kept: with_header(kept, kept[32:].partition(b"\n")[0] + b" " * 2**16),
+    **{f"JSON {text}": lambda kept, text=text: with_header(kept, text) for text in (b"[]", b"3", b"null", b'"{}"')},
+    **{key: lambda kept, key=key: said_otherwise(kept, key, "other") for key in
+       ("kernel", "arguments", "values", "sources", "processor", "versions", "settings", "symbol", "more")},
+    **{f"result {result}": lambda kept, result=result: said_otherwise(kept, "result", result) for result in
+       ({}, [], "x", 3, ["d"], [3, 4, "d"], ["os", "path", "d"], ["antigravity", "Sums", "d"], [*["builtins"] * 2])},
+    "types": lambda kept: said_otherwise(kept, "symbol", 7, "versions", None, "values", ["d"]),
+}  # fmt: skip
+"""Contents of a file, made from the right one."""
+
+
 def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
-    given = arguments(None, 1)
-    assert not kernel.path(*given).exists()
-    kernel(*given)
-    path = kernel.path(*given)
+    """It is compiled anew, and kept; what is whole is loaded without Numba."""
+    given, path = arguments(None, 1), kernel.path(*arguments(None, 1))
+    assert not path.exists()
+    found, there = kernel(*given), set(sys.modules)
     kept = path.read_bytes()
-    for corrupted in (kept[:-100], b"{}\n", b"", kept.replace(b"q", b"d", 1)):
-        path.write_bytes(corrupted)
-        assert read_code(path) is None
-        again = compiled(add)
-        assert again(*given) == kernel(*given)
-        assert read_code(path) is not None
+    for how, damage in DAMAGE.items():
+        path.write_bytes(damage(kept))
+        assert not compiled(add).has_code(*given), how
+    assert "antigravity" not in sys.modules.keys() - there
+    assert compiled(add)(*given) == found
     loaded = compiled(add)
     loaded.dispatcher = None  # Numba is not asked
-    assert loaded(*given) == kernel(*given)
+    assert loaded(*given) == found
+
+
+def test_code_copied_over_another_s_is_compiled_anew(kernel):
+    """Of another kernel for the same types, and of this one for others."""
+    given, other = arguments(None, 1), compiled(subtract)
+    for wrong in ((other, given), (kernel, arguments(0.25, 1))):
+        assert wrong[0](*wrong[1])
+        shutil.copy(wrong[0].path(*wrong[1]), kernel.path(*given))
+        again = compiled(add)
+        assert not again.has_code(*given)
+        assert again(*given) == add(*given)
+
+
+def sparse(path):
+    path.touch(0o600)
+    os.truncate(path, 2**40)
+
+
+ODD = {
+    "pipe": os.mkfifo,
+    "device": lambda path: path.symlink_to("/dev/zero"),
+    "link": lambda path: path.symlink_to(shutil.copy(path.with_suffix(".whole"), path.with_suffix(".other"))),
+    "folder": Path.mkdir,
+    "huge": sparse,
+    "open to all": lambda path: shutil.copy(path.with_suffix(".whole"), path) and path.chmod(0o644),
+    "another's": lambda path: shutil.copy(path.with_suffix(".whole"), path) and os.chown(path, 65534, -1),
+}
+"""What may stand in the place of a file."""
+
+
+@pytest.mark.parametrize("how", ODD)
+def test_what_is_no_file_of_this_user_s_alone_is_not_opened(keeping, how):
+    """Nothing is waited for; where it can be, it is replaced."""
+    if how == "another's" and os.geteuid():
+        pytest.skip("root alone gives files away")
+    kernel, seconds = compiled(double), folder.cache_folder() / folder.TIME_FILE
+    assert kernel(1.5) == 3.0
+    path = kernel.path(1.5)
+    folder.keep_time(7.0)
+    for file in (path, seconds):
+        shutil.move(file, file.with_suffix(".whole"))
+        ODD[how](file)
+    assert folder.expected_time() == USUAL_S
+    again = compiled(double)
+    assert not again.has_code(1.5)
+    assert again(1.5) == 3.0
+    assert compiled(double).has_code(1.5) == (how != "folder")
+
+
+@pytest.mark.parametrize("how", ["open to all", "readable", "another's", "link"])
+def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path, monkeypatch):
+    """And that is said with the time that it took."""
+    said, place = [], folder.cache_folder()
+    assert compiled(double)(1.5) == 3.0
+    if how == "link":
+        place.rename(tmp_path / "elsewhere")
+        place.symlink_to(tmp_path / "elsewhere")
+    elif how == "another's":
+        monkeypatch.setattr(os, "geteuid", lambda: place.stat().st_uid + 1)
+    else:
+        place.chmod(0o777 if how == "open to all" else 0o755)
+    before = {path: path.stat().st_mtime_ns for path in place.iterdir()}
+    again = compiled(double)
+    assert not again.has_code(1.5)
+    compile_once(lambda: again(1.5), again, 1.5, on_compile=said.append)
+    assert again(1.5) == 3.0
+    assert re.fullmatch(
+        rf"compiled in \d+ s, not kept for the next run: {place}: .*closed to others.*", said[1]
+    )
+    assert {path: path.stat().st_mtime_ns for path in place.iterdir()} == before
+
+
+def test_the_folder_is_made_for_this_user_alone(keeping):
+    kernel = compiled(double)
+    assert kernel(1.5) == 3.0
+    kept = [folder.cache_folder(), kernel.path(1.5)]
+    assert [path.stat().st_mode & 0o777 for path in kept] == [0o700, 0o600]
+
+
+def test_below_a_folder_that_may_not_be_searched_code_is_not_kept(keeping, tmp_path, monkeypatch):
+    """As below the home of another user."""
+    assert compiled(double)(2) == 4.0  # Numba is there
+    closed, said = tmp_path / "home", []
+    closed.mkdir(0o000)
+    monkeypatch.setattr(folder, "cache_folder", lambda: closed / "cache" / "code")
+    user, again = os.geteuid(), compiled(double)
+    os.seteuid(user or 65534)
+    try:
+        compile_once(lambda: again(1.5), again, 1.5, on_compile=said.append)
+    finally:
+        os.seteuid(user)
+        closed.chmod(0o700)
+    assert again(1.5) == 3.0
+    assert said[1].endswith(f"not kept for the next run: {closed / 'cache' / 'code'}: Permission denied")
 
 
 @pytest.mark.parametrize("missing", ["to compile", "to load"])
@@ -184,22 +330,24 @@ def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_p
         assert done.stdout.split() == ["24.0"], done.stderr
 
 
-def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path):
-    """The lock is held here, as another process would hold it."""
-    code, entered = tmp_path / "code" / "kind.code", threading.Event()
+def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path, monkeypatch):
+    """The lock is held here, as another process would hold it; whom it keeps waiting says so."""
+    monkeypatch.setattr(folder, "PATIENCE_S", 0.3)
+    code, entered, waited = tmp_path / "code" / "kind.code", threading.Event(), threading.Event()
 
     def compile_there(path, told):
         def compile_it():
-            with one_process_compiles(path):
+            with one_process_compiles(path, waited.set):
                 told.set()
 
         thread = threading.Thread(target=compile_it)
         thread.start()
         return thread
 
-    with one_process_compiles(code):
+    with one_process_compiles(code, waited.set):
         other, third = compile_there(code, entered), threading.Event()
-        assert not entered.wait(0.2)
+        assert waited.wait(60.0)
+        assert not entered.is_set()
         compile_there(code.with_name("other.code"), third).join(60.0)
         assert third.is_set()
     assert entered.wait(60.0)
@@ -210,7 +358,7 @@ def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path)
 
 def test_without_a_folder_each_compiles_for_itself(tmp_path):
     (tmp_path / "file").write_text("")
-    with one_process_compiles(tmp_path / "file" / "code" / "kind.code"):
+    with one_process_compiles(tmp_path / "file" / "code" / "kind.code", pytest.fail):
         assert not (tmp_path / "file").is_dir()
 
 
@@ -222,27 +370,27 @@ def test_code_is_known_by_the_types_of_its_arguments(outcome):
     assert not advance.has_code(1, 2.0, np.zeros(3))
 
 
-def double(value):
-    """A function to compile."""
-    return 2.0 * value
-
-
-def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(tmp_path, monkeypatch):
-    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
+def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(keeping):
     told = []
 
     def use(value):
         function = compiled(double)  # as a new process has it
-        compile_once(lambda: function(value), function, value, on_compile=lambda *given: told.append(given))
+        compile_once(lambda: function(value), function, value, on_compile=told.append)
 
     use(1.0)
-    (expected, before), (spent, after) = told
-    assert (expected, before, after) == (USUAL_S, False, True)
-    assert 0.0 < spent < USUAL_S
+    assert re.fullmatch(r"compiling the time loop .*: about 10 s\ncompiled in \d s", "\n".join(told))
     use(2.0)
     assert len(told) == 2
+    folder.keep_time(1234.0)
     use(3)  # another kind
-    assert (told[2], len(told)) == ((pytest.approx(spent, abs=0.01), False), 4)
+    assert told[2].endswith(": about 1234 s")
+    assert (0.0 < folder.expected_time() < USUAL_S, len(told)) == (True, 4)
+
+
+@pytest.mark.parametrize("kept", ["nan", "inf", "-1", "0", "3600", "1e999", "", "x", "1" * 40, "\xe9"])
+def test_a_time_that_no_compiling_takes_is_not_believed(kept, keeping):
+    folder.write(folder.cache_folder() / folder.TIME_FILE, kept.encode())
+    assert folder.expected_time() == USUAL_S
 
 
 @pytest.mark.long
