@@ -4,9 +4,8 @@
 
 Each time a command fills a folder that has an earlier result already; TERM, INT or KILL comes at an instant drawn
 evenly over the time that the command takes alone. After it the folder must hold the earlier result or the new one,
-whole; no process of the command may live on and no port be open; what a killed one leaves beside the folder must be
-gone once the next command has looked at it. A sweep's folder must take the sweep up again and end with the rows of one
-that was left alone.
+whole; no process of the command may live on and no port be open; what a killed one leaves must be gone once the next
+command has looked at it. A sweep's folder must take the sweep up again and end with the rows of one left alone.
 """
 
 from __future__ import annotations
@@ -29,13 +28,14 @@ import psutil
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tailslap.campaign.table import CIRCUMSTANCES
-from tailslap.files.manifest import NAME, clear_leftovers, entry, read_manifest
+from tailslap.files.folder import locked, recover
+from tailslap.files.manifest import NAME, entry, read_manifest
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
-SCENE = ("paper-table-3", "--set", "plate.elements=[10,3]")
+SCENE, SMALL = ("paper-table-3", "--set", "plate.elements=[10,3]"), ("--set", "plate.elements=[6,2]")
 COMMANDS = {
     "run": ("run", *SCENE, "--no-pictures"),
-    "study": ("study", "flexibility", "paper-table-3", "--set", "plate.elements=[6,2]", "--points", "4"),
+    "study": ("study", "flexibility", "paper-table-3", *SMALL, "--points", "4", "--force"),
     "sweep": ("sweep", *SCENE, "--vary", "impact.friction=0.1:0.8:12", "--workers", "2"),
 }
 EARLIER = ("run", "paper-table-3", "--set", "plate.elements=[8,3]", "--no-pictures")
@@ -100,14 +100,12 @@ def rows(out: Path) -> list[str]:
     return sorted(json.dumps(row, sort_keys=True, default=str) for row in table.select(kept).to_pylist())
 
 
-def look(folder: Path, out: Path, earlier: str | None, added: str) -> list[str]:
-    """What is wrong with the folder of a run or study after it was killed."""
-    beside = [p for p in folder.iterdir() if p.name.startswith(f"{out.name}.") and whole(p) == earlier]
-    found = [] if whole(out) or beside else ["neither the earlier nor a new result is whole"]
-    if (out / "mine.txt").exists() and (out / "mine.txt").read_text() != added:
-        found.append("what the user has added has changed")
-    if not any((place / "mine.txt").exists() for place in (out, *beside)):
-        found.append("what the user has added is gone")
+def look(out: Path, added: str) -> list[str]:
+    """What is wrong with the folder of a run or study after it was killed, as who reads it next sees it."""
+    recover(out)
+    found = [] if whole(out) else ["neither the earlier nor the new result is whole"]
+    if not (out / "mine.txt").exists() or (out / "mine.txt").read_text() != added:
+        found.append("what the user has added is gone or has changed")
     return found
 
 
@@ -170,18 +168,18 @@ def _result(
     shutil.copytree(earlier, out)
     (out / "mine.txt").write_text(added)
     before = whole(out)
-    found = killed(COMMANDS[kind], out, delay, how) + look(folder, out, before, added)
-    now = whole(out)
-    if now is None:
-        return found, "the earlier result beside its place"
-    clear_leftovers(out)  # as the next command does first
-    return found + _left(folder, out), "the earlier result" if now == before else "a new result"
+    found = killed(COMMANDS[kind], out, delay, how) + look(out, added)
+    end = "the earlier result" if whole(out) == before else "a new result"
+    with locked(out):  # as the next command does first
+        pass
+    return found + _left(folder, out), end
 
 
 def _left(folder: Path, out: Path) -> list[str]:
-    """What lies beside the folder after that, journals apart, which the study itself takes up."""
-    beside = (path.name for path in folder.iterdir() if path != out and not path.name.endswith(".journal"))
-    return [f"{name} is left" for name in beside]
+    """What lies in the folder and beside it after that, journals apart, which the study itself takes up."""
+    beside = {path.name for path in folder.iterdir() if path != out and not path.name.endswith(".journal")}
+    within = {path.name for path in out.glob(".tailslap*")} - {NAME}
+    return [f"{name} is left" for name in sorted(beside | within)]
 
 
 if __name__ == "__main__":

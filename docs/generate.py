@@ -160,7 +160,15 @@ FILES = (
     ("`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`", "the plate at the tail-slap"),
     ("`impact.gif`", "of a whole impact: its animation"),
     ("`fields.npz`", "with `[output] fields = N`: fields of the plate at N instants"),
-    ("`.tailslap-result.json`", "the manifest: the files that the program wrote, with size and digest"),
+    (
+        "`.tailslap-result.json`",
+        "the manifest: command and scene, and the files that the program wrote, with size and digest",
+    ),
+    (
+        "`.tailslap-lock`, `.tailslap-new`, `.tailslap-redo.json`",
+        "while a command is at work, or after it was killed, until the next one: its lock, its new files, and the log "
+        "of what they replace",
+    ),
 )
 FIELDS = """NumPy arrays: `points` [m], shape (nodes, 2), the unstrained plate where the run starts; `cells`, the
 nodes of each element, and `cell_type`, what meshio calls it; `t` [s]; and the fields, shape (instants, nodes, 2)

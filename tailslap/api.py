@@ -9,8 +9,9 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.files import load
 from tailslap.scene import read
 from tailslap.scene.vary import Source, parse_changes, shown, vary
+
+if TYPE_CHECKING:
+    from tailslap.studies.study import Study
 
 Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
 """Name of a scene that comes with the program, path of a TOML file, the tables themselves, or a case made of them."""
@@ -299,7 +303,7 @@ def study(
     *,
     folder: str | os.PathLike[str] | None = None,
     allow_large: bool = False,
-    force: bool = True,
+    force: bool = False,
     **options: Any,
 ) -> result.Result:
     """Run a prepared study of a scene.
@@ -318,7 +322,7 @@ def study(
     allow_large : bool
         As of `run`.
     force : bool
-        Also where that folder holds the result of another scene.
+        Also where that folder holds the result of another command or scene.
     **options : object
         The study's own, by the names on the command line with "_" for "-": samples=1000, range={"impact.friction":
         "0.2:0.5"}; those that can be given several times take a list or a dict.
@@ -340,17 +344,24 @@ def study(
     >>> found.summary["study"], found.passed
     ('uncertainty', None)
     """
+    from tailslap.files.folder import result_folder
     from tailslap.studies import find_study
-    from tailslap.studies.study import checked_options, compute_study
+    from tailslap.studies.study import checked_options, prepared
 
     chosen = find_study(name)
     own, out = checked_options(chosen, options), None if folder is None else Path(folder)
-    place, found = compute_study(chosen, os.fspath(scene), _texts(changes), out, allow_large, own, force)
-    report = chosen.report(found)
+    case, place, origin = prepared(chosen, os.fspath(scene), _texts(changes), out, allow_large, own)
+    with result_folder(place, force=force, origin=origin):
+        return study_result(chosen, case, place, own)
+
+
+def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, Any]) -> result.Result:
+    """Run a study of a case, whose place is locked; options: its own, as `compute` takes them."""
+    report = chosen.report(chosen.compute(case, place, **options))
     parts = [part for part in report.terminal if isinstance(part, Table)]
     tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
     text = terminal.printed(report.terminal)
-    return result.of_report(f"study {name}", report, tables, text=text, place=place)
+    return result.of_report(f"study {chosen.name}", report, tables, text=text, place=place)
 
 
 def sweep(
@@ -364,6 +375,7 @@ def sweep(
     cluster: str | None = None,
     workers: int | None = None,
     units: str = "si",
+    force: bool = False,
 ) -> result.Result:
     """Run a scene for many values of its keys, in worker processes.
 
@@ -387,6 +399,8 @@ def sweep(
         Processes on this machine; without it, as many as it has cores.
     units : str
         Of the page and the printed text, "si" or "us"; numbers are in SI.
+    force : bool
+        Also where that folder holds the result of another command, but no other sweep.
 
     Returns
     -------
@@ -415,7 +429,7 @@ def sweep(
         vary = [f"{key}={text}" for key, text in texts.items()]
     asked = definition.make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
     place = Path(folder) if folder is not None else Path("results") / f"{asked.scene}-sweep"
-    done = perform.perform(asked, place, cluster, workers, units=units)
+    done = perform.perform(asked, place, cluster, workers, units=units, force=force)
     return replace(load.sweep_result(place), text=report.sweep_text(done, place), place=place)
 
 
@@ -459,10 +473,13 @@ def compare(
     """
     from tailslap.comparing import report
 
-    found = report.compare_items((reference, *others), columns, only)
+    items = (reference, *others)
+    found = report.compare_items(items, columns, only)
     made = report.compare_report(found)
     histories = {item.label: result.Columns(item.columns, item.units) for item in found.items}
-    return result.of_report("compare", made, {"Metrics": made.tables["metrics.csv"]}, histories=histories)
+    tables = {"Metrics": made.tables["metrics.csv"]}
+    inputs = [item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items]
+    return result.of_report("compare", made, tables, histories=histories, inputs=tuple(chain(*inputs)))
 
 
 def _case(scene: Scene, changes: Changes | None) -> Case:

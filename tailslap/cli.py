@@ -57,20 +57,35 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
 
 
 def deliver(
-    fill: Fill | None, place: Path, as_json: bool, units: str = "si", pictures: bool = True, page: str = ""
+    compute: Callable[[], Fill | None],
+    place: Path,
+    of: tuple[str, str],
+    as_json: bool,
+    units: str = "si",
+    *,
+    inputs: tuple[Path, ...] = (),
+    force: bool = False,
+    page: str = "",
 ) -> int:
-    """Fill the folder `place` and say what was found, or as JSON the summary; 1 if something failed.
+    """Compute what fills the folder `place`, which is locked meanwhile, and say what was found.
 
-    page: its name, where it is another than a report's.
+    of: command and scene; page: its name, where it is another than a report's.
     """
     from tailslap.files.folder import result_folder
+    from tailslap.files.manifest import Origin
 
-    assert fill is not None
-    with result_folder(place) as folder:
-        report = fill(folder, pictures, units)
-    assert report is not None
+    with result_folder(place, inputs, force, Origin(*of)) as folder:
+        fill = compute()
+        assert fill is not None
+        report = fill(folder, True, units)
+    return conclude(report, place, as_json, page)
+
+
+def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") -> int:
+    """Say what was found, or as JSON the summary; 1 if something failed."""
     from postprocess.report.report import PAGE, report_text
 
+    assert report is not None
     options.tell(report.summary, report_text(report, place, page or PAGE), as_json)
     return DONE if report.passed else CHECK_FAILED
 
@@ -109,18 +124,19 @@ def run(
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
     from tailslap.files import checkpoints
-    from tailslap.files.folder import demand_own, demand_place, result_folder
+    from tailslap.files.folder import commit, result_folder
+    from tailslap.files.manifest import Origin
 
-    place = out or RESULTS / case.scene.name
-    demand_own(place, case.scene.name, force)
-    demand_place(place)
-    with checkpoints.checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
-        found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
-        if not no_pictures:  # what was computed is there, whatever becomes of the pictures
-            with result_folder(place) as folder:
-                assert found.fill is not None
-                found.fill(folder, False, units)
-        return deliver(found.fill, place, as_json, units, not no_pictures)
+    place, of = out or RESULTS / case.scene.name, Origin("run", case.scene.name)
+    with result_folder(place, force=force, origin=of) as folder:
+        with checkpoints.checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
+            found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
+            assert found.fill is not None
+            report = found.fill(folder, False, units)
+            commit(folder.parent, of)  # what was computed is there, whatever becomes of the pictures
+        if not no_pictures:
+            report = found.fill(folder, True, units)
+    return conclude(report, place, as_json)
 
 
 @commands.command()
@@ -157,13 +173,14 @@ def study_command(chosen: Study) -> click.Command:
     out = click.Option(["--out", "folder"], type=options.Folder(), help=help_out)
     shared = [options.SCENE, options.SET, out, options.ALLOW_LARGE, options.FORCE, *options.WATCHED]
 
-    from tailslap.studies.study import option_names
-
     def run(name: str, changes: tuple[str, ...], units: str, as_json: bool, **given: Any) -> int:
-        asked = {name: given[str(option.name)] for name, option in option_names(chosen).items()}
-        asked |= {name: given[name] for name in ("folder", "allow_large", "force")}
-        found = tailslap.study(chosen.name, name, changes, **asked)
-        return deliver(found.fill, found.place or RESULTS, as_json, units)
+        from tailslap import api
+        from tailslap.studies.study import prepared
+
+        folder, allow_large, force = (given.pop(key) for key in ("folder", "allow_large", "force"))
+        case, place, of = prepared(chosen, name, changes, folder, allow_large, given)
+        compute = lambda: api.study_result(chosen, case, place, given).fill  # noqa: E731
+        return deliver(compute, place, of, as_json, units, force=force)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
 
@@ -195,7 +212,7 @@ def study_command(chosen: Study) -> click.Command:
     metavar="N",
     help="Processes on this machine  [default: its cores]",
 )
-@options.with_options(*options.WATCHED)
+@options.with_options(options.FORCE, *options.WATCHED)
 def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json: bool, **given: Any) -> int:
     """Run a scene for many values of its keys: one table, a row a run.
 
@@ -227,7 +244,7 @@ def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json:
     show_default=True,
     help="The elastic deformation in them.",
 )
-@options.with_options(*options.PRINTED)
+@options.with_options(options.FORCE, *options.PRINTED)
 def export(result: Path, as_json: bool, **given: Any) -> int:
     """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
 
@@ -248,12 +265,13 @@ def export(result: Path, as_json: bool, **given: Any) -> int:
 )
 @click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
 @click.option("--out", type=options.Folder(), help="Folder of the page  [default: results/compare]")
-@options.with_options(*options.PRINTED)
+@options.with_options(options.FORCE, *options.PRINTED)
 def compare(
     given: tuple[Path, ...],
     columns: str | None,
     only: str | None,
     out: Path | None,
+    force: bool,
     units: str,
     as_json: bool,
 ) -> int:
@@ -263,8 +281,9 @@ def compare(
     a metric is beyond the limits of NCHRP W179.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
-    found = tailslap.compare(*given, columns=columns, only=names)
-    return deliver(found.fill, out or RESULTS / "compare", as_json, units)
+    compute = lambda: tailslap.compare(*given, columns=columns, only=names).fill  # noqa: E731
+    place = out or RESULTS / "compare"
+    return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
 
 
 @commands.command()
@@ -288,12 +307,9 @@ def modes(
     case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
 ) -> int:
     """Natural frequencies of the plate, with pictures."""
-    from tailslap.files.folder import demand_own
-
     place = out or RESULTS / f"{case.scene.name}-modes"
-    demand_own(place, case.scene.name, force)
-    found = tailslap.modes(case, count=count, allow_large=allow_large)
-    return deliver(found.fill, place, as_json, units)
+    compute = lambda: tailslap.modes(case, count=count, allow_large=allow_large).fill  # noqa: E731
+    return deliver(compute, place, ("modes", case.scene.name), as_json, units, force=force)
 
 
 @commands.command()
@@ -365,8 +381,8 @@ def completion(shell: str, as_json: bool) -> int:
 
 @commands.command()
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/paper]")
-@options.with_options(options.JSON, options.QUIET)
-def paper(out: Path | None, as_json: bool) -> int:
+@options.with_options(options.FORCE, options.JSON, options.QUIET)
+def paper(out: Path | None, force: bool, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
     from tailslap import progress, result
     from tailslap.paper import page, tables
@@ -375,8 +391,9 @@ def paper(out: Path | None, as_json: bool) -> int:
         with progress.announced("Computing the paper's tables ..."):
             return page.paper_report(tables.review())
 
-    name = "paper.html"
-    return deliver(result.filled_by(report, name), out or RESULTS / "paper", as_json, page=name)
+    place, name = out or RESULTS / "paper", "paper.html"
+    compute = lambda: result.filled_by(report, name)  # noqa: E731
+    return deliver(compute, place, ("paper", ""), as_json, force=force, page=name)
 
 
 def main(arguments: list[str] | None = None) -> None:

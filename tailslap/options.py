@@ -143,7 +143,7 @@ PRINTED = (UNITS, JSON, QUIET)
 """Options of what is printed."""
 WATCHED = (*PRINTED, PROGRESS)
 """Options of a command that takes its time."""
-FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another scene.")
+FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another command or scene.")
 
 
 def with_options(*options: click.Parameter) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

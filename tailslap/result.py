@@ -198,6 +198,8 @@ class Result:
         What the terminal says, where it is no table.
     place : Path or None
         Folder that the command would fill, where the result knows it.
+    inputs : tuple of Path
+        Files and folders that it was read from: what is made of it never replaces them.
     """
 
     command: str
@@ -212,6 +214,7 @@ class Result:
     make_ends: Callable[[], FieldSeries] | None = None
     text: str = ""
     place: Path | None = None
+    inputs: tuple[Path, ...] = ()
 
     @property
     def history(self) -> Columns:
@@ -305,7 +308,7 @@ class Result:
         pictures : bool
             Whether with contour pictures or an animation.
         force : bool
-            Also where there is the result of another scene.
+            Also where there is the result of another command or scene.
 
         Returns
         -------
@@ -315,15 +318,15 @@ class Result:
         Raises
         ------
         InputError
-            Where the folder cannot be written or holds other files, or the result leaves none.
+            Where the folder cannot be written, is in use, was read or holds other files, or the result leaves none.
         """
-        from tailslap.files.folder import demand_own, result_folder
+        from tailslap.files.folder import result_folder
+        from tailslap.files.manifest import Origin
 
         if self.fill is None:
             raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
-        place = Path(folder)
-        demand_own(place, self.scene, force)
-        with result_folder(place) as unfinished:
+        place, origin = Path(folder), Origin(self.command, str(self.summary.get("scene", "")))
+        with result_folder(place, self.inputs, force, origin) as unfinished:
             self.fill(unfinished, pictures, "si")
         return place
 

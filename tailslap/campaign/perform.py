@@ -5,10 +5,9 @@ Unlike other result folders that of a sweep is there from the start, belongs to 
     sweep.json       what the sweep is: another one in the same folder is refused
     records.sqlite   a record a finished run, see records.py
     sweep.parquet    the table, written when the sweep ends or is interrupted
-    report.html, summary.json
-    .tailslap-result.json  the manifest of the last three, see tailslap/files/manifest.py
+    report.html, its charts, summary.json: when it ends
 
-One process at a time works in it: the lock goes with the process, however that ends.
+The last two lines are its result, with a manifest, which the command replaces as any other: tailslap/files/folder.py.
 """
 
 from __future__ import annotations
@@ -26,6 +25,7 @@ from tailslap.campaign.definition import Definition
 from tailslap.case import cost
 from tailslap.errors import InputError, place_error
 from tailslap.files import folder, manifest
+from tailslap.files.manifest import Origin
 
 LOST, INTERRUPTED = 3, 130
 
@@ -50,29 +50,34 @@ def perform(
     workers: int | None = None,
     compute: Callable[..., dict[str, Any]] = table.compute_row,
     units: str = "si",
+    force: bool = False,
 ) -> table.FinishedSweep:
     """Make the runs that are missing in the folder `place`, and write what belongs there.
 
     cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run;
-    units: of the page, "si" or "us".
+    units: of the page, "si" or "us"; force: also where there is a result of another command.
     Raises InputError, and StoppedError for an interruption or the loss of the scheduler: the rows so far are then kept.
     """
-    with sweep_folder(place, definition) as place:
+    origin = Origin("sweep", definition.scene)
+    with sweep_folder(place, definition, force) as place:
         try:
             with open_records(place, definition) as rows:
                 effort = _make_missing(definition, rows, cluster, workers, compute)
-                table.write_table(place, definition, rows)
+                new = folder.fresh(place)
+                table.write_table(new, definition, rows)
                 statuses = {name: rows.statuses[name] for name in table.STATUSES}
             done = table.FinishedSweep(definition, statuses, effort)
-            report.write_sweep(done, place, units)
-            return done
+            report.write_sweep(done, new, units)
         except (KeyboardInterrupt, pools.LostError) as error:
             is_lost = isinstance(error, pools.LostError)
             with open_records(place, definition) as rows:
                 if kept := len(rows):
-                    table.write_table(place, definition, rows)
+                    table.write_table(folder.fresh(place), definition, rows)
+                    folder.commit(place, origin)
             why, status = (str(error), LOST) if is_lost else ("interrupted", INTERRUPTED)
             raise StoppedError(why, kept, definition.runs, status) from None
+        folder.commit(place, origin)
+        return done
 
 
 def open_records(place: Path, definition: Definition) -> contextlib.closing[records.Records]:
@@ -113,52 +118,40 @@ def _make_missing(
 
 
 @contextlib.contextmanager
-def sweep_folder(place: Path, definition: Definition) -> Iterator[Path]:
+def sweep_folder(place: Path, definition: Definition, force: bool = False) -> Iterator[Path]:
     """The folder, locked, with the definition in it. What was new is removed again if it ends without any row.
 
+    force: also where there is a result of another command, which goes when the table is there.
     Raises InputError if it cannot be written, holds another sweep or something else, or is at work.
     """
-    place = folder.resolved(place)
-    if place.exists() and not place.is_dir():
-        raise InputError("--out", str(place), "this is a file; allowed is a folder")
-    manifest.clear_leftovers(place / DEFINITION)
-    is_known = _is_known(place, definition)  # before anything is written
-    for name in RESULTS if is_known else ():
-        manifest.demand_ours(place / name)
-    made = folder.make_folders(place, place)
-    try:
-        with manifest.locked(place) as is_alone:
-            if not is_alone:
-                allowed = "another sweep is at work in it; wait for its end, or give another folder"
-                raise InputError("--out", str(place), allowed)
-            new = not _is_known(place, definition)
-            if new:
-                _write_definition(place, definition)
-            try:
-                yield place
-            finally:
-                if new and not records.count(place / RECORDS):
-                    records.remove(place / RECORDS)
-                    (place / DEFINITION).unlink(missing_ok=True)
-    finally:
-        folder.remove_folders(made)
+    with folder.locked(place) as place:
+        new = not _is_known(place, definition, force)
+        folder.earlier(place, RESULTS)
+        if new:
+            _write_definition(place, definition)
+        try:
+            yield place
+        finally:
+            if new and not records.count(place / RECORDS):
+                records.remove(place / RECORDS)
+                (place / DEFINITION).unlink(missing_ok=True)
 
 
 def _write_definition(place: Path, definition: Definition) -> None:
     try:
-        with manifest.whole_file(place / DEFINITION) as partial:
-            text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
-            partial.write_text(text + "\n", encoding="utf-8")
+        partial = folder.fresh(place) / DEFINITION
+        text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
+        partial.write_text(text + "\n", encoding="utf-8")
+        manifest.sync(partial)
+        os.replace(partial, place / DEFINITION)
     except OSError as error:
         raise place_error(place, "the folder cannot be written", error) from None
 
 
-def _is_known(place: Path, definition: Definition) -> bool:
-    """True where the folder is this sweep's, False for an empty or missing one. Raises InputError for all others."""
-    names = sorted(os.listdir(place)) if place.is_dir() else []
-    if DEFINITION not in names:
-        if names:
-            raise folder.others(place, names, "allowed is a new folder or a sweep's")
+def _is_known(place: Path, definition: Definition, force: bool) -> bool:
+    """True where the folder is this sweep's, False where it may become so. Raises InputError for all others."""
+    if DEFINITION not in folder.users(place):
+        folder.demand_result(place, force, Origin("sweep", definition.scene))
         return False
     theirs, ours = None, definition.as_written()
     with contextlib.suppress(OSError, ValueError):

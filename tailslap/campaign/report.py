@@ -22,7 +22,6 @@ from tailslap.campaign.definition import Definition, Variation
 from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep
 from tailslap.case.report import footer
 from tailslap.files.load import read_columns
-from tailslap.files.manifest import listed_file
 from tailslap.progress import clock
 
 REPORT, SUMMARY = "report.html", "summary.json"
@@ -55,14 +54,11 @@ def write_sweep(sweep: FinishedSweep, folder: Path, units: str = "si") -> None:
     """Write `report.html` and its charts, in these units, and `summary.json` from the table in the folder."""
     rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
-    with listed_file(folder / REPORT) as page:
-        made = page_in_units(sweep_page(sweep, rows, reasons), SYSTEMS[units])
-        write_page(page, made)
+    made = page_in_units(sweep_page(sweep, rows, reasons), SYSTEMS[units])
+    write_page(folder / REPORT, made)
     for chart in made.charts:
-        with listed_file(folder / f"{chart.name}.svg") as drawing:
-            drawing.write_text(chart.svg, encoding="utf-8")
-    with listed_file(folder / SUMMARY) as numbers:
-        write_summary(numbers, summary(sweep, rows))
+        (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
+    write_summary(folder / SUMMARY, summary(sweep, rows))
 
 
 def sweep_text(sweep: FinishedSweep, place: Path) -> str:

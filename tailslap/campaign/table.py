@@ -20,7 +20,6 @@ from tailslap.campaign.records import Records
 from tailslap.case import case_of
 from tailslap.case.cost import demand_affordable
 from tailslap.errors import InputError
-from tailslap.files.manifest import listed_file
 from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
@@ -85,13 +84,13 @@ def versions() -> Mapping[str, str]:
 
 
 def write_table(folder: Path, definition: Definition, rows: Records) -> Path:
-    """Write the table of all rows that there are, whole or not at all."""
+    """Write the table of all rows that there are."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     schema = table_schema(definition, sorted(name for name in rows.columns if name.startswith("check.")))
     path, found = folder / TABLE, map(files.plain, rows.in_order())
-    with listed_file(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         while chunk := list(itertools.islice(found, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
     return path

@@ -26,6 +26,7 @@ def export(
     field: str | None = None,
     magnify: float = 1.0,
     units: str = "si",
+    force: bool = False,
 ) -> Path:
     """Write a run's fields and histories in a format of other programs.
 
@@ -44,6 +45,8 @@ def export(
         Factor on the elastic deformation in pictures [-].
     units : str
         Of what pictures show, "si" or "us"; other files are in SI.
+    force : bool
+        Also where the folder has the result of another command or scene.
 
     Returns
     -------
@@ -66,6 +69,7 @@ def export(
     """
     from postprocess.fields import contours, formats, series
     from tailslap.files.folder import result_folder
+    from tailslap.files.manifest import Origin
 
     if to not in FORMATS:
         raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")
@@ -76,7 +80,8 @@ def export(
     if field is not None and field not in series.SCALARS:
         raise InputError("--field", field, f"allowed is one of {', '.join(series.SCALARS)}")
     system = _units(to, units)
-    with result_folder(place) as unfinished:
+    inputs = found.inputs if isinstance(result, Result) else (Path(result),)
+    with result_folder(place, inputs, force, Origin(f"export {to}", found.scene)) as unfinished:
         if fields is None:
             _write_tables(found, to, unfinished)
         elif to in PICTURES:

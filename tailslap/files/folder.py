@@ -1,82 +1,259 @@
-"""A result folder is complete or absent: it is filled beside its place and moved there at the end.
+"""A result folder holds a whole result, the earlier or the new one, whenever a command or the machine ends.
 
-A result carries a manifest of its files (manifest.py). Only an absent or empty folder is taken as a place, or an
-earlier result whose files are unchanged: those are replaced, all of them, and whatever the user has added beside them
-stays in the folder as it is. A file of a result that the user changed is refused, and so is an added one that the new
-result would overwrite; nothing is then changed.
+The folder itself never moves, and files of the user in it are never touched. A command holds the lock of the folder
+from its first look to its last write. It writes new files into a folder within, and when they are complete a log of
+what they replace, on disk before anything is replaced. Then they are moved one by one, the manifest last, and the log
+is removed. Who opens the folder next finishes what a log says, or drops new files without one.
 
-Nothing is removed but files that a manifest lists, one by one, and folders that are empty then. Until the new result is
-in its place the earlier one is kept whole beside it, under a name that is not hidden: killed in between, it is there.
+Only an absent or empty folder is taken as a place, or an earlier result of the same command and scene whose files are
+unchanged: the manifest lists them (manifest.py).
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import shutil
-import stat
-import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
-
-import click
+from typing import Any
 
 from tailslap import errors
 from tailslap.files import manifest
-from tailslap.files.manifest import Entry
+from tailslap.files.manifest import LOCK, LOG, NEW, UNKNOWN, Entry, Origin
 
 SWEEP = "sweep.json"
 """The file by which the folder of a sweep is known, which is not replaced: it may hold days of runs."""
 
 ALLOWED = "allowed is a new or empty folder, or a result of tailslap"
-
-
-class Earlier(NamedTuple):
-    """The files of an earlier result in a place, all unchanged, and names that the user has added."""
-
-    ours: frozenset[Entry] = frozenset()
-    added: tuple[str, ...] = ()
-    is_empty: bool = True
+ANOTHER = "give another folder"
+PATIENCE_S = 10.0
+"""Time that a reader waits for a command which is moving its files [s]."""
 
 
 @contextlib.contextmanager
-def result_folder(place: Path) -> Iterator[Path]:
-    """Yield an empty folder to fill with files; on success it becomes `place`, on any failure nothing is left of it.
+def result_folder(
+    place: Path, inputs: Iterable[Path] = (), force: bool = False, origin: Origin = UNKNOWN
+) -> Iterator[Path]:
+    """Yield an empty folder: the files with which it is filled become the result in `place`; on any failure none does.
 
-    A link to a folder is followed. Raises InputError if `place` cannot be written or would lose what is not ours.
+    inputs: files and folders that are read, which are not replaced; force: also replace the result of another origin.
+    Raises InputError if `place` cannot be written, is in use or would lose what is not ours.
+    """
+    with locked(place) as place:
+        listed = manifest.read_manifest(place) or ()
+        replaced = {place, *(place / item.path for item in listed)}
+        if any(resolved(path) in replaced for path in inputs):
+            raise errors.InputError("--out", str(place), f"the command reads it; {ANOTHER}")
+        demand_result(place, force, origin)
+        new = fresh(place)
+        yield new
+        if os.listdir(new):
+            commit(place, origin)
+
+
+def demand_result(place: Path, force: bool, origin: Origin) -> None:
+    """Raise InputError unless a place is empty, or has an unchanged result: without force, of this origin."""
+    names = users(place)
+    if manifest.read_manifest(place) is None or SWEEP in names:
+        if names or os.path.lexists(place / manifest.NAME):
+            raise others(place, names or [manifest.NAME], ALLOWED)
+        return
+    earlier(place)
+    held = manifest.read_origin(place)
+    if held != origin and not force:
+        words = f"{held.command} {held.scene}".strip()
+        of = f"the result of `tailslap {words}`" if words else "a result of an earlier version"
+        raise errors.InputError("--out", str(place), f"it holds {of}; --force replaces it, or {ANOTHER}")
+
+
+def users(place: Path) -> list[str]:
+    """Names in the folder but for those that the program uses for itself, in order."""
+    return sorted({*os.listdir(place)} - {manifest.NAME, LOCK, NEW, LOG})
+
+
+@contextlib.contextmanager
+def locked(place: Path) -> Iterator[Path]:
+    """Make the folder, links followed, and lock it; what a dead process has left there is finished or dropped.
+
+    A folder that was not there and stays empty goes again. Raises InputError.
     """
     place = resolved(place)
-    with _unfinished(place) as folder:
+    with contextlib.ExitStack() as stack:
+        _make_and_lock(place, stack)
+        stack.callback(_leave, place)
         try:
-            yield folder
-            _seal(folder)
-            folder.chmod(stat.S_IMODE(place.stat().st_mode) if place.exists() else 0o755)
-        except BaseException:
-            shutil.rmtree(folder, ignore_errors=True)
+            (place / LOCK).write_text(str(os.getpid()))
+            _redo(place)
+        except OSError as error:
+            raise errors.place_error(place, "the folder cannot be written", error) from None
+        yield place
+
+
+def _make_and_lock(place: Path, stack: contextlib.ExitStack) -> None:
+    while True:
+        stack.callback(_remove_folders, _make_folders(place))
+        try:
+            stack.enter_context(manifest.locked_file(place / LOCK))
+            return
+        except FileNotFoundError:  # who was there before has removed the folder
+            continue
+        except BlockingIOError as busy:
+            said = f"another command is at work in it; wait for its end, or {ANOTHER}"
+            raise errors.InputError("--out", str(place), said) from busy
+        except OSError as error:
+            raise errors.place_error(place, "the folder cannot be locked", error) from None
+
+
+def _leave(place: Path) -> None:
+    """Remove new files that no log speaks of, and the lock."""
+    with contextlib.suppress(OSError):
+        if _is_held(place) and not os.path.lexists(place / LOG):
+            _drop(place)
+    with contextlib.suppress(OSError):
+        if _is_held(place):
+            (place / LOCK).unlink()
+
+
+def _is_held(place: Path) -> bool:
+    """True while the lock is in the folder; not where somebody has removed that. A full disk keeps its number out."""
+    return (place / LOCK).is_file() and (place / LOCK).read_text() in ("", str(os.getpid()))
+
+
+def fresh(place: Path) -> Path:
+    """The empty folder for new files in a place that is locked."""
+    _drop(place)
+    (place / NEW).mkdir()
+    return place / NEW
+
+
+def _drop(place: Path) -> None:
+    if os.path.lexists(place / NEW):
+        shutil.rmtree(place / NEW)
+
+
+def commit(place: Path, origin: Origin = UNKNOWN) -> None:
+    """Make the new files the result in a locked place: those of an earlier one go, what the user has added stays.
+
+    Raises InputError where a file that was changed or added would be lost; nothing is then changed.
+    """
+    if not _is_held(place):
+        raise errors.InputError("--out", str(place), "the folder was removed while the command was at work")
+    try:
+        _write_log(place, origin)
+        _redo(place)
+        (place / NEW).mkdir()
+    except OSError as error:
+        why = "the folder cannot be written"
+        if os.path.lexists(place / LOG):
+            why = f"the result is in {NEW} there, and the next command moves it to its place"
+        raise errors.place_error(place, why, error) from None
+    except KeyboardInterrupt:
+        if os.path.lexists(place / NEW / manifest.NAME) and not os.path.lexists(place / LOG):
             raise
-        _put_in_place(folder, place)
+        _redo(place)
+        raise errors.Interrupted(f"interrupted; the result is in {place}") from None
 
 
-def demand_place(place: Path) -> None:
-    """Before long work: raise InputError if `place` holds something else than an unchanged earlier result, or cannot be
-    written."""
-    with _unfinished(resolved(place)) as folder:
-        folder.rmdir()
+def earlier(place: Path, names: Iterable[str] = ()) -> frozenset[Entry]:
+    """Files of the earlier result. Raises InputError for one that was changed, and for a user's file of these names."""
+    listed = manifest.read_manifest(place) or frozenset()
+    ours = {item.path: item for item in listed if os.path.lexists(place / item.path)}
+    for name, item in sorted(ours.items()):
+        if manifest.entry(place / name) != item:
+            raise _refusal(place, f"{name} in it was changed since the program wrote it")
+    for name in sorted(set(names) - ours.keys()):
+        if os.path.lexists(place / name):  # asked of the folder: "A" and "a" may be one file there
+            raise _refusal(place, f"{name} in it was added, and the new result has a file of that name")
+    return frozenset(ours.values())
 
 
-def demand_own(place: Path, scene: str, force: bool) -> None:
-    """Raise InputError where the place holds the result of another scene, unless that is to be replaced by force."""
-    if force or manifest.read_manifest(place) is None:
-        return
-    with contextlib.suppress(OSError, ValueError, AttributeError):
-        other = json.loads((place / "summary.json").read_text(encoding="utf-8")).get("scene", scene)
-        if other != scene:
-            allowed = (
-                f"it holds the result of the scene {other!r}; --force replaces it, or give another folder"
-            )
-            raise errors.InputError("--out", str(place), allowed)
+def _write_log(place: Path, origin: Origin) -> None:
+    """Put on disk the new files with their manifest, and then what they replace."""
+    new, names = place / NEW, os.listdir(place / NEW)
+    entries = [item for name in names if (item := manifest.entry(new / name))]
+    if len(entries) < len(names):
+        raise ValueError("a result holds plain files alone")
+    old = earlier(place, names)
+    manifest.write_manifest(new, entries, origin)
+    listed = {
+        "old": [*old, manifest.entry(place / manifest.NAME)],
+        "new": [*entries, manifest.entry(new / manifest.NAME)],
+    }
+    log = {name: [item._asdict() for item in items if item] for name, items in listed.items()}
+    for path in (*new.iterdir(), new):
+        manifest.sync(path)
+    (new / LOG).write_text(json.dumps({**log, "sha256": _digest(log)}), encoding="utf-8")
+    manifest.sync(new / LOG)
+    os.replace(new / LOG, place / LOG)
+    manifest.sync(place)
+
+
+def _read_log(place: Path) -> tuple[frozenset[Entry], frozenset[Entry]] | None:
+    """Old and new files of a log; None where there is none. Raises InputError for one that is damaged."""
+    if not os.path.lexists(place / LOG):
+        return None
+    found = manifest.read_object(place / LOG)
+    old, new = (manifest.read_entries(found.get(name)) for name in ("old", "new"))
+    digest = _digest({"old": found.get("old"), "new": found.get("new")})
+    if old is None or new is None or found.get("sha256") != digest or (place / NEW).is_symlink():
+        raise _damaged(place, LOG)
+    return old, new
+
+
+def _digest(log: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(log, sort_keys=True).encode()).hexdigest()
+
+
+def _damaged(place: Path, name: str) -> errors.InputError:
+    allowed = f"{name} in it is damaged, of a command that was ended; move it and {NEW} away, or {ANOTHER}"
+    return errors.InputError("folder", str(place), allowed)
+
+
+def _redo(place: Path) -> None:
+    """Finish what the log of a locked place says; without one, drop new files."""
+    if log := _read_log(place):
+        old, new = log
+        waiting = [item for item in new if os.path.lexists(place / NEW / item.path)]
+        for item in waiting:
+            if manifest.entry(place / NEW / item.path) != item:
+                raise _damaged(place, f"{NEW}/{item.path}")
+            if os.path.lexists(place / item.path) and manifest.entry(place / item.path) not in old:
+                raise _refusal(place, f"{item.path} in it was changed since the program wrote it")
+        for item in old:
+            if item.path not in {its.path for its in new} and manifest.entry(place / item.path) == item:
+                (place / item.path).unlink()
+        for item in sorted(waiting, key=lambda item: (item.path == manifest.NAME, item.path)):
+            os.replace(place / NEW / item.path, place / item.path)
+        manifest.sync(place)
+        (place / LOG).unlink()
+        manifest.sync(place)  # before other new files are there, which it would be read to mean
+    _drop(place)
+
+
+def recover(place: Path) -> None:
+    """Before a result is read: finish what the log of a dead process says, wait for a living one.
+
+    A folder that may not be written stays as it is: see `path_in`. Raises InputError.
+    """
+    end = time.monotonic() + PATIENCE_S
+    while os.path.lexists(place / LOG) and os.access(place, os.W_OK):
+        try:
+            with locked(place):
+                return
+        except errors.InputError as error:
+            if not isinstance(error.__cause__, BlockingIOError) or time.monotonic() > end:
+                raise
+            time.sleep(0.05)
+
+
+def path_in(place: Path, name: str) -> Path:
+    """The path of a file of the result, which is still among the new ones where a log could not be finished."""
+    waiting = place / NEW / name
+    return waiting if _read_log(place) and os.path.lexists(waiting) else place / name
 
 
 def resolved(place: Path) -> Path:
@@ -87,73 +264,26 @@ def resolved(place: Path) -> Path:
         raise errors.place_error(place, "the folder has no path", error) from None
 
 
-def make_folders(folder: Path, place: Path) -> list[Path]:
-    """Make a folder and those above it; returns those that were not there, innermost first.
-
-    Raises InputError, which names the place that was asked for.
-    """
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+def _make_folders(place: Path) -> list[Path]:
+    """Make the folder and those above it; returns those that were not there, innermost first. Raises InputError."""
+    missing = [path for path in (place, *place.parents) if not os.path.exists(path)]
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        remove_folders(missing)
-        raise errors.place_error(place, "the folder cannot be made", error) from None
-    return missing
-
-
-def remove_folders(folders: list[Path]) -> None:
-    """Remove those that are empty."""
-    with contextlib.suppress(OSError):
-        for folder in folders:
-            folder.rmdir()
-
-
-@contextlib.contextmanager
-def _unfinished(place: Path) -> Iterator[Path]:
-    """Yield a fresh folder beside `place`, which may be taken; folders made for it that stay empty go again."""
-    _find_earlier(place)
-    made = make_folders(place.parent, place)
-    manifest.clear_leftovers(place)
-    with contextlib.ExitStack() as stack:
-        stack.callback(remove_folders, made)
-        try:
-            folder = stack.enter_context(manifest.unfinished(place, lambda path: path.mkdir(0o700)))
-        except OSError as error:
-            raise errors.place_error(place, "the folder cannot be written", error) from None
-        yield folder
-
-
-def _seal(folder: Path) -> None:
-    """Write the manifest of a folder that is complete."""
-    entries = [manifest.entry(path) for path in folder.iterdir()]
-    if None in entries:
-        raise ValueError("a result holds plain files alone")
-    manifest.write_manifest(folder, (item for item in entries if item))
-
-
-def _find_earlier(place: Path) -> Earlier:
-    """The content of the place. Raises InputError for anything but an absent or empty folder or an unchanged result."""
-    try:
-        names = sorted(os.listdir(place))
-    except FileNotFoundError:
-        return Earlier()
-    except NotADirectoryError:
+        place.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
         raise errors.InputError(
             "--out", str(place), "this is a file, or in one; allowed is a folder"
         ) from None
     except OSError as error:
-        raise errors.place_error(place, "the folder cannot be read", error) from None
-    if not names:
-        return Earlier()
-    listed = manifest.read_manifest(place)
-    if listed is None or SWEEP in names:
-        raise others(place, names, ALLOWED)
-    ours = frozenset(item for item in listed if item.path in names)
-    known = {item.path for item in ours}
-    for name in sorted(known):
-        if manifest.entry(place / name) not in ours:
-            raise _refusal(place, f"{name} in it was changed since the program wrote it")
-    return Earlier(ours, tuple(name for name in names if name not in {manifest.NAME, *known}), False)
+        _remove_folders(missing)
+        raise errors.place_error(place, "the folder cannot be made", error) from None
+    return missing
+
+
+def _remove_folders(folders: list[Path]) -> None:
+    """Remove those that are empty."""
+    with contextlib.suppress(OSError):
+        for folder in folders:
+            folder.rmdir()
 
 
 def others(place: Path, names: list[str], allowed: str) -> errors.InputError:
@@ -163,79 +293,4 @@ def others(place: Path, names: list[str], allowed: str) -> errors.InputError:
 
 
 def _refusal(place: Path, why: str) -> errors.InputError:
-    return errors.InputError("--out", str(place), f"{why}; move that file away, or give another folder")
-
-
-def _put_in_place(folder: Path, place: Path) -> None:
-    """Make the filled folder `place`: the files of an earlier result go, what the user has added stays there.
-
-    On any failure the place is as it was, and the filled folder is gone.
-    """
-    new = manifest.read_manifest(folder) or frozenset()
-    try:
-        earlier = _find_earlier(place)
-        for name in sorted({item.path for item in new} - {item.path for item in earlier.ours}):
-            if os.path.lexists(place / name):  # asked of the folder: "A" and "a" may be one file there
-                raise _refusal(place, f"{name} in it was added, and the new result has a file of that name")
-        aside = _exchange(folder, place, earlier)
-    except BaseException as error:
-        _discard(folder, new)
-        if isinstance(error, OSError):
-            raise errors.place_error(place, "the result cannot be moved there", error) from None
-        raise
-    if aside is not None:
-        try:
-            _discard(aside, earlier.ours)
-        except KeyboardInterrupt:
-            said = f"interrupted; the result is in {place}, and the rest of the earlier one in {aside}"
-            raise errors.Interrupted(said) from None
-
-
-def _exchange(folder: Path, place: Path, earlier: Earlier) -> Path | None:
-    """Move the folder to its place, and what was added into it; returns where the rest of the earlier result is."""
-    if earlier.is_empty:
-        os.rename(folder, place)
-        return None
-    aside = Path(tempfile.mkdtemp(prefix=f"{place.name}.", dir=place.parent))
-    try:
-        os.rename(place, aside)
-        os.rename(folder, place)
-        for name in earlier.added:
-            if os.path.lexists(place / name):
-                raise FileExistsError(f"{name} is there already")
-            os.rename(aside / name, place / name)
-    except BaseException:
-        try:
-            _undo(folder, place, aside, earlier.added)
-        except (OSError, KeyboardInterrupt):
-            why = (
-                f"moving the result there failed, and so did undoing it; what was there before is in {aside}"
-            )
-            raise errors.InputError("--out", str(place), f"{why}, or in {place} still") from None
-        raise
-    return aside
-
-
-def _undo(folder: Path, place: Path, aside: Path, added: tuple[str, ...]) -> None:
-    """Move back what was moved, as found on disk: an interrupt may have come after any step."""
-    if not any(aside.iterdir()) and place.exists() and folder.exists():  # nothing was moved yet
-        aside.rmdir()
-        return
-    for name in added:
-        if os.path.lexists(place / name) and not os.path.lexists(aside / name):
-            os.rename(place / name, aside / name)
-    if place.exists():
-        os.rename(place, folder)
-    os.rename(aside, place)
-
-
-def _discard(folder: Path, listed: frozenset[Entry]) -> None:
-    """Remove the listed files, if they are unchanged, and the folder, if it is empty then; else say where it is."""
-    with contextlib.suppress(OSError):
-        for item in listed:
-            if manifest.entry(folder / item.path) == item:
-                (folder / item.path).unlink()
-        (folder / manifest.NAME).unlink()
-        folder.rmdir()
-    if folder.exists():
-        click.echo(f"tailslap: not all of {folder} could be removed; look what is in it", err=True)
+    return errors.InputError("--out", str(place), f"{why}; move that file away, or {ANOTHER}")

@@ -17,6 +17,8 @@ from tailslap.scene.vary import shown
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
+    from tailslap.case.case import Case
+    from tailslap.files.manifest import Origin
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -93,18 +95,17 @@ def option_names(study: Study) -> dict[str, click.Option]:
     return {option.opts[0].lstrip("-").replace("-", "_"): option for option in study.options}
 
 
-def compute_study(
+def prepared(
     study: Study,
     name: str,
     changes: tuple[str, ...],
     out: Path | None,
     allow_large: bool,
-    options: dict[str, Any],
-    force: bool = True,
-) -> tuple[Path, Any]:
-    """The place of the result folder, and what was found; the journal is kept beside that place. Raises InputError."""
+    options: Mapping[str, Any],
+) -> tuple[Case, Path, Origin]:
+    """The case, the place of the result folder, beside which a journal is kept, and its origin. Raises InputError."""
     from tailslap.case.cost import demand_run
-    from tailslap.files.folder import demand_own, demand_place
+    from tailslap.files.manifest import Origin
     from tailslap.scene.read import read_scene
 
     scene, source = read_scene(name, changes)
@@ -117,6 +118,4 @@ def compute_study(
         demand_run(scene, case.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name
     place = out or Path("results") / f"{scene.name}-{ending}"
-    demand_place(place)
-    demand_own(place, scene.name, force)
-    return place, study.compute(case, place, **options)
+    return case, place, Origin(f"study {study.name}", scene.name)

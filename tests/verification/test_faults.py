@@ -14,51 +14,8 @@ import pytest
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
 from tailslap.campaign import pools
-from tailslap.files.folder import result_folder
 
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
-DYING = """
-import os, sys
-from pathlib import Path
-from tailslap.files.folder import result_folder
-with result_folder(Path(sys.argv[1])) as folder:
-    (folder / "half.csv").write_text("1,")
-    print("filling", flush=True)
-    sys.stdin.read()
-    os.kill(os.getpid(), 9)
-"""
-
-
-def filling(place):
-    """A process that has begun to fill the folder; it kills itself when its input ends."""
-    line = [sys.executable, "-c", DYING, str(place)]
-    process = subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    assert process.stdout.readline() == b"filling\n"
-    return process
-
-
-def fill(place):
-    with result_folder(place) as folder:
-        (folder / "whole.csv").write_text("1,2")
-
-
-def test_what_a_dead_process_left_is_cleared_and_what_a_living_one_fills_is_not(tmp_path):
-    place = tmp_path / "out"
-    process = filling(place)
-    fill(place)
-    (unfinished,) = (path for path in tmp_path.iterdir() if path != place)
-    assert (unfinished / "half.csv").exists()
-    process.communicate()
-    assert process.returncode == -9
-    (tmp_path / ".out.mine").mkdir()
-    (tmp_path / ".out.0123456789abcdef.tailslap").symlink_to(place)
-    fill(place)
-    assert {path.name for path in tmp_path.iterdir()} == {
-        "out",
-        ".out.mine",
-        ".out.0123456789abcdef.tailslap",
-    }
-    assert (place / "whole.csv").read_text() == "1,2"
 
 
 def command(folder, *arguments, prepare=None, **variables):

@@ -1,16 +1,27 @@
-"""Verification: a result folder is complete or absent whatever fails, and nothing of others is lost."""
+"""Verification: a result folder is whole, the earlier or the new one, whatever fails and wherever a process is killed;
+one command at a time works in it, and nothing of others is lost.
+"""
 
+import errno
+import fcntl
 import hashlib
+import itertools
 import json
 import os
+import shutil
+import subprocess
+import sys
+import threading
 from pathlib import Path
 
 import pytest
 
+import tailslap
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted
-from tailslap.files.folder import demand_place, result_folder
-from tailslap.files.manifest import NAME
+from tailslap.files import folder, manifest
+from tailslap.files.folder import recover, result_folder
+from tailslap.files.manifest import LOCK, LOG, NAME, NEW, Origin, whole_file
 
 RESULT = {"report.html": "page", "summary.json": "{}", "history.csv": "t\n"}
 
@@ -38,20 +49,19 @@ def place(tmp_path):
 
 
 def refused(place, named):
-    """Both by `demand_place` and by the folder itself, which is never yielded to work in; nothing is changed."""
+    """The folder is never yielded to work in; nothing is changed."""
     before = tree(place.parent)
-    for begin in (demand_place, lambda place: result_folder(place).__enter__()):
-        with pytest.raises(InputError, match=named) as caught:
-            begin(place)
-        assert caught.value.key == "--out"
-        assert str(place) in str(caught.value)
+    with pytest.raises(InputError, match=named) as caught, result_folder(place):
+        raise AssertionError
+    assert caught.value.key == "--out"
+    assert str(place) in str(caught.value)
     assert tree(place.parent) == before
 
 
 def test_the_manifest_lists_what_was_written(place):
-    manifest = json.loads((place / NAME).read_text())
-    assert manifest["program"] == "tailslap"
-    found = {item["path"]: (item["size"], item["sha256"]) for item in manifest["files"]}
+    written = json.loads((place / NAME).read_text())
+    assert (written["program"], written["command"], written["scene"]) == ("tailslap", "", "")
+    found = {item["path"]: (item["size"], item["sha256"]) for item in written["files"]}
     texts = {**RESULT, "old.txt": "old"}
     digests = {name: (len(text), hashlib.sha256(text.encode()).hexdigest()) for name, text in texts.items()}
     assert found == digests
@@ -120,7 +130,6 @@ def test_a_file_of_the_result_that_was_changed_is_refused(place, tmp_path, as_wh
 def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(place):
     (place / "picture.txt").write_text("mine")
     before = tree(place.parent)
-    demand_place(place)
     with pytest.raises(InputError, match=r"picture\.txt in it was added, and the new result has"):
         fill(place, picture="ours")
     assert tree(place.parent) == before
@@ -162,7 +171,7 @@ def test_a_forged_manifest_reaches_nothing_outside(tmp_path):
     (mine / NAME).unlink()
     os.mkfifo(mine / NAME)
     with pytest.raises(InputError, match="other files"):
-        demand_place(mine)
+        fill(mine)
 
 
 def test_a_link_to_a_folder_is_followed(place, tmp_path):
@@ -193,138 +202,425 @@ def test_a_result_of_more_than_files_is_a_mistake(tmp_path):
 
 
 ADDED = {"notes.txt": "mine", "plots/a.txt": "mine too"}
-FAILURES = [OSError(5, "the disk is broken"), KeyboardInterrupt()]
-MOVES = 4
-"""The earlier result aside, the new one in, and two things that were added."""
+OLD, NEWER = ({"report.html": text, f"{text}.csv": text, "both.csv": text} for text in ("old", "newer"))
+KILLED = -9
 
 
-def fill_or_fail(place_with_more, text, failure=None):
-    with result_folder(place_with_more) as folder:
-        (folder / "report.html").write_text(text)
-        if failure:
-            raise failure
-        (folder / f"{text}.csv").write_text(text)
+def write(place, texts, **given):
+    with result_folder(place, **given) as new:
+        for name, text in texts.items():
+            (new / name).write_text(text)
 
 
-def texts(folder):
-    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
+def texts(place):
+    return {str(path.relative_to(place)): path.read_text() for path in place.rglob("*") if path.is_file()}
+
+
+def seen(place):
+    """What a reader sees of the result, which may not write; None where there is none. Each file is as listed."""
+    listed = manifest.read_manifest(folder.path_in(place, NAME).parent)
+    for item in listed or ():
+        assert manifest.entry(folder.path_in(place, item.path)) == item
+    return listed and {item.path: folder.path_in(place, item.path).read_text() for item in listed}
 
 
 @pytest.fixture
-def place_with_more(tmp_path):
+def earlier(tmp_path):
     """An earlier result to which a file and a folder were added."""
-    fill_or_fail(tmp_path / "a", "old")
+    write(tmp_path / "a", OLD)
     for name, text in ADDED.items():
         (tmp_path / "a" / name).parent.mkdir(exist_ok=True)
         (tmp_path / "a" / name).write_text(text)
     return tmp_path / "a"
 
 
-def break_renames(monkeypatch, breaks, failure, done=False):
-    """Renames of folders and of what was added fail where `breaks` says, before they are done or after."""
-    rename, count = os.rename, [0]
+CALLS = ("fsync", "mkdir", "open", "replace", "rmdir", "unlink")
 
-    def broken(source, target):
-        count[0] += 1
-        if not breaks(count[0]) or done:
-            rename(source, target)
-        if breaks(count[0]):
+
+def break_at(patch, step, fail, calls=CALLS):
+    """Let `fail` be called before a step: a call to the system that changes a folder, or half way through a text."""
+    count = itertools.count(1)
+    write_text = Path.write_text
+
+    def counted(call):
+        def stepped(*given, **options):
+            if next(count) == step:
+                fail()
+            return call(*given, **options)
+
+        return stepped
+
+    def torn(path, text, **options):
+        if next(count) == step:
+            write_text(path, text[: len(text) // 2], **options)
+            fail()
+        return write_text(path, text, **options)
+
+    for name in calls:
+        patch.setattr(os, name, counted(getattr(os, name)))
+    if calls is CALLS:
+        patch.setattr(Path, "write_text", torn)
+
+
+def killed_at(step, function, *given, calls=CALLS):
+    """Call it in a process of its own, which is killed at a step; True if it came to its end before."""
+    if child := os.fork():
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != KILLED
+    try:
+        break_at(pytest.MonkeyPatch(), step, lambda: os.kill(os.getpid(), 9), calls)
+        function(*given)
+    finally:
+        os._exit(0)
+
+
+@pytest.mark.parametrize("has_earlier", [False, True])
+def test_killed_at_every_step_the_folder_is_whole_and_the_next_one_clears_it(tmp_path, earlier, has_earlier):
+    """By a reader that may not write, one that may, and the next command."""
+    states = set()
+    for step in itertools.count(1):
+        place = tmp_path / f"{step}"
+        if has_earlier:
+            shutil.copytree(earlier, place)
+        if killed_at(step, write, place, NEWER):
+            break
+        before = seen(place)
+        assert before in (NEWER, OLD if has_earlier else None)
+        logged = (place / LOG).exists()
+        recover(place)
+        assert seen(place) == before
+        assert not logged or not {LOG, NEW, LOCK} & set(os.listdir(place))
+        write(place, OLD)
+        assert texts(place) == OLD | {NAME: texts(place)[NAME]} | (ADDED if has_earlier else {})
+        states.add((before == NEWER, logged))
+    assert step > 40
+    assert states == {(False, False), (True, True), (True, False)}
+
+
+def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earlier, monkeypatch):
+    """Names of what is synced: every new file and their folder; the log; the place three times."""
+    done, fsync, replace, unlink = [], os.fsync, os.replace, os.unlink
+
+    def synced(number):
+        done.append(("sync", Path(os.readlink(f"/proc/self/fd/{number}")).name))
+        fsync(number)
+
+    def noted(call):
+        return lambda *given, **options: (
+            done.append((call.__name__, Path(given[0]).name)),
+            call(*given, **options),
+        )
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(os, "replace", noted(replace))
+    monkeypatch.setattr(os, "unlink", noted(unlink))
+    write(earlier, NEWER)
+    files = {*NEWER, NAME}
+    assert set(done[: len(files)]) == {("sync", name) for name in files}
+    moved = [("replace", name) for name in (*sorted(NEWER), NAME)]
+    assert done[len(files) :] == [
+        *[("sync", NEW), ("sync", LOG), ("replace", LOG), ("sync", "a"), ("unlink", "old.csv"), *moved],
+        *[("sync", "a"), ("unlink", LOG), ("sync", "a"), ("unlink", LOCK)],
+    ]
+
+
+@pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
+def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path, earlier, failure):
+    """Where the new one is complete the message says so; the next command clears what lies about."""
+    for step in itertools.count(1):
+        place = tmp_path / f"{step}"
+        shutil.copytree(earlier, place)
+
+        failed, caught = [], None
+
+        def fail():
+            failed.append(step)  # noqa: B023
             raise failure
 
-    monkeypatch.setattr(os, "rename", broken)
-    return count
+        with pytest.MonkeyPatch.context() as patch:
+            break_at(patch, step, fail)
+            try:
+                write(place, NEWER)
+            except (InputError, OSError, KeyboardInterrupt) as error:
+                caught = error
+        if not failed:
+            break
+        found = seen(place)
+        assert found in (OLD, NEWER)
+        if isinstance(failure, KeyboardInterrupt):
+            assert isinstance(caught, KeyboardInterrupt)
+            assert not (place / LOG).exists()
+            assert isinstance(caught, Interrupted) <= (found == NEWER)
+        else:
+            assert ("the next command moves it" in str(caught)) == (place / LOG).exists() <= (found == NEWER)
+        write(place, NEWER)
+        assert texts(place) == {**NEWER, **ADDED, NAME: texts(place)[NAME]}
+    assert step > 40
 
 
-@pytest.mark.parametrize("failure", FAILURES)
-def test_failure_while_it_is_filled(place_with_more, failure):
-    before = texts(place_with_more.parent)
-    with pytest.raises(type(failure)):
-        fill_or_fail(place_with_more, "new", failure)
-    assert texts(place_with_more.parent) == before
-    assert [path.name for path in place_with_more.parent.iterdir()] == ["a"]
+@pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
+@pytest.mark.parametrize("is_there", [False, True])
+def test_failure_while_it_is_filled_leaves_what_was_there(tmp_path, earlier, failure, is_there):
+    place = earlier if is_there else tmp_path / "x" / "y"
+    before = tree(tmp_path)
+    with pytest.raises(type(failure)), result_folder(place) as new:  # noqa: PT012
+        (new / "report.html").write_text("half")
+        raise failure
+    assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("failure", FAILURES)
-@pytest.mark.parametrize("done", [False, True])
-@pytest.mark.parametrize("step", range(1, MOVES + 1))
-def test_failure_at_each_step_of_the_move(place_with_more, monkeypatch, step, done, failure):
-    before = texts(place_with_more.parent)
-    expected = InputError if isinstance(failure, OSError) else KeyboardInterrupt
-    break_renames(monkeypatch, lambda count: count == step, failure, done)
-    with pytest.raises(expected):
-        fill_or_fail(place_with_more, "new")
-    assert texts(place_with_more.parent) == before
-    assert [path.name for path in place_with_more.parent.iterdir()] == ["a"]
+def half_done(place):
+    """A folder in which the log is there, and two of four files are moved."""
+    assert not killed_at(4, write, place, NEWER, calls=("replace",))
+    (place / LOCK).unlink()
+    assert sorted(os.listdir(place / NEW)) == [NAME, "report.html"]
 
 
-def test_the_steps_are_these(place_with_more, monkeypatch):
-    count = break_renames(monkeypatch, lambda count: False, KeyboardInterrupt())
-    fill_or_fail(place_with_more, "new")
-    assert (count, set(texts(place_with_more))) == ([MOVES], {"report.html", "new.csv", NAME, *ADDED})
+def test_a_reader_that_may_not_write_looks_through_the_log(earlier, monkeypatch):
+    half_done(earlier)
+    before = tree(earlier)
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may always
+    recover(earlier)
+    assert seen(earlier) == NEWER
+    assert tree(earlier) == before
 
 
-@pytest.mark.parametrize("failure", FAILURES)
-@pytest.mark.parametrize("step", range(1, MOVES + 1))
-def test_what_cannot_be_moved_back_is_left_and_named(place_with_more, monkeypatch, step, failure):
-    """From one step on every rename fails: the old files and those that were added are all still there somewhere."""
-    before = texts(place_with_more)
-    break_renames(monkeypatch, lambda count: count >= step, failure)
-    with pytest.raises((InputError, KeyboardInterrupt)) as caught:
-        fill_or_fail(place_with_more, "new")
-    after = texts(place_with_more.parent)
-    kept = {name.split("/", 1)[1]: text for name, text in after.items()}
-    assert set(kept) >= set(before)
-    for name, text in before.items():
-        assert text in [found for path, found in after.items() if path.endswith(f"/{name}")]
-    moved = {name.split("/", 1)[0] for name in after} - {"a"}
-    assert all(str(place_with_more.parent / folder) in str(caught.value) for folder in moved)
-    assert bool(moved) == (step > 1)
-    assert not any(folder.startswith(".") for folder in moved)
+def test_a_damaged_log_is_refused_by_readers_and_writers_and_nothing_is_changed(earlier):
+    half_done(earlier)
+    whole = (earlier / LOG).read_text()
+    flipped = (whole[:k] + chr(ord(whole[k]) ^ 1) + whole[k + 1 :] for k in range(0, len(whole), 29))
+    forged = json.loads(whole)
+    forged["old"].append(forged["old"][0] | {"path": "../thesis.txt"})
+    digest = folder._digest({name: forged[name] for name in ("old", "new")})
+    for text in (*flipped, "", whole[:-1], "[]", "{}", json.dumps(forged | {"sha256": digest})):
+        if text == whole:
+            continue
+        (earlier / LOG).write_text(text)
+        before = tree(earlier)
+        for opened in (recover, seen, lambda place: write(place, NEWER)):
+            with pytest.raises(InputError, match=f"{LOG} in it is damaged"):
+                opened(earlier)
+        assert tree(earlier) == before
+    (earlier / LOG).write_text(whole)
+    recover(earlier)
+    assert seen(earlier) == NEWER
 
 
-def test_killed_within_the_move_every_file_is_in_a_folder_that_is_not_hidden(place_with_more, monkeypatch):
-    """Looked at before each rename: what a kill -9 would leave."""
-    rename = os.rename
-
-    def look(source, target):
-        above = place_with_more.parent
-        found = {path.relative_to(above) for path in above.glob("*/**/*")}
-        shown = [path for path in found if not path.parts[0].startswith(".")]
-        assert {"notes.txt", "a.txt"} <= {path.name for path in shown}
-        rename(source, target)
-
-    monkeypatch.setattr(os, "rename", look)
-    fill_or_fail(place_with_more, "new")
+def test_a_new_file_that_was_damaged_since_is_refused(earlier):
+    half_done(earlier)
+    (earlier / NEW / "report.html").write_text("other")
+    before = tree(earlier)
+    with pytest.raises(InputError, match=rf"{NEW}/report\.html in it is damaged"):
+        recover(earlier)
+    assert tree(earlier) == before
 
 
-def test_a_file_changed_within_the_move_is_left_and_named(place_with_more, monkeypatch, capsys):
-    rename = os.rename
-
-    def edit(source, target):
-        rename(source, target)
-        if Path(source) == place_with_more:
-            (Path(target) / "old.csv").write_text("mine")
-
-    monkeypatch.setattr(os, "rename", edit)
-    fill_or_fail(place_with_more, "new")
-    (aside,) = (path for path in place_with_more.parent.iterdir() if path != place_with_more)
-    assert (aside / "old.csv").read_text() == "mine"
-    assert str(aside) in capsys.readouterr().err
-
-
-def test_an_interrupt_when_the_result_is_there_says_so(place_with_more, monkeypatch):
-    def interrupt(path, missing_ok=False):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "unlink", interrupt)
-    with pytest.raises(Interrupted, match="the result is in"):
-        fill_or_fail(place_with_more, "new")
-    assert set(texts(place_with_more)) == {"report.html", "new.csv", NAME, *ADDED}
+def test_what_the_user_changed_after_a_kill_is_kept(earlier):
+    """A file that is still to be replaced is refused; one that is to be removed stays; one already replaced too."""
+    half_done(earlier)
+    (earlier / "report.html").write_text("edited")
+    with pytest.raises(InputError, match=r"report\.html in it was changed since"):
+        recover(earlier)
+    (earlier / "report.html").rename(earlier / "kept.html")
+    (earlier / "both.csv").write_text("edited too")
+    recover(earlier)
+    found = texts(earlier)
+    assert (found["kept.html"], found["both.csv"], found["report.html"]) == ("edited", "edited too", "newer")
+    assert not (earlier / LOG).exists()
 
 
-@pytest.mark.parametrize("failure", FAILURES)
-def test_failure_of_the_first_result_leaves_nothing(tmp_path, monkeypatch, failure):
-    break_renames(monkeypatch, lambda count: True, failure)
-    with pytest.raises((InputError, KeyboardInterrupt)):
-        fill_or_fail(tmp_path / "x" / "y", "new")
+def test_a_link_in_place_of_the_new_files_is_not_followed(earlier, tmp_path):
+    half_done(earlier)
+    (earlier / NEW).rename(tmp_path / "mine")
+    (earlier / NEW).symlink_to(tmp_path / "mine")
+    before = tree(tmp_path)
+    with pytest.raises(InputError, match="damaged"):
+        recover(earlier)
+    (earlier / LOG).rename(tmp_path / "log")
+    with pytest.raises(InputError, match="cannot be written"):
+        write(earlier, NEWER)
+    (tmp_path / "log").rename(earlier / LOG)
+    assert tree(tmp_path) == before
+
+
+def test_who_comes_second_is_refused_at_once_and_a_reader_is_not(earlier):
+    with result_folder(earlier) as new:
+        (new / "report.html").write_text("first")
+        before = tree(earlier)
+        with pytest.raises(InputError, match="another command is at work in it"):
+            write(earlier, NEWER)
+        recover(earlier)
+        assert (tree(earlier), seen(earlier)) == (before, OLD)
+    assert seen(earlier) == {"report.html": "first"}
+
+
+def test_a_reader_waits_for_who_is_moving_its_files(earlier, monkeypatch):
+    half_done(earlier)
+    monkeypatch.setattr(folder, "PATIENCE_S", 0.0)
+    with manifest.locked_file(earlier / LOCK):
+        with pytest.raises(InputError, match="another command is at work"):
+            recover(earlier)
+        monkeypatch.setattr(folder, "PATIENCE_S", 60.0)
+        reader = threading.Thread(target=recover, args=(earlier,))
+        reader.start()
+        reader.join(0.2)
+        assert reader.is_alive()
+    reader.join()
+    assert seen(earlier) == NEWER
+    assert LOG not in os.listdir(earlier)
+
+
+DYING = """
+import os, sys
+from pathlib import Path
+from tailslap.files.folder import result_folder
+with result_folder(Path(sys.argv[1])) as folder:
+    (folder / "half.csv").write_text("1,")
+    print("filling", flush=True)
+    sys.stdin.read()
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_the_lock_goes_with_its_process_and_what_that_has_left_is_dropped(tmp_path):
+    place = tmp_path / "out"
+    process = subprocess.Popen(
+        [sys.executable, "-c", DYING, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert process.stdout.readline() == b"filling\n"
+    refused(place, "another command is at work")
+    assert (place / NEW / "half.csv").exists()
+    process.communicate()
+    assert process.returncode == KILLED
+    write(place, OLD)
+    assert set(texts(place)) == {*OLD, NAME}
+
+
+def test_a_file_system_without_locks_is_refused(tmp_path, monkeypatch):
+    def refuse(number, how):
+        raise OSError(errno.ENOTSUP, os.strerror(errno.ENOTSUP))
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    with pytest.raises(InputError, match="the folder cannot be locked: Operation not supported"):
+        write(tmp_path / "x" / "y", OLD)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_was_removed_meanwhile_is_said_to_be(earlier):
+    with pytest.raises(InputError, match="was removed"), result_folder(earlier) as new:  # noqa: PT012
+        shutil.rmtree(earlier)
+        new.mkdir(parents=True)
+        (new / "report.html").write_text("x")
+    assert seen(earlier) is None
+
+
+def test_numbers_that_are_committed_stay_where_pictures_fail(earlier):
+    with pytest.raises(ZeroDivisionError), result_folder(earlier) as new:  # noqa: PT012
+        (new / "report.html").write_text("numbers")
+        folder.commit(new.parent)
+        (new / "report.html").write_text("pictures")
+        raise ZeroDivisionError
+    assert seen(earlier) == {"report.html": "numbers"}
+    assert set(os.listdir(earlier)) == {"report.html", NAME, "notes.txt", "plots"}
+
+
+RUN = Origin("run", "a")
+
+
+@pytest.mark.parametrize("origin", [Origin("run", "b"), Origin("modes", "a"), manifest.UNKNOWN])
+def test_a_result_of_another_command_or_scene_is_replaced_by_force_alone(tmp_path, origin):
+    place = tmp_path / "a"
+    write(place, OLD, origin=RUN)
+    write(place, OLD, origin=RUN)
+    before = tree(place)
+    with pytest.raises(InputError, match="it holds the result of `tailslap run a`; --force replaces it"):
+        write(place, NEWER, origin=origin)
+    assert tree(place) == before
+    write(place, NEWER, origin=origin, force=True)
+    assert (seen(place), manifest.read_origin(place)) == (NEWER, origin)
+
+
+def test_an_input_is_never_replaced(tmp_path):
+    place, link = tmp_path / "a", tmp_path / "link"
+    write(place, OLD, origin=RUN)
+    link.symlink_to(place)
+    before = tree(place)
+    for given in (place, link, place / "both.csv", link / "both.csv"):
+        with pytest.raises(InputError, match="the command reads it"):
+            write(place, NEWER, inputs=[tmp_path, given], force=True)
+    assert tree(place) == before
+    write(place, NEWER, inputs=[tmp_path / "b", place / "no.csv"], origin=RUN)
+
+
+GATED = {
+    "run": "run paper-table-3",
+    "study": "study cost paper-table-3",
+    "sweep": "sweep paper-table-3 --vary corner.friction=0.1:0.2:2",
+    "modes": "modes paper-table-3",
+    "paper": "paper",
+    "compare": "compare {other} {other}",
+    "export": "export {other} --to csv",
+}
+
+
+@pytest.mark.parametrize("command", GATED)
+def test_every_command_is_refused_another_s_result_before_it_computes(tmp_path, command, capsys, monkeypatch):
+    """Of another command, in use, and with files of others; force replaces the first alone."""
+    rigid = tailslap.rigid("paper-table-3")
+    place, other = rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+    before = tree(tmp_path)
+    words = [*GATED[command].format(other=other).split(), "--out", str(place)]
+    assert _status(words) == 2
+    assert "it holds the result of `tailslap rigid paper-table-3`; --force" in capsys.readouterr().err
+    assert tree(tmp_path) == before
+    with manifest.locked_file(place / LOCK):
+        assert _status([*words, "--force"]) == 2
+        assert "another command is at work in it" in capsys.readouterr().err
+    (place / LOCK).unlink()
+    (place / NAME).unlink()
+    assert _status([*words, "--force"]) == 2
+    assert "it holds other files" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "command", ["compare {place} {other}", "compare {other} {place}", "export {place} --to csv"]
+)
+def test_no_command_replaces_its_input(tmp_path, command, capsys):
+    rigid = tailslap.rigid("paper-table-3")
+    place, other = rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+    before = tree(tmp_path)
+    for more in ([], ["--force"]):
+        words = command.format(place=place, other=other).split()
+        assert _status([*words, "--out", str(place), *more]) == 2
+        assert "the command reads it" in capsys.readouterr().err
+    assert tree(tmp_path) == before
+
+
+def test_an_export_over_a_rigid_result_by_force(tmp_path, capsys):
+    rigid = tailslap.rigid("paper-table-3")
+    place, other = rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+    (place / "notes.txt").write_text("mine")
+    assert _status(["export", str(other), "--to", "csv", "--out", str(place), "--force"]) == 0
+    assert set(texts(place)) == {"rigid.csv", "notes.txt", NAME}
+    assert manifest.read_origin(place) == ("export csv", "paper-table-3")
+
+
+def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tmp_path):
+    path = tmp_path / "definition.json"
+    for step in itertools.count(1):
+        path.write_text("old")
+
+        def replace():
+            with whole_file(path) as partial:
+                partial.write_text("new")
+
+        if killed_at(step, replace):
+            break
+        assert path.read_text() in ("old", "new")
+    with whole_file(path) as partial:
+        partial.write_text("first")
+        writer = threading.Thread(target=replace)
+        writer.start()
+        writer.join(0.1)
+        assert writer.is_alive()
+    writer.join()
+    assert texts(tmp_path) == {"definition.json": "new"}

@@ -28,10 +28,9 @@ from tailslap.campaign.table import CIRCUMSTANCES, compute_row, write_table
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import _status
 from tailslap.errors import InputError
-from tailslap.files.folder import result_folder
+from tailslap.files.folder import commit, fresh, result_folder
 from tailslap.files.load import read_columns
 from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.files.manifest import demand_ours, listed_file
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 
@@ -554,7 +553,7 @@ def test_other_values_by_the_same_words_are_another_sweep(tmp_path):
 
 def test_two_sweeps_in_a_folder_at_once(tmp_path):
     with sweep_folder(tmp_path / "sweep", small_sweep()) as folder:
-        refused("another sweep is at work", sweep_folder, folder, small_sweep())
+        refused("another command is at work", sweep_folder, folder, small_sweep())
 
 
 def test_nothing_is_left_of_a_sweep_without_rows(tmp_path):
@@ -582,38 +581,13 @@ def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path, name
     place = tmp_path / "sweep"
     with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
         rows.add(row(0))
-        with listed_file(folder / name) as partial:
-            partial.write_text("ours")
-    with sweep_folder(place, small_sweep()) as folder, listed_file(folder / name) as partial:
-        partial.write_text("ours again")  # resumed, it is replaced
+    for text in ("ours", "ours again"):  # resumed, it is replaced
+        with sweep_folder(place, small_sweep()) as folder:
+            (fresh(folder) / name).write_text(text)
+            commit(folder)
     (place / name).write_text("mine")
-    refused(f"{name} in it was added or changed", sweep_folder, place, small_sweep())
-    refused(name, listed_file, place / name)
+    refused(f"{name} in it was changed", sweep_folder, place, small_sweep())
     assert (place / name).read_text() == "mine"
     (place / MANIFEST).unlink()
-    refused(name, sweep_folder, place, small_sweep())
-
-
-@pytest.mark.parametrize("step", [1, 2, 3])
-def test_killed_while_a_result_is_replaced_it_is_known_in_either_state(tmp_path, monkeypatch, step):
-    """Manifest of both states, the file, manifest of the new one: stopped before each in turn."""
-    path, replace, count = tmp_path / "report.html", os.replace, 0
-    with listed_file(path) as partial:
-        partial.write_text("old")
-
-    def killed(source, target):
-        nonlocal count
-        count += 1
-        if count == step:
-            raise SystemExit
-        replace(source, target)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(os, "replace", killed)
-        with pytest.raises(SystemExit), listed_file(path) as partial:
-            partial.write_text("new")
-    assert path.read_text() == ("new" if step == 3 else "old")
-    demand_ours(path)
-    with listed_file(path) as partial:
-        partial.write_text("newest")
-    assert {found.name for found in tmp_path.iterdir()} == {"report.html", MANIFEST}
+    refused(f"{name} in it was added", sweep_folder, place, small_sweep())
+    assert {path.name for path in place.iterdir()} == {"sweep.json", RECORDS, name}
