@@ -34,7 +34,7 @@ class FrictionLaw(Law):
     variants : tuple
         The same law with other constants, which no scene names.
     force : callable
-        Kernel (constants, normal, stopping) -> R [N].
+        Kernel (constants, normal, stopping) -> R [N]: the stopping force, cut to what the law allows.
     slope : callable
         Kernel (constants, normal, speed) -> R over N while the corner slides at this speed [m/s].
     text : str
@@ -42,7 +42,8 @@ class FrictionLaw(Law):
     rigid : str
         Name of the rigid-body theory's reaction.
     impulse : str
-        History column J with friction work = -mu integral of v_P dJ, "" where there is none.
+        History column J with friction work = -mu integral of v_P dJ, to which a check holds the run; "" where R is in
+        proportion to neither.
     dissipative : bool
         Whether it can only take energy.
     """

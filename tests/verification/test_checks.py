@@ -5,15 +5,20 @@ and frictions a run is right to 2e-3 or fails its own checks.
 import itertools
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from fem.laws.friction import FRICTION_LAWS, Drag, Signed
+from fem.run.corner import Stepper
 from tailslap.case.checks import evaluated
+from tailslap.case.corner import model
+from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import CHECKS, Evidence
 from tailslap.case.corner.error import LATE, SecondRun, distance_in_motion
 from tailslap.case.corner.model import sensitivity
+from tailslap.scene.read import read_scene
 
 METRICS = {
     *("Sprague-Geers magnitude", "Sprague-Geers phase", "Sprague-Geers combined"),
@@ -53,10 +58,13 @@ CHANGES = (
     ({"v_gy": lambda v: v * (1.0 + 1e-8 * np.arange(v.size))}, {"momentum balance"}),
     (
         {"reaction_normal": lambda n: n * (1.0 + 0.2 * (-1.0) ** np.arange(n.size))},
-        {"reaction against rigid"},
+        {"reaction against rigid", "friction law"},
     ),
     ({"gap": at(5, -0.03)}, {"penetration", "contact work"}),  # it leaves the wall
-    *(({name: lambda c: 1.01 * c}, {"contact work"}) for name in ("reaction_normal", "contact_energy")),
+    ({"reaction_normal": lambda n: 1.01 * n}, {"contact work", "friction law"}),
+    ({"contact_energy": lambda e: 1.01 * e}, {"contact work"}),
+    ({"reaction_tangential": at(5, 0.0)}, {"friction law"}),
+    ({"friction_work": lambda w: w + 1e-3 * w[1]}, {"friction work"}),  # as if it had begun by another law
     ({"gap": lambda gap: 0.99 * gap}, {"contact work"}),  # its spring does not give back what it took
 )
 
@@ -105,7 +113,7 @@ def test_every_report_has_the_checks_of_customary_practice(result):
     names = [check.name for check in result.checks]
     assert len(names) == len(set(names))
     wanted = {"energy ratio", "hourglass share", "added mass", "penetration", "contact work"} | METRICS
-    friction = {"friction work", "friction takes energy", "friction work against rigid"}
+    friction = {"friction law", "friction work", "friction takes energy", "friction work against rigid"}
     assert wanted | friction | {"contact energy"} <= {*names}
 
 
@@ -147,12 +155,13 @@ def test_work_that_friction_did_not_do(outcome, reaction):
 
 
 def test_friction_work_that_is_another_body_s(result):
-    """Work, impulse and energy agree with each other, and with a friction 10 % higher than the scene's."""
+    """Force, work, impulse and energy agree with each other, and with a friction 10 % higher than the scene's."""
     work, law = result.run.history["friction_work"], result.fe_plan.case.scene.corner
     corner = law.model_copy(update={"friction": 1.1 * result.fe_plan.case.scene.corner_friction})
     scene = result.fe_plan.case.scene.model_copy(update={"corner": corner})
     fe_plan = replace(result.fe_plan, case=replace(result.fe_plan.case, scene=scene))
-    columns = {"friction_work": lambda w: 1.1 * w, "kinetic_energy": lambda e: e + 0.1 * work}
+    columns = {name: lambda column: 1.1 * column for name in ("friction_work", "reaction_tangential")}
+    columns["kinetic_energy"] = lambda e: e + 0.1 * work
     assert failed(replace(result, fe_plan=fe_plan), **columns) == {"friction work against rigid"}
 
 
@@ -167,9 +176,75 @@ def test_friction_that_gives_energy_back(result):
 def test_friction_where_there_is_none(outcome):
     result = outcome("paper-table-3", "corner.reaction=none")
     found = failed(result, friction_work=lambda w: w - 1e-4, kinetic_energy=lambda e: e - 1e-4)
-    assert found == {"friction work against rigid"}
+    assert found == {"friction work", "friction work against rigid"}
     found = failed(result, friction_work=lambda w: w - 1e-4 * np.arange(w.size))
     assert found == {"friction work", "friction work against rigid"}
+
+
+LAWS = {"drag": Drag(0.47), "signed": Signed(0.47), "none": None}
+
+
+@pytest.mark.parametrize(("named", "run"), [*itertools.permutations(LAWS, 2)])
+def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
+    """Behind the back of the program, as if its compiled code were that of the other law."""
+
+    def swapped(case, plate):
+        properties, corner, step = fe_input(case, plate)
+        return properties, replace(corner, friction=LAWS[run]), step
+
+    fe_input = model.fe_input
+    monkeypatch.setattr(model, "fe_input", swapped)
+    result = CornerCase(
+        *read_scene("paper-table-3", (f"corner.reaction={named}", "plate.elements=[6,2]"))
+    ).run()
+    assert {check.name for check in result.checks if not check.passed} >= {"friction law", "friction work"}
+
+
+@pytest.mark.parametrize("run", ["signed", "none"])
+def test_a_start_by_another_law_than_the_scene_s(run, monkeypatch):
+    """It changes the five quantities by 1e-5, and the work at the start by that of a step."""
+
+    def swapped(stepper, state):
+        other = Stepper(replace(stepper.model, loop=stepper.loop._replace(friction=LAWS[run])))
+        found = react(other, state)
+        stepper._force[:] = other._force
+        return found
+
+    react = Stepper._react
+    monkeypatch.setattr(Stepper, "_react", swapped)
+    result = CornerCase(*read_scene("paper-table-3", ("plate.elements=[6,2]",))).run()
+    assert {check.name for check in result.checks if not check.passed} == {"friction work"}
+
+
+class Fading(NamedTuple):
+    """Coefficient; reaction N0 [N] at which half of the friction is left."""
+
+    coefficient: float
+    half: float = 50e3
+
+
+def test_a_law_from_outside_is_held_to_its_own_formula(result, monkeypatch):
+    """Exactly, while the corner slides, stops or is at rest; an impulse is held to where the law names one."""
+
+    def limit(constants, normal):
+        return constants.coefficient * abs(normal) / (1.0 + abs(normal) / constants.half)
+
+    def force(constants, normal, stopping):
+        return min(max(stopping, -limit(constants, normal)), limit(constants, normal))
+
+    law, most = FRICTION_LAWS["drag"], limit(Fading(0.47), result.run.history["reaction_normal"])
+    fading = {"reaction_tangential": lambda r: -most}
+    at_rest = {"v_p": at(7, 0.0), "reaction_tangential": lambda r: at(7, 0.3 * most[7])(-most)}
+    for changed, impulse, failing in (
+        (fading, "", set()),
+        (at_rest, "", set()),
+        (at_rest | {"v_p": lambda v: v}, "", {"friction law"}),
+        ({}, "", {"friction law"}),
+        (fading, "normal_impulse", {"friction work"}),
+    ):
+        fading_law = replace(law, constants=Fading, force=force, impulse=impulse)
+        monkeypatch.setitem(FRICTION_LAWS, "drag", fading_law)
+        assert failed(result, **changed) == failing
 
 
 @pytest.mark.long

@@ -6,8 +6,9 @@ with the others:
 
     spring      integral of N dy must be what the spring's energy lost; N is linear in y, and the trapezoidal rule
                 exact whatever the spacing of the rows
-    friction    where R is in proportion to |N| or N along the slide, W = -mu integral of v_P dJ, with J the impulse of
-                |N| or N, which the time loop sums at every step; what rings between two rows is in it
+    friction    R of each row is what the law of the scene, evaluated in Python, makes of N and the slide; where it is
+                proportion to |N| or N, W = -mu integral of v_P dJ, with J the impulse of |N| or N, which the time loop
+                sums at every step: what rings between two rows is in it
 
 PRACTICE has checks that crash analysts are used to, with the limits that are customary there. They are looser: a run
 that keeps the others keeps these. Where the limits are from, and what was found stated in print:
@@ -61,6 +62,9 @@ COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
 
 STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
 """Columns of the energy that the model stores."""
+
+STOPS = 4.0
+"""Change of the corner's speed by friction in a step, as a multiple: below it the corner may stop within the step."""
 
 OSCILLATES = 1.25
 """Kinetic energy of the oscillation of an unstressed start, over the elastic energy that it begins without: at most 1
@@ -279,16 +283,44 @@ def _stored(given: Evidence) -> Evaluation:
     return Evaluation(stored.max() / given.history["kinetic_energy"][0], 0.15, meaning)
 
 
+def _friction_law(given: Evidence) -> Evaluation:
+    """A corner that slides would need any force to stop: the law cuts it. One that may stop within the step, or is at
+    rest, is held by a force that the law leaves as it is."""
+    law, coefficient, loop = (
+        given.friction,
+        given.fe_plan.case.scene.corner_friction,
+        given.fe_plan.model.loop,
+    )
+    constants = law.constants(coefficient) if coefficient and not law.frictionless else None
+    stepped = slice(-1 if given.history["t"].size > 2 else None)  # the last row is interpolated
+    names = ("reaction_tangential", "reaction_normal", "v_p")
+    force, normal, speed = (given.history[name][stepped] for name in names)
+
+    def off(stopping: np.ndarray) -> np.ndarray:
+        pairs = zip(normal, stopping, strict=True)
+        return np.abs(force - [law.force(constants, *pair) if constants else 0.0 for pair in pairs])
+
+    slides = np.abs(speed) > STOPS * loop.time_step * loop.corner.mobility * np.abs(force).max()
+    sliding = off(-np.copysign(np.inf, speed))
+    worst = np.where(slides, sliding, np.minimum(sliding, off(force))).max()
+    meaning = (
+        "friction of a row less what the law of the scene makes of its reaction and speed, over the largest"
+    )
+    return Evaluation(_over(worst, np.abs(force).max()), 1e-9, meaning)
+
+
 def _friction(given: Evidence) -> Evaluation | None:
     if not given.friction.impulse:
         return None
-    history = given.history
+    history, recorded = given.history, given.history["friction_work"]
     work = -given.fe_plan.case.scene.corner_friction * _work(history["v_p"], history[given.friction.impulse])
-    off = np.abs(history["friction_work"] - history["friction_work"][0] - work).max()
+    off = _over(np.abs(recorded - recorded[0] - work).max(), np.abs(work).max())
+    step = given.fe_plan.model.loop.time_step * np.abs(history["reaction_tangential"] * history["v_p"]).max()
     meaning = (
-        "work of friction in the ledger less coefficient x impulse x speed of the corner, over its largest"
+        "work of friction in the ledger less coefficient x impulse x speed of the corner, over its largest; "
+        "and work at the start over that of a step"
     )
-    return Evaluation(_over(off, np.abs(work).max()), 0.01, meaning)
+    return Evaluation(max(off, _over(abs(recorded[0]), step)), 0.01, meaning)
 
 
 def _dissipation(given: Evidence) -> Evaluation | None:
@@ -332,6 +364,7 @@ def _over(part: float, whole: float) -> float:
 CONTACT = (
     CheckKind("contact work", _contact_work, STEP),
     CheckKind("contact energy", _stored, STIFFER),
+    CheckKind("friction law", _friction_law, "empty the folder of compiled code, under ~/.cache/tailslap"),
     CheckKind("friction work", _friction, "more time.rows"),
     CheckKind("friction takes energy", _dissipation, MORE_DAMPING),
     CheckKind("friction work against rigid", _against_rigid, ROUGH, of_reaction=True),

@@ -98,7 +98,7 @@ SWAYED = (5e-4, 0.1)
 DEMANDED = {
     *("tail-slap reached", "finite numbers", "time step", "energy balance", "momentum balance"),
     *("friction by ringing", "oscillation", "mesh"),
-    *("contact work", "friction work", "friction takes energy"),
+    *("contact work", "friction law", "friction work", "friction takes energy"),
 }
 
 # Combinations of choices in a campaign: nearly any two choices meet in one of them. Prime, so that what goes
