@@ -123,13 +123,15 @@ def run(
     as_json: bool,
 ) -> int:
     """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
+    from tailslap.campaign.records import program
     from tailslap.files import checkpoints
     from tailslap.files.folder import commit, result_folder
     from tailslap.files.manifest import Origin
 
     place, of = out or RESULTS / case.scene.name, Origin("run", case.scene.name)
+    definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
     with result_folder(place, force=force, origin=of) as folder:
-        with checkpoints.checkpointed(place, {"scene": case.source.given, "tolerance": tolerance}, resume):
+        with checkpoints.checkpointed(place, definition, resume):
             found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
             assert found.fill is not None
             report = found.fill(folder, False, units)

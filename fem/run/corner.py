@@ -235,10 +235,9 @@ def simulate(
         observers.Until(is_corrupted, glance, first=-1),
         observers.Until(lambda made: not np.isfinite(made[-1]).all()),
     ]
-    saver = observers.Saver(checkpoint, watching)
-    state, made = saver.begun(stepper.form, lambda: stepper.start(start, kind))
+    saver, total = observers.Saver(checkpoint, watching), math.ceil(OVERTIME * duration / time_step / stride)
+    state, made = saver.begun(stepper, stepper.form, total, lambda: stepper.start(start, kind))
     began = time.perf_counter()
-    total = math.ceil(OVERTIME * duration / time_step / stride)
     found = runner.run(stepper, state, stride, total, [*watching, saver], made)
     steps = stride * (len(found.rows) - 1)
     history = _named((time_step * (stride * np.arange(len(found.rows))), *found.rows.T))

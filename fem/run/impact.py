@@ -194,8 +194,9 @@ def simulate_impact(
         observers.Until(over, CHUNK),
     ]
     saver, touched = observers.Saver(checkpoint, watching), stepper.at_touch(touch)
-    state, made = saver.begun(touched, lambda: touched)
-    began, total = time.perf_counter(), max(1, -int(-latest // interval))
+    total = max(1, -int(-latest // interval))
+    state, made = saver.begun(stepper, touched, total, lambda: touched)
+    began = time.perf_counter()
     rows, _, state = runner.run(stepper, state, stride, total, [*watching, saver], made)
     elapsed, run = time.perf_counter() - began, _run(stepper, rows, stride)
     seen = shapes.seen + ([state.positions] if (len(rows) - 1) % CHUNK else [])

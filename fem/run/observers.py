@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from fem.model.plate_model import PlateModel
-from fem.run.runner import Arrays, Observer
+from fem.run.runner import Arrays, Observer, PlateStepper, Size, Sizes
 from fem.stability import deformed
 
 LOOKS = 4
@@ -76,6 +76,10 @@ class Shapes(Observer):
         """Arrays with which `resume` goes on."""
         return {"seen": np.array(self.seen), "last": self.last}
 
+    def sizes(self, row: int, nodal: Size) -> dict[str, Size]:
+        """Shapes of `arrays` after this row."""
+        return {"seen": (row // self._every + 1, *nodal), "last": nodal}
+
     def resume(self, arrays: Arrays) -> None:
         """Go on from these arrays."""
         self.seen, self.last = list(arrays["seen"]), arrays["last"]
@@ -120,32 +124,40 @@ class SnapshotKeeper(Observer):
     def __init__(self, count: int, rows: float, nodal: Callable[[Any], Nodal]) -> None:
         self._spacing = rows / (count - 1) if count > 1 else math.inf
         self._count, self._nodal = count, nodal
-        self._kept: list[tuple[int, np.ndarray, np.ndarray]] = []
+        self._kept = list[Nodal]()
+
+    def _row(self, k: int) -> int:
+        """The row of an instant; no two have the same."""
+        return max(k, round(self._spacing * k))
 
     def due(self, row: int) -> int:
         """At the row nearest to the next instant; at stops where only the end is left."""
         left = len(self._kept) < self._count - 1
-        return max(1, round(self._spacing * len(self._kept)) - row) if left else 0
+        return self._row(len(self._kept)) - row if left else 0
 
     def look(self, rows: np.ndarray, state: Any) -> bool:
         """Record the motion."""
         if len(self._kept) < self._count - 1:
-            self._kept.append((len(rows) - 1, *self._nodal(state)))
+            self._kept.append(self._nodal(state))
         return False
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Arrays with which `resume` goes on."""
-        names = ("kept_rows", "kept_positions", "kept_velocities")
-        return {name: np.array([entry[i] for entry in self._kept]) for i, name in enumerate(names)}
+        return {"kept": np.array(self._kept)} if self._kept else {}
+
+    def sizes(self, row: int, nodal: Size) -> dict[str, Size]:
+        """Shapes of `arrays` after this row."""
+        count = sum(self._row(k) <= row for k in range(self._count - 1))
+        return {"kept": (count, 2, *nodal)} if count else {}
 
     def resume(self, arrays: Arrays) -> None:
         """Go on from these arrays."""
-        kept = (arrays[name] for name in ("kept_rows", "kept_positions", "kept_velocities"))
-        self._kept = [(int(row), x, v) for row, x, v in zip(*kept, strict=True)]
+        self._kept = [(positions, velocities) for positions, velocities in arrays.get("kept", ())]
 
     def finished(self, t: np.ndarray, end: Nodal) -> Snapshots:
         """All motions that were recorded, and the end of the run; t: instants of all rows [s]."""
-        entries = [entry for entry in self._kept if t[entry[0]] < t[-1]] + [(-1, *end)]
+        kept = ((self._row(k), *nodal) for k, nodal in enumerate(self._kept))
+        entries = [entry for entry in kept if t[entry[0]] < t[-1]] + [(-1, *end)]
         rows, positions, velocities = zip(*entries, strict=True)
         return Snapshots(t[list(rows)], np.array(positions), np.array(velocities))
 
@@ -153,8 +165,11 @@ class SnapshotKeeper(Observer):
 class Checkpoint(Protocol):
     """Keeper of a run's checkpoints: decides when and where they are kept."""
 
-    def load(self) -> Arrays | None:
-        """The last one that was kept of this run; None to begin at the beginning."""
+    def load(self, sizes: Callable[[int], Sizes]) -> Arrays | None:
+        """The last one that was kept of this run; None to begin at the beginning.
+
+        sizes: shapes of its arrays after so many rows; raises ValueError where the run has no so many.
+        """
 
     def save(self, arrays: Callable[[], Arrays]) -> None:
         """Keep what `arrays` returns, if it is time to; called between the rows of the history."""
@@ -166,12 +181,23 @@ class Saver(Observer):
     def __init__(self, checkpoint: Checkpoint | None, others: Sequence[Observer]) -> None:
         self._checkpoint, self._others = checkpoint, others
 
-    def begun(self, like: Any, start: Callable[[], Any]) -> tuple[Any, np.ndarray | None]:
+    def begun(
+        self, stepper: PlateStepper, like: Any, most: int, start: Callable[[], Any]
+    ) -> tuple[Any, np.ndarray | None]:
         """State and rows to go on from, with the other observers as they were; else those of the start, no rows yet.
 
-        like: a state of the same form.
+        like: a state of the same form; most: rows of the run, beside that of the start.
         """
-        kept = self._checkpoint.load() if self._checkpoint else None
+
+        def sizes(rows: int) -> Sizes:
+            if not 1 <= rows <= most + 1:
+                raise ValueError(f"the run has at most {most + 1} rows")
+            found = {name: array.shape for name, array in packed("state", like).items()}
+            for observer in self._others:
+                found |= observer.sizes(rows - 1, like.positions.shape)
+            return found | {"rows": (rows, *stepper.record(like, 0, 1).rows.shape[1:])}
+
+        kept = self._checkpoint.load(sizes) if self._checkpoint else None
         if kept is None:
             return start(), None
         for observer in self._others:
@@ -185,10 +211,10 @@ class Saver(Observer):
         return False
 
     def _all_arrays(self, rows: np.ndarray, state: Any) -> dict[str, np.ndarray]:
-        kept = packed("state", state) | {"rows": rows}
+        kept = packed("state", state)
         for observer in self._others:
             kept |= observer.arrays()
-        return kept
+        return kept | {"rows": rows}
 
 
 def packed(name: str, value: Any) -> dict[str, np.ndarray]:

@@ -19,6 +19,9 @@ from fem.machine_code.arguments import Prepared
 from fem.model.plate_model import PlateModel
 
 Arrays = Mapping[str, np.ndarray]
+Size = tuple[int, ...]
+Sizes = Mapping[str, Size]
+"""Shapes of such arrays."""
 
 LONGEST_S = 0.1
 """Time [s] that rows recorded at once may take, about: between them a run says how far it is, and can be ended."""
@@ -50,8 +53,12 @@ class Observer:
         """Arrays with which `resume` goes on from here."""
         return {}
 
+    def sizes(self, row: int, nodal: Size) -> dict[str, Size]:
+        """Shapes of `arrays` after this row; nodal: that of positions."""
+        return {}
+
     def resume(self, arrays: Arrays) -> None:
-        """Go on from these arrays."""
+        """Go on from these arrays, and those of the run."""
 
 
 class PlateStepper:

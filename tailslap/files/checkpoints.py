@@ -1,8 +1,11 @@
 """Checkpoints of the runs of a command, in files beside its result folder: `tailslap run --resume` goes on from them.
 
 A command may make several runs, the plate's own and others by which it is judged; they come in the same order each
-time, and are told apart by their number. A file counts only for the same scene, program and libraries: then the result
-is that of a run that was left alone, bit for bit.
+time, and are told apart by their number. A file is named after a digest of scene, program and libraries, so that those
+of others are neither read nor touched; with it the result is that of a run that was left alone, bit for bit.
+
+A file has a digest of the rest, the number of rows, and the arrays, all of numbers in double precision, one behind the
+other: names and shapes are those that the run has after so many rows, and nothing in the file says otherwise.
 """
 
 from __future__ import annotations
@@ -10,8 +13,9 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import math
+import os
 import time
-import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
 from importlib.metadata import version
@@ -21,53 +25,80 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-import tailslap
-from tailslap.errors import Interrupted
+from tailslap.errors import Interrupted, escaped
 from tailslap.files import manifest
 from tailslap.files.folder import resolved
 
 if TYPE_CHECKING:
-    from fem.run.observers import Arrays, Checkpoint
+    from fem.run.observers import Checkpoint
+    from fem.run.runner import Arrays, Sizes
 
 SAVE_S, MAX_SHARE = 10.0, 0.02
 """Seconds between checkpoints, and the fraction of a run's time that they may take."""
 
-DEFINITION = "definition"
+DIGEST, COUNT, NUMBER = hashlib.sha256().digest_size, 8, np.dtype(np.float64).itemsize
+"""Bytes of the digest, of the number of rows, and of each number of an array."""
+
+MAX_STEM = 40
+"""Characters of the place's name in those of checkpoints, beside which there is room for others."""
 
 _current: ContextVar[Checkpoints | None] = ContextVar("checkpoints", default=None)
 
 
 class Checkpoints:
-    """Checkpoints of one command; resume: True if those that an earlier command left count."""
+    """Checkpoints of one command; resume: True if those that an earlier command left count.
+
+    promised: True if there is one from which the run can go on.
+    """
 
     def __init__(self, place: Path, definition: Mapping[str, Any], resume: bool) -> None:
-        self._place, self._definition, self._resume = resolved(place), _digest(definition), resume
+        place, self._resume, self.promised = resolved(place), resume, False
+        self._digest = _digest({**definition, "place": place.name})
+        self._all = place.with_name(f".{place.name[:MAX_STEM]}.checkpoint-")
+        self._own = Path(f"{self._all}{self._digest[:16]}-")
         self._runs, self._path, self._due = 0, Path(), 0.0
 
     def next(self) -> Checkpoints:
         """The keeper of the next run."""
         self._runs += 1
-        self._path = self._place.with_name(f".{self._place.name}.checkpoint-{self._runs}.npz")
+        self._path = Path(f"{self._own}{self._runs}")
         self._due = time.monotonic() + SAVE_S
         return self
 
-    @property
-    def files(self) -> list[Path]:
-        """The checkpoints that there are."""
-        prefix = f".{self._place.name}.checkpoint-"
-        found = self._place.parent.iterdir() if self._place.parent.is_dir() else ()
-        return [path for path in found if path.name.startswith(prefix) and path.suffix == ".npz"]
+    def files(self, own: bool) -> list[Path]:
+        """Checkpoints that there are for this place: of this definition, or of others."""
+        with contextlib.suppress(OSError):
+            found = [path for path in self._all.parent.iterdir() if path.name.startswith(self._all.name)]
+            return [path for path in found if path.name.startswith(self._own.name) == own]
+        return []
 
-    def load(self) -> Arrays | None:
-        """Arrays of the file, if it is of the same definition."""
-        if not self._resume:
+    def load(self, sizes: Callable[[int], Sizes]) -> Arrays | None:
+        """Arrays of the file, if it is whole; sizes: shapes that they have after so many rows."""
+        if not (self._resume and os.path.lexists(self._path)):
             return None
         try:
-            with np.load(self._path, allow_pickle=False) as found:
-                arrays = dict(found)
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+            arrays = self._read(sizes)
+        except (OSError, ValueError):
+            _say(f"the checkpoint {self._path} is damaged")
             return None
-        return arrays if str(arrays.pop(DEFINITION, "")) == self._definition else None
+        self.promised = True
+        return arrays
+
+    def _read(self, sizes: Callable[[int], Sizes]) -> Arrays:
+        if not self._path.is_file():
+            raise ValueError("no file")
+        with self._path.open("rb") as file:
+            digest, rows = file.read(DIGEST), int.from_bytes(file.read(COUNT), "little")
+            wanted = sizes(rows)
+            size = DIGEST + COUNT + NUMBER * sum(map(math.prod, wanted.values()))
+            if os.fstat(file.fileno()).st_size != size:
+                raise ValueError("other arrays")
+            arrays = {name: np.empty(shape) for name, shape in sorted(wanted.items())}
+            for array in arrays.values():
+                file.readinto(array.data)
+        if self._sealed(arrays) != digest:
+            raise ValueError("other numbers, or of another run")
+        return arrays
 
     def save(self, arrays: Callable[[], Arrays]) -> None:
         """Write the file, if the last one is old enough."""
@@ -75,31 +106,44 @@ class Checkpoints:
         if began < self._due:
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        named: dict[str, Any] = {DEFINITION: np.array(self._definition), **arrays()}
+        kept = {name: np.ascontiguousarray(array, np.float64) for name, array in sorted(arrays().items())}
         with manifest.whole_file(self._path) as partial, partial.open("wb") as file:
-            np.savez(file, **named)
-        spent = time.monotonic() - began
+            file.write(self._sealed(kept) + len(kept["rows"]).to_bytes(COUNT, "little"))
+            for array in kept.values():
+                file.write(array.data)
+        self.promised, spent = True, time.monotonic() - began
         self._due = time.monotonic() + max(SAVE_S, spent / MAX_SHARE)
+
+    def _sealed(self, arrays: Arrays) -> bytes:
+        """Digest of definition, number of the run, names, shapes and numbers."""
+        head = [self._digest, self._runs, [(name, array.shape) for name, array in arrays.items()]]
+        digest = hashlib.sha256(json.dumps(head).encode())
+        for array in arrays.values():
+            digest.update(array.data)
+        return digest.digest()
 
 
 @contextlib.contextmanager
 def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> Iterator[None]:
     """Runs made in this block keep checkpoints beside `place`; when it ends well they are removed."""
     checkpoints = Checkpoints(place, definition, resume)
-    if resume and not checkpoints.files:
-        click.echo("tailslap: there is no checkpoint; the run begins at the beginning", err=True)
+    if resume and not checkpoints.files(own=True):
+        others = ", ".join(sorted(path.name for path in checkpoints.files(own=False)))
+        stay = f", and those of another scene or version of the program stay: {others}" if others else ""
+        _say(f"there is no checkpoint of this run{stay}")
     token = _current.set(checkpoints)
     try:
         yield
     except KeyboardInterrupt:
-        if checkpoints.files:
+        if checkpoints.promised:
             said = "interrupted; the same command with --resume goes on from its checkpoint"
             raise Interrupted(said) from None
         raise
     finally:
         _current.reset(token)
-    for path in checkpoints.files:
-        path.unlink(missing_ok=True)
+    for path in checkpoints.files(own=True):
+        with contextlib.suppress(OSError):
+            path.unlink()
 
 
 def next_checkpoint() -> Checkpoint | None:
@@ -108,9 +152,13 @@ def next_checkpoint() -> Checkpoint | None:
     return checkpoints.next() if checkpoints else None
 
 
+def _say(why: str) -> None:
+    click.echo(f"tailslap: {escaped(why)}; the run begins at the beginning", err=True)
+
+
 def _digest(definition: Mapping[str, Any]) -> str:
     from fem.machine_code.folder import cache_folder
 
     programs = {name: version(name) for name in ("numpy", "numba", "scipy", "scikit-fem")}
-    all_of_it = {**definition, **programs, "tailslap": tailslap.__version__, "fem": cache_folder().name}
+    all_of_it = {**definition, **programs, "fem": cache_folder().name}
     return hashlib.sha256(json.dumps(all_of_it, sort_keys=True, default=str).encode()).hexdigest()

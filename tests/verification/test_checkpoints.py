@@ -2,16 +2,18 @@
 
 import functools
 import json
+import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fem.run import corner, impact, observers
+from fem.run import corner, impact
 from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
@@ -26,7 +28,9 @@ class Stopping:
     def __init__(self, at, kept=None):
         self.left, self.kept = at, kept
 
-    def load(self):
+    def load(self, sizes):
+        if self.kept is not None:  # the shapes foretold are those that were kept
+            assert sizes(len(self.kept["rows"])) == {name: array.shape for name, array in self.kept.items()}
         return self.kept
 
     def save(self, arrays):
@@ -44,13 +48,13 @@ def same(a, b):
             assert_array_equal(np.asarray(mine[key] if key else mine), np.asarray(its[key] if key else its))
 
 
-@pytest.mark.parametrize("at", [1, 20, 45])
-def test_the_loop_goes_on_with_the_same_bits(at):
+@pytest.mark.parametrize(("at", "snapshots"), [(1, 6), (20, 6), (45, 6), (20, 1), (30, 400)])
+def test_the_loop_goes_on_with_the_same_bits(at, snapshots):
     fe_plan = CornerCase(*read_scene("paper-table-3")).plan()
 
     def run(keeper):
         duration = fe_plan.case.motion.strike.t
-        kept = {"rows": 300, "snapshots": 6, "checkpoint": keeper}
+        kept = {"rows": 300, "snapshots": snapshots, "checkpoint": keeper}
         return corner.simulate(fe_plan.model, fe_plan.start, duration, **kept)
 
     stopping = Stopping(at)
@@ -83,40 +87,151 @@ def test_a_whole_impact_goes_on_with_the_same_bits(wall):
     same(run(Stopping(0, stopping.kept)), run(None))
 
 
-def loaded(place, definition, resume, count=1):
-    """Sizes of what the first runs of a command find, which is then interrupted."""
-    found: list[observers.Arrays | None] = []
-
-    def interrupted_command():
-        with checkpointed(place, definition, resume):
-            found.extend(next_checkpoint().load() for _ in range(count))
-            raise KeyboardInterrupt
-
-    with pytest.raises(errors.Interrupted, match="--resume"):
-        interrupted_command()
-    return [None if each is None else each["x"].size for each in found]
+def keeper(place, definition, resume=False, run=1):
+    """Of a run of the command, by its number."""
+    keepers = checkpoints.Checkpoints(place, definition, resume)
+    for _ in range(run):
+        keepers.next()
+    return keepers
 
 
-def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path, monkeypatch):
-    """As the first run of a user is, where it takes long enough for a checkpoint."""
+def kept(place, definition, size, run=1):
+    """The file of a checkpoint of so many rows of three numbers."""
+    arrays = {"x": np.arange(2.0), "rows": np.arange(3.0 * size).reshape(size, 3)}
+    keeper(place, definition, run=run).save(lambda: arrays)
+    return Path(f"{keeper(place, definition)._own}{run}")
+
+
+def rows_found(place, definition, resume=True, run=1, width=3):
+    found = keeper(place, definition, resume, run).load(lambda rows: {"rows": (rows, width), "x": (2,)})
+    return found and len(found["rows"])
+
+
+@pytest.fixture
+def at_once(monkeypatch):
+    """Checkpoints at each stop of a run."""
     monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
+
+
+def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path, monkeypatch, at_once):
+    """As the first run of a user is, where it takes long enough for a checkpoint."""
     monkeypatch.chdir(tmp_path)
     assert cli._status(["run", "paper-abaqus", "--no-pictures", "--quiet"]) == 0
     assert [path.name for path in tmp_path.joinpath("results").iterdir()] == ["paper-abaqus"]
 
 
-def test_files_belong_to_one_definition(tmp_path, monkeypatch):
-    monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
+def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
+    """Of each run its own; those of another scene are neither read nor touched, and it is said that they are there."""
+    place, one, other = tmp_path / "out", {"scene": 1}, {"scene": 2}
+    files = [kept(place, one, 3), kept(place, one, 4, run=2)]
+    theirs = kept(place, other, 5)
+    assert [rows_found(place, one, run=run) for run in (1, 2, 3)] == [3, 4, None]
+    assert (rows_found(place, other), rows_found(place, one, resume=False)) == (5, None)
+    assert capsys.readouterr().err == ""
+    before = theirs.read_bytes()
+    with checkpointed(place, {"scene": 3}, True):
+        assert next_checkpoint().load(dict) is None
+    stay = ", ".join(sorted(path.name for path in (*files, theirs)))
+    assert f"of another scene or version of the program stay: {stay}; the run" in capsys.readouterr().err
+    with checkpointed(place, one, True):
+        assert set(tmp_path.iterdir()) == {*files, theirs}
+    assert (list(tmp_path.iterdir()), theirs.read_bytes(), capsys.readouterr().err) == ([theirs], before, "")
+    theirs.unlink()
+    with checkpointed(place, one, True):
+        pass
+    assert capsys.readouterr().err.endswith("no checkpoint of this run; the run begins at the beginning\n")
+
+
+def test_places_of_long_names_have_their_own(tmp_path, at_once):
+    places = [tmp_path / ("\N{OGHAM LETTER BEITH}" * 80 + end) for end in "ab"]
+    kept(places[0], {}, 3)
+    assert [rows_found(place, {}) for place in places] == [3, None]
+
+
+def flipped(content, at):
+    return content[:at] + bytes([content[at] ^ 16]) + content[at + 1 :]
+
+
+@pytest.mark.parametrize("damage", [
+    *(lambda whole, at=at: flipped(whole, at) for at in (0, 31, 32, 39, 40, -1)),
+    *(lambda whole, n=n: whole[:n] for n in (0, 10, 40, -8, -1)),
+    lambda whole: whole + bytes(24), lambda whole: b"torn",
+])  # fmt: skip
+def test_a_damaged_file_is_told_and_not_read(tmp_path, at_once, capsys, damage):
+    path = kept(tmp_path / "out", {}, 3)
+    path.write_bytes(damage(path.read_bytes()))
+    assert rows_found(tmp_path / "out", {}) is None
+    said = capsys.readouterr().err
+    assert f"the checkpoint {path} is damaged; the run begins at the beginning" in said
+
+
+def test_a_file_of_another_kind_run_or_form_is_told_and_not_read(tmp_path, at_once, capsys):
     place = tmp_path / "out"
-    keepers = checkpoints.Checkpoints(place, {"scene": 1}, False)
-    for size in (3, 4):
-        keepers.next().save(functools.partial(dict, x=np.arange(size)))
-    assert (len(list(tmp_path.iterdir())), loaded(place, {"scene": 1}, True, 3)) == (2, [3, 4, None])
-    assert (loaded(place, {"scene": 2}, True), loaded(place, {"scene": 1}, False)) == ([None], [None])
-    (tmp_path / ".out.checkpoint-1.npz").write_bytes(b"torn")
-    with checkpointed(place, {"scene": 1}, True):
-        assert next_checkpoint().load() is None
-    assert list(tmp_path.iterdir()) == []
+    path, second = kept(place, {}, 3), kept(place, {}, 3, run=2)
+    for width in (2, 4, 10**15):
+        assert rows_found(place, {}, width=width) is None
+    whole = path.read_bytes()
+    path.write_bytes(second.read_bytes())
+    assert rows_found(place, {}) is None
+    path.write_bytes(whole)
+    assert rows_found(place, {}) == 3
+    for make in (os.mkfifo, os.mkdir, lambda path: os.symlink("/dev/zero", path)):
+        path.unlink()
+        make(path)
+        assert rows_found(place, {}) is None
+        path = path.rename(tmp_path / make.__name__) and path
+        path.touch()
+    assert capsys.readouterr().err.count("is damaged") == 7
+
+
+def test_only_what_there_is_is_promised(tmp_path, at_once):
+    """Interrupted before a checkpoint, with a damaged one, and with those of others, the run says nothing of one."""
+    place = tmp_path / "out"
+    arrays = functools.partial(dict, rows=np.zeros((1, 3)))
+
+    def command(act):
+        with checkpointed(place, {}, True):
+            act(next_checkpoint())
+            raise KeyboardInterrupt
+
+    kept(place, {"scene": 2}, 3)
+    kept(place, {}, 3).write_bytes(b"torn")
+    for act in (lambda it: None, lambda it: it.load(lambda rows: {"rows": (rows, 3)})):
+        with pytest.raises(KeyboardInterrupt) as caught:
+            command(act)
+        assert not isinstance(caught.value, errors.Interrupted)
+    for act in (lambda it: it.save(arrays), lambda it: it.load(lambda rows: {"rows": (rows, 3)})):
+        with pytest.raises(errors.Interrupted, match="--resume"):
+            command(act)
+
+
+RUN = ["run", "paper-abaqus", "--no-pictures", "--quiet", "--out", "out"]
+
+
+@pytest.mark.parametrize("change", [
+    lambda a: {"state.positions": a["state.positions"][:, :4]},
+    lambda a: {"state.positions": a["state.positions"].T, "state.velocities": a["state.velocities"].T},
+    lambda a: {"rows": a["rows"][:, :-1]}, lambda a: {"rows": a["rows"][:1]}, lambda a: {"rows": a["rows"][:0]},
+    lambda a: {"rows": np.vstack([a["rows"]] * 9)}, lambda a: {"last": np.zeros(0)}, lambda a: {"more": np.zeros(3)},
+    lambda a: {"seen": a["seen"].T}, lambda a: {"state.sums": np.zeros(3)}, lambda a: {},
+])  # fmt: skip
+def test_arrays_of_other_shapes_never_reach_compiled_code(tmp_path, monkeypatch, capsys, at_once, change):
+    """Whole by its digest and of the right name: only what the run would keep at that moment is taken."""
+    monkeypatch.chdir(tmp_path)
+    save, found = checkpoints.Checkpoints.save, []
+
+    def interrupted(self, arrays):
+        found.append({name: np.array(array) for name, array in arrays().items()})
+        if len(found) == 20:
+            save(self, lambda: {**found[-1], **change(found[-1])})
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(checkpoints.Checkpoints, "save", interrupted)
+        assert cli._status(RUN) == 130
+    assert "--resume" in capsys.readouterr().err
+    assert cli._status([*RUN, "--resume"]) == 0
+    assert ("is damaged; the run begins" in capsys.readouterr().err) == bool(change(found[-1]))
 
 
 LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures")
@@ -149,7 +264,7 @@ def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path, sent):
     whole.mkdir()
     broken.mkdir()
     process, end = started(broken), time.monotonic() + 240.0
-    while not list(broken.glob("results/.*.npz")):
+    while not list(broken.glob("results/.*.checkpoint-*")):
         assert process.poll() is None, "it was done before it could be killed"
         assert time.monotonic() < end
         time.sleep(0.05)
