@@ -153,7 +153,7 @@ WRONG = [
     ("corner.friction=0:1:3 --cluster tcp://x:1 --workers 2", "--workers", "leave out"),
     ("corner.friction=0:1:3 --out file", "--out", "this is a file"),
     ("corner.friction=0:1:3 --out full", "--out", "it holds other files"),
-    ("corner.friction=0:1:3 --out file/below", "--out", "the folder cannot be made"),
+    ("corner.friction=0:1:3 --out file/below", "--out", "this is a file, or in one"),
 ]
 
 
