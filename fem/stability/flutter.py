@@ -18,6 +18,7 @@ spring has its part of that energy.
 
 from __future__ import annotations
 
+import bisect
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -138,10 +139,16 @@ def _rate(
     squares, residues = modes.squares[2:], residues[2:]
     squares[0] = 0.0
     stiffness, dashpot = model.loop.corner.stiffness, model.loop.corner.dashpot
-    rate, top = least, 1.5 * highest_mode(squares, residues, stiffness)
-    while rate < top and growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
-        rate *= FACTOR
-    return rate if rate > least else 0.0
+    top, tried = 1.5 * highest_mode(squares, residues, stiffness), [least]
+    while tried[-1] < top:
+        tried.append(tried[-1] * FACTOR)
+
+    def outgrown_by_none(rate: float) -> bool:
+        return rate >= top or not growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top)
+
+    if outgrown_by_none(least):
+        return 0.0
+    return tried[bisect.bisect_left(tried, True, lo=1, key=outgrown_by_none)]
 
 
 def highest_mode(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
@@ -155,11 +162,11 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
     """Number of roots that grow faster than `rate` [1/s] beside the damping `viscous`, two to an oscillation.
 
     Steps along the line from the real axis up to `top` [rad/s], each small enough for f to turn by less than a
-    radian, or as small as a hundredth of the distance to the poles.
+    radian, or as small as a hundredth of the distance to the poles. Between poles steps are half as long as the way to
+    the next, so that their number grows with that of the modes alone. squares: rising, the first zero.
     """
     exact = not np.isfinite(stiffness)
-    longest = 2.0 * rate
-    step, frequency, turned = longest, 0.0, 0.0
+    step, frequency, turned, above = 2.0 * rate, 0.0, 0.0, 0
     before = _response(squares, residues, stiffness, dashpot, exact, rate, 0.0)
     while frequency < top:
         later = frequency + step
@@ -170,8 +177,12 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
             step *= 0.5
             continue
         turned, frequency, before = turned + turn, later, value
-        longest = 2.0 * ahead
-        step = min(longest, 1.5 * step)
+        while above < squares.size and squares[above] <= frequency * frequency:
+            above += 1
+        gap = frequency - math.sqrt(squares[above - 1])
+        if above < squares.size:
+            gap = min(gap, math.sqrt(squares[above]) - frequency)
+        step = min(max(2.0 * ahead, 0.5 * gap), 1.5 * step)
     # Far out f is real and positive, or where the constraint is exact s^2 f is.
     turned -= np.angle(before)
     return round(abs(turned) / math.pi)

@@ -50,6 +50,8 @@ def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
         return "impact.speed", scene.impact.speed
     if plate.elements and math.prod(plate.elements) > 10_000:
         return "plate.elements", Verbatim(list(plate.elements))
+    if plate.density is not None and plate.density < 100.0:
+        return "plate.density", plate.density
     key = "youngs_modulus" if plate.first_frequency is None else "first_frequency"
     return f"plate.{key}", getattr(plate, key)
 

@@ -172,7 +172,7 @@ CORNERS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("corner", CORNERS)
 @pytest.mark.parametrize("ratio", [0.0, 0.002])
 def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner, ratio):
-    """At three angles and five rates: the modes with a larger real part are as many as the criterion counts."""
+    """At three angles and seven rates: the modes with a larger real part are as many as the criterion counts."""
     model = plate_model((10, 3), "drag", corner=CORNERS[corner], damping_ratio=ratio)
     modes, slope = flutter.corner_modes(model), friction_slope(model.loop.friction, START.corner_speed)
     viscous = 0.5 * model.loop.viscosity.c_33 / model.tangent_moduli.c_33 if ratio else 0.0
@@ -185,7 +185,7 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner,
         squares[2] = 0.0
         stiffness = getattr(constraint, "stiffness", np.inf)
         top = 1.5 * flutter.highest_mode(squares, residues[2:], stiffness)
-        for rate in (3.0, 10.0, 30.0, 100.0, 300.0):
+        for rate in (0.01, 0.3, 3.0, 10.0, 30.0, 100.0, 300.0):
             if np.abs(rates - rate).min() < 0.02 * rate:
                 continue  # too near to tell
             counted = flutter.growing_modes(
@@ -195,6 +195,19 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner,
             assert counted == expected, (angle, rate)
             seen += expected
     assert seen > 0 or ratio > 0.0 or corner == "patch"
+
+
+@pytest.mark.parametrize("slower", [1.0, 1e-4, 1e-9])
+def test_steps_along_the_line_grow_with_the_modes_alone(plate_model, monkeypatch, slower):
+    """However small the rate is beside the frequencies: on a light or stiff plate it is a billionth of them."""
+    model, made = plate_model((10, 3), "drag", corner=CORNERS["penalty"]), []
+    modes, plain = flutter.corner_modes(model), flutter._response.py_func
+    monkeypatch.setattr(flutter, "_response", lambda *given: made.append(1) or plain(*given))
+    squares, residues = np.append(0.0, modes.squares[3:]), modes.corner[1, 2:] ** 2
+    stiffness = model.loop.corner.stiffness
+    top = flutter.highest_mode(squares, residues, stiffness)
+    flutter.growing_modes.py_func(squares, residues, stiffness, 0.0, 0.0, 100.0 * slower, top)
+    assert len(made) < squares.size * (40.0 - 20.0 * math.log10(slower))
 
 
 @pytest.mark.long

@@ -62,6 +62,10 @@ SEEN, MISSED = 1e-3, 5e-4
 """Deflection ratio from which on it is seen that an overdamped plate does not follow its loads, and part of the result
 that an unstressed plate's oscillation may lose: below, damping stays within the numerical error that is allowed."""
 
+MAX_RATE = 1e12
+"""Highest rate of damping that a scene may have [1/s]. The program wants more only of plates with a time step that no
+run ends with, which is refused."""
+
 HEARD = 0.005
 """Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
 
@@ -309,7 +313,7 @@ def open_damping(
         why = f"{_why(growth)}, but damping enough against that would be seen in the result"
         return (Decision("damping.kind", "none", why),)
     least = (growth.harmless or HARMLESS_UNSTRESSED) / case.duration if factor > 1.0 else 0.0
-    rate = factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least)
+    rate = min(factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least), MAX_RATE)
     again = f"; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else ""
     return _damped(rate, _why(growth) + again)
 
