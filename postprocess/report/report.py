@@ -85,14 +85,22 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
         (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
 
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""Beginnings of what a spreadsheet takes for a formula."""
+
+
 def write_table(path: Path, table: Table) -> Path:
     """Write a table as CSV: a header of keys, a line a record; the values as they are, not as they are shown;
-    empty where they are no finite numbers."""
+    empty where they are no finite numbers. An apostrophe keeps text from being a formula of a spreadsheet."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(column.key for column in table.columns)
-        writer.writerows(files.plain(list(record.values())) for record in table.records())
+        writer.writerows(map(_literal, files.plain(list(record.values()))) for record in table.records())
     return path
+
+
+def _literal(value: Any) -> Any:
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
 def report_text(report: Report, place: Path, page: str = PAGE) -> str:

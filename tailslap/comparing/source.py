@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tailslap.errors import InputError, Verbatim
+from tailslap.errors import InputError, Verbatim, shortened
 from tailslap.files.load import column_units, load
 from tailslap.result import Result
-from tailslap.scene.units import converted
+from tailslap.scene.text import read_text
+from tailslap.scene.units import COMMA, converted
 
 TIME = "t"
 TIMES = ("t", "time")
@@ -28,6 +29,7 @@ TIMES = ("t", "time")
 COMMENTS = ("#", "%", "*", "$")
 NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 THEIRS = re.compile(r"(?P<minus>-?)\s*(?P<name>[^\[]+?)\s*(?:\[(?P<unit>[^\]]+)\])?")
+DECIMAL_COMMA = re.compile(r"[-+]?[0-9.]*,[0-9.,]+([eE][-+]?[0-9]+)?")
 MAX_BYTES = 500_000_000
 
 Floats = NDArray[np.float64]
@@ -77,11 +79,12 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
     """
     try:
         columns, units = read_table(path)
-    except OSError:
+    except FileNotFoundError:
         allowed = "there is no such file or folder; allowed are result folders and files with named columns"
         raise InputError("RESULT", str(path), allowed) from None
-    except ValueError as error:
-        raise InputError("RESULT", str(path), f"{error}; allowed is a file with named columns") from None
+    except (OSError, ValueError, csv.Error) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError("RESULT", str(path), f"{why}; allowed is a file with named columns") from None
     wanted = {
         ours: theirs
         for ours, theirs in mapping.items()
@@ -139,11 +142,9 @@ def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
 
     An empty or missing cell, or a word, is NaN.
 
-    Raises OSError, and ValueError, saying why, for a file that has no named columns of numbers.
+    Raises OSError, and ValueError or csv.Error, saying why, for a file that has no named columns of numbers.
     """
-    if path.stat().st_size > MAX_BYTES:
-        raise ValueError(f"it has more than {MAX_BYTES // 1_000_000} MB")
-    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    lines = read_text(path, MAX_BYTES, "replace").splitlines()
     lines = [line for line in lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
     if len(lines) < 3:
         raise ValueError("it has less than two rows below a line of names")
@@ -155,13 +156,26 @@ def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
     matches = [NAME_AND_UNIT.fullmatch(cell.strip()) for cell in rows[0]]
     names = [match[1] if match else cell.strip() for cell, match in zip(rows[0], matches, strict=True)]
     units = [match[2] if match else "" for match in matches]
+    for name in filter(None, names):
+        if names.count(name) > 1:
+            raise ValueError(f"it has two columns called {shortened(name)}, allowed is one")
     first = 1
     if not any(map(_is_number, rows[1])):
         units, first = [cell.strip("[]() ") for cell in rows[1]], 2
+    _demand_points(rows[first:], len(names))
     padded = ((row + [""] * len(names))[: len(names)] for row in rows[first:])
     values = np.array([[float(cell) if _is_number(cell) else np.nan for cell in row] for row in padded])
     columns = {name: values[:, k] for k, name in enumerate(names) if name}
     return columns, {name: unit for name, unit in zip(names, units, strict=False) if name}
+
+
+def _demand_points(rows: list[list[str]], columns: int) -> None:
+    """Raise ValueError where numbers have decimal commas, as cells or as more cells than there are columns."""
+    for row in rows:
+        if comma := next(filter(DECIMAL_COMMA.fullmatch, row), None):
+            raise ValueError(f'it has "{comma}"; {COMMA}')
+        if any(row[columns:]):
+            raise ValueError(f"a row has {len(row)} entries, and there are {columns} names; {COMMA}")
 
 
 def _is_number(cell: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import os
-import stat
+import re
 import tomllib
 from collections.abc import Iterable, Iterator
 from importlib.resources import files
@@ -14,10 +14,14 @@ from typing import Any, NamedTuple
 
 from tailslap import errors
 from tailslap.scene.schema import Scene
+from tailslap.scene.text import read_text
+from tailslap.scene.units import COMMA
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
 
 MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
 """Length of a scene's path, size of its file, length of a line in it, depth of its tables and lists."""
+
+DECIMAL_COMMA = re.compile(r"=\s*[-+]?[0-9]+,[0-9]")
 
 
 def shipped_scenes() -> dict[str, str]:
@@ -74,7 +78,8 @@ def source_of_text(text: str, name: str = "SCENE") -> Source:
     try:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
-        said = f"the parser says: {errors.shortened(str(error))}"
+        hint = f"; {COMMA}" if DECIMAL_COMMA.search(text) else ""
+        said = f"the parser says: {errors.shortened(str(error))}{hint}"
         raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), said) from None
     if depth_exceeds(given, MAX_DEPTH):
         allowed = f"allowed are {MAX_DEPTH} levels"
@@ -97,25 +102,12 @@ def scene_text(name: str) -> str:
             "SCENE", name, f"allowed is a .toml file or one of {', '.join(shipped)}{hint}"
         )
     try:
-        return _read(path, name)
+        return read_text(path, MAX_BYTES)
     except FileNotFoundError:
         raise errors.InputError("SCENE", name, "there is no such file") from None
-    except UnicodeDecodeError:
-        raise errors.InputError("SCENE", name, "the file is not text in UTF-8") from None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise errors.InputError("SCENE", name, f"the file cannot be read: {why}") from None
-
-
-def _read(path: Path, name: str) -> str:
-    """Text of a regular file of moderate size; line ends as TOML has them. Devices and pipes are not even opened."""
-    if not stat.S_ISREG(path.stat().st_mode):
-        raise errors.InputError("SCENE", name, "this is no regular file; allowed is a .toml file")
-    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
-        content = file.read(MAX_BYTES + 1)
-    if len(content) > MAX_BYTES:
-        raise errors.InputError("SCENE", name, f"the file is too large; allowed are {MAX_BYTES} bytes")
-    return content.decode("utf-8").replace("\r\n", "\n")
 
 
 class Usual(NamedTuple):

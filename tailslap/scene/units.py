@@ -20,6 +20,7 @@ from postprocess.units import SYSTEMS
 FOOT, POUND, GRAVITY = 0.3048, 0.45359237, 9.80665
 POUND_FORCE = POUND * GRAVITY
 MPH = 5280.0 * FOOT / 3600.0
+COMMA = "decimals stand behind a point, not a comma"
 
 
 class Dimension(NamedTuple):
@@ -183,7 +184,8 @@ class Quantity:
         try:
             return converted(float(match[1]), match[2], self.unit)
         except (ValueError, OverflowError) as error:
-            raise ValueError(f"{self.allowed} (the unit does not fit: {error})") from None
+            why = COMMA if match[2].startswith(",") else f"the unit does not fit: {error}"
+            raise ValueError(f"{self.allowed} ({why})") from None
 
 
 def value_line(name: str, value: float, unit: str, system: str) -> str:

@@ -2,8 +2,10 @@
 relative differences and metrics by hand, the paper's printed table, orders of known sequences.
 """
 
+import csv
 import json
 import math
+import os
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ import tailslap
 from postprocess.comparison import metrics
 from postprocess.comparison.quantities import PAPER_TABLE_3, comparison_rows, relative_difference
 from tailslap import InputError, cli
+from tailslap.comparing import source
 from tailslap.comparing.source import parse_mapping, read_table
 
 T = np.linspace(0.0, 1.0, 1001)
@@ -140,12 +143,51 @@ def test_the_table_fits_eighty_columns(folder, tmp_path, capsys):
     ("t,v_gy\n1,1\n0,2\n", "its instants do not rise"),
     ("t,colour\n0,1\n1,2\n", "no column over a common time"),
     ("t,v_gy [kg]\n0,1\n1,2\n", "allowed is a unit that fits m/s"),
+    ("t;v_gy\n0,0;1,5\n0,1;2,5\n", "decimals stand behind a point"),
+    ("t v_gy\n0 1,5\n1 2,5\n", "decimals stand behind a point"),
+    ("t,v_gy\n0,0,1,5\n0,1,2,5\n", "4 entries, and there are 2 names"),
+    ("t,v_gy,v_gy\n0,1,2\n1,2,3\n", "two columns called v_gy"),
+    ("t,v_gy\n0,\0\n1,2\n", "not text in UTF-8"), (f't,v_gy\n0,"{"1" * 200_000}"\n1,2\n', "field larger"),
 ])  # fmt: skip
 def test_files_that_are_no_histories_are_refused(text, why, folder, tmp_path):
     path = tmp_path / "wrong.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=why):
         tailslap.compare(folder, path)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_encodings_of_windows(encoding, tmp_path):
+    path = tmp_path / "\u00b5.csv"
+    path.write_bytes("t [s];v_gy [m/s];\u00b5\r\n0;1.5;1\r\n1;2.5;1\r\n".encode(encoding))
+    columns, units = read_table(path)
+    assert list(columns)[:2] == ["t", "v_gy"]
+    np.testing.assert_array_equal(columns["v_gy"], [1.5, 2.5])
+    assert (units["t"], units["v_gy"]) == ("s", "m/s")
+
+
+def test_devices_and_pipes_are_refused(folder, tmp_path, capsys):
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("/dev/zero", str(tmp_path / "pipe")):
+        assert command(str(folder), name) == 2
+        assert "no regular file" in capsys.readouterr().err
+
+
+def test_a_large_file_is_refused(monkeypatch, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("t,v\n0,1\n1,2\n")
+    monkeypatch.setattr(source, "MAX_BYTES", 5)
+    with pytest.raises(ValueError, match="too large; allowed are 5 bytes"):
+        read_table(path)
+
+
+def test_a_name_is_no_formula_of_a_spreadsheet(result, folder, tmp_path):
+    """The label of a file is its name, and stands in metrics.csv."""
+    path = their_file(tmp_path / '=HYPERLINK("x").csv', result, "time [ms];VY;VX [mph]\n")
+    page = tailslap.compare(folder, path, columns="v_gy=-VY,v_gx=VX").save(tmp_path / "page")
+    rows = list(csv.reader((page / "metrics.csv").read_text().splitlines()))
+    assert {row[0] for row in rows[1:]} == {'\'=HYPERLINK("x")'}
+    assert not [cell for row in rows for cell in row if cell.startswith(("=", "@", "+"))]
 
 
 def test_what_is_not_there_is_refused(folder, tmp_path):

@@ -65,6 +65,7 @@ WRONG = {
     ("vehicle.mass", UNIT): ["9979 lbf"],
     ("vehicle.mass", MASS): ["nan", "inf", '"nan kg"', "true"],
     ("vehicle.mass", "a string with its unit"): ['"9979"'],
+    ("vehicle.width", "decimals stand behind a point"): ["2,4 m", '"2,4"'],
     ("impact.angle", "below 90 deg"): ["15", "90 deg"],
     ("impact.angle", "a string with its unit"): ['"15"'],
     ("impact.friction", "from 0 to"): ["-0.1"],
@@ -139,7 +140,12 @@ def test_a_partial_start_takes_the_rest_from_stage_one():
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("name = ", "not TOML"), ("\x00", "not TOML"), ('name = "a"\nname = "b"', "not TOML")],
+    [
+        ("name = ", "not TOML"),
+        ("\x00", "not text in UTF-8"),
+        ('name = "a"\nname = "b"', "not TOML"),
+        ('name = "a"\n[vehicle]\nlength = 5,9\n', "decimals stand behind a point"),
+    ],
 )
 def test_malformed_files(tmp_path, text, message):
     path = tmp_path / "scene.toml"
@@ -158,6 +164,13 @@ def test_a_file_that_is_not_text(tmp_path):
     (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="not text in UTF-8"):
         read_scene(str(tmp_path / "scene.toml"))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_encodings_of_windows(tmp_path, encoding):
+    text = shipped_scenes()["mash-tl4-sut"]
+    (tmp_path / "scene.toml").write_bytes(text.replace("\n", "\r\n").encode(encoding))
+    assert read_scene(str(tmp_path / "scene.toml")) == read_scene("mash-tl4-sut")
 
 
 SCENE = "mash-tl4-sut"
