@@ -25,12 +25,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.explicit.internal_force import Scratch, scratch_for
-from fem.explicit.point_force import at_slot, point_of
-from fem.explicit.simd_blocks import (
+from fem.explicit.point_force import (
     BLOCK_SIZE,
+    at_slot,
     balance,
     clear_idle,
     gather,
+    point_of,
     scatter,
     slot_count,
     subtract_first,

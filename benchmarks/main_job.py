@@ -20,7 +20,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fem.run.corner import Stepper, simulate
-from fem.start.rigid_state import RigidStart, to_global
+from fem.start.inertia_relief import RigidStart, to_global
 from fem.start.start_kinds import start_fields
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.run import CornerOutcome

@@ -34,7 +34,7 @@ from dataclasses import replace
 from fem.model.plate_model import static_model
 from fem.plate.kinds import CornerProperties, PlateProperties
 from fem.run.corner import Stepper
-from fem.start.rigid_state import RigidStart
+from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh
 counts, steps = (int(sys.argv[1]), int(sys.argv[2])), int(sys.argv[3])
 model = static_model(plate_mesh(10.0, 2.438, counts), PlateProperties(0.053, 7800.0, 2e11, 0.3), CornerProperties())

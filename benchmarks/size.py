@@ -68,7 +68,7 @@ def measure(elements: tuple[int, int]) -> None:
     from fem.model.plate_model import build_model
     from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
     from fem.run.corner import Stepper
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
     from meshes import plate_mesh
 
     with stage("mesh_s"):

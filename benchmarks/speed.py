@@ -55,7 +55,7 @@ def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
     """An entry for this program's loop, and the loop."""
     from other_codes.jobs import update_rates
 
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
 
     stepper = make_stepper(count, **choices)
     state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
@@ -68,7 +68,7 @@ def far_corner(count: int, distortion: float, time_step: float) -> list[float]:
     """Where this program has the far corner [m] at the instant of comparison."""
     from other_codes.jobs import CHECKED_STEPS
 
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
 
     stepper = make_stepper(count, distortion, bare=True)
     stepper.loop = stepper.loop._replace(time_step=time_step)

@@ -67,7 +67,7 @@ KEY_HEADINGS = ("key", "unit", "allowed", "default", "meaning")
 
 
 def _key_row(prefix: str, name: str, field: FieldInfo) -> tuple[str, ...]:
-    from tailslap.scene.meanings import MEANINGS
+    from tailslap.scene.schema import MEANINGS
     from tailslap.scene.write import unit_of
 
     key = f"{prefix}.{name}" if prefix else name

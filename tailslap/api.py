@@ -19,7 +19,8 @@ from fem.laws import constraints, friction, materials
 from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
-from postprocess.report import files, terminal
+from postprocess.report import table
+from postprocess.report.report import labelled_text, printed
 from postprocess.report.table import Table
 from postprocess.units import SYSTEMS
 from tailslap import result
@@ -101,7 +102,7 @@ def run(
     outcome = case.run(tolerance)
     found, columns = outcome.run, case.histories(outcome)
     return result.of_run(
-        files.plain(case.summary(outcome, True)),
+        table.plain(case.summary(outcome, True)),
         {label: load.history(columns[name]) for label, name in load.FILES.items()},
         result.filled_by(
             lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])
@@ -142,18 +143,18 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     653
     """
     case = _case(scene, changes)
-    summary, columns = files.plain(case.rigid_numbers()), case.rigid_history()
+    summary, columns = table.plain(case.rigid_numbers()), case.rigid_history()
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        files.write_summary(folder / "summary.json", summary)
-        files.write_history(folder / "rigid.csv", columns)
+        table.write_summary(folder / "summary.json", summary)
+        table.write_history(folder / "rigid.csv", columns)
 
     return result.Result(
         "rigid",
         summary["scene"],
         summary,
         histories={result.RIGID: load.history(columns)},
-        text=terminal.labelled_text(case.rigid_text(units), 19),
+        text=labelled_text(case.rigid_text(units), 19),
         fill=fill,
     )
 
@@ -194,8 +195,8 @@ def check(
 
     case = _case(scene, changes)
     name, lines = case.scene.name, case.check_text(allow_large)
-    text = terminal.labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
-    return result.Result("check", name, files.plain(as_numbers(name, lines)), text=text)
+    text = labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
+    return result.Result("check", name, table.plain(as_numbers(name, lines)), text=text)
 
 
 def modal(
@@ -243,18 +244,18 @@ def modal(
     >>> tailslap.modal("paper-table-3", modes=2).passed
     True
     """
-    from tailslap.modal_analysis import run
+    from tailslap import modal_analysis
 
     fe_plan = _corner_plan(scene, changes, allow_large)
-    found = run.modal_run(fe_plan, modes, tolerance, steps)
-    summary = files.plain(run.modal_numbers(fe_plan, found))
+    found = modal_analysis.modal_run(fe_plan, modes, tolerance, steps)
+    summary = table.plain(modal_analysis.modal_numbers(fe_plan, found))
     return result.Result(
         "modal",
         summary["scene"],
         summary,
         passed=found.passed,
         histories={"modal": load.history(found.history)},
-        text=run.modal_text(fe_plan, found, units),
+        text=modal_analysis.modal_text(fe_plan, found, units),
     )
 
 
@@ -290,9 +291,9 @@ def modes(
     >>> tailslap.modes("paper-table-3", count=1).summary["modes"][0]["kind"]
     'bending'
     """
-    from tailslap.modal_analysis import modes as free
+    from tailslap import modal_analysis
 
-    report = free.modes_report(_corner_plan(scene, changes, allow_large), count)
+    report = modal_analysis.modes_report(_corner_plan(scene, changes, allow_large), count)
     return result.of_report("modes", report, {"Frequencies": report.terminal[1]})
 
 
@@ -360,7 +361,7 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, A
     report = chosen.report(chosen.compute(case, place, **options))
     parts = [part for part in report.terminal if isinstance(part, Table)]
     tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
-    text = terminal.printed(report.terminal)
+    text = printed(report.terminal)
     return result.of_report(f"study {chosen.name}", report, tables, text=text, place=place)
 
 

@@ -346,13 +346,13 @@ def modal(case: Case, as_json: bool, **given: Any) -> int:
 @options.with_options(options.JSON, options.QUIET)
 def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
-    from postprocess.report import terminal
+    from postprocess.report import report
     from tailslap.scene import read
 
     shipped = {name: read.title(text) for name, text in read.shipped_scenes().items()}
     width = max(map(len, shipped))
     lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
-    return options.tell(shipped, terminal.labelled_text(lines, width + 2), as_json)
+    return options.tell(shipped, report.labelled_text(lines, width + 2), as_json)
 
 
 @commands.command()

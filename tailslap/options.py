@@ -91,16 +91,16 @@ def complete_scene(context: click.Context, parameter: click.Parameter, typed: st
 
 def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Keys of a scene, with the equals sign."""
-    from tailslap.scene import meanings
+    from tailslap.scene import schema
 
-    return [f"{key}=" for key in meanings.MEANINGS if key.startswith(typed)]
+    return [f"{key}=" for key in schema.MEANINGS if key.startswith(typed)]
 
 
 def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
     """Print the numbers as JSON, or the text; the exit status of success."""
-    from postprocess.report import files
+    from postprocess.report import table
 
-    click.echo(files.summary_text(numbers) if as_json else text)
+    click.echo(table.summary_text(numbers) if as_json else text)
     return 0
 
 

@@ -339,9 +339,9 @@ class Result:
     def __str__(self) -> str:
         if self.text:
             return self.text
-        from postprocess.report import terminal
+        from postprocess.report.report import printed
 
-        return terminal.printed((*self.tables.values(), self.headline or repr(self)))
+        return printed((*self.tables.values(), self.headline or repr(self)))
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -370,10 +370,10 @@ def _table_html(title: str, table: Table) -> str:
 
 def of_report(command: str, report: Report, tables: Mapping[str, Any], **more: Any) -> Result:
     """The result of a command that makes a report; more: what else the result has."""
-    from postprocess.report import files
+    from postprocess.report import table
 
     page, fill = report.page, filled_by(lambda place, pictures, units: report)
-    summary = files.plain(report.summary)
+    summary = table.plain(report.summary)
     return Result(command, page.title, summary, page.headline, page.passed, tables, fill=fill, **more)
 
 

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.explicit.elastic_damping import damp
-from fem.explicit.internal_force import subtract_internal_forces
+from fem.explicit.internal_force import damp, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain, motion
 from fem.explicit.time_loop import advance, follow, react
 from fem.laws.wall_contact import (

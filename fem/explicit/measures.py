@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 
 from fem.explicit.columns import Measures
-from fem.explicit.elastic_damping import damp
-from fem.explicit.internal_force import subtract_internal_forces
+from fem.explicit.internal_force import damp, subtract_internal_forces
 from fem.explicit.time_loop import advance
-from fem.laws.corner import add_corner_reaction, constraint_energy, weighted
+from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
 from fem.laws.materials import deformation_gradient, energy_density, green_strain
 from fem.machine_code.compiled import compiled
 

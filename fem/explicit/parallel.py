@@ -17,9 +17,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from fem.explicit.elastic_damping import SUMS, add_up, gained, resist
-from fem.explicit.internal_force import Scratch, subtract_forces_of
-from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
+from fem.explicit.internal_force import SUMS, Scratch, add_up, gained, resist, subtract_forces_of
+from fem.explicit.point_force import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, drift, follow, react
 from fem.machine_code.compiled import compiled
 

@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.explicit.elastic_damping import damp, gained
-from fem.explicit.internal_force import subtract_forces_of
-from fem.explicit.simd_blocks import slot_count
-from fem.laws.corner import CornerConstraint, add_corner_reaction
+from fem.explicit.internal_force import damp, gained, subtract_forces_of
+from fem.explicit.point_force import slot_count
+from fem.laws.constraints import CornerConstraint, add_corner_reaction
 from fem.machine_code.compiled import compiled, implements
 from fem.plate.elements import ElementTable
 

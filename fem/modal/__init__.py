@@ -1,3 +1,3 @@
-"""The plate by a few modes: `model` in a frame that floats with it, its `motion`, the implicit `steps` to the
-tail-slap, and what kinds its modes are (`mode_kinds`).
+"""The plate by a few modes: `model` in a frame that floats with it, what kinds its modes are, its `motion` and
+the implicit steps to the tail-slap.
 """

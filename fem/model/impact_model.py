@@ -12,8 +12,7 @@ import numpy as np
 
 from fem.explicit.impact_loop import ImpactLoop
 from fem.laws import materials, unilateral
-from fem.laws.elastic_wall import ElasticWall
-from fem.laws.wall_contact import BoundaryContact
+from fem.laws.wall_contact import BoundaryContact, ElasticWall
 from fem.model import plate_model
 from fem.model.plate_model import PlateModel
 from fem.plate import elements, kinds, spectrum

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem import lazy
-from fem.explicit.elastic_damping import damped_time_step, elastic_damping
-from fem.explicit.internal_force import Viscosity
+from fem.explicit.internal_force import Viscosity, damped_time_step, elastic_damping
 from fem.explicit.time_loop import LoopParameters
 from fem.laws import constraints, materials
-from fem.laws.corner import CornerConstraint
+from fem.laws.constraints import CornerConstraint
 from fem.plate import elements, kinds
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
 from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
@@ -25,7 +24,7 @@ from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
 if TYPE_CHECKING:
     import meshio
 
-    from fem.plate.windows import WindowBound
+    from fem.plate.spectrum import WindowBound
 
 
 LARGE = 10_000
@@ -197,7 +196,7 @@ def _spectrum(model: PlateModel, held: Hold, step: kinds.StepProperties) -> Scal
         and model.discretisation.table.weights.shape[1] == 1
         and not damped
     ):
-        from fem.plate.windows import Windows
+        from fem.plate.spectrum import Windows
 
         windows = Windows(model.discretisation, model.loop.mass, model.tangent_moduli, model.loop.hourglass)
         if windows.even:

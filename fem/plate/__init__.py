@@ -2,5 +2,5 @@
 
 `kinds` has properties and registers kinds of elements and of mass lumping; `elements` the tables of the compiled loop,
 from scikit-fem, and the stiffness; `elastic` inverts it beside rigid motion and finds the free modes; `spectrum` the
-highest frequency, of large plates bounded by `windows`.
+highest frequency, of large plates bounded by windows of it.
 """

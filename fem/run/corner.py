@@ -14,9 +14,9 @@ from fem.explicit import columns, time_loop
 from fem.explicit.measures import advance_and_measure, all_forces, measure
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
-from fem.run import observers, runner
+from fem.run import runner
 from fem.start import start_kinds
-from fem.start.rigid_state import RigidStart
+from fem.start.inertia_relief import RigidStart
 
 GLANCES = 50
 """Instants of a run at which it is asked whether it is corrupted."""
@@ -68,7 +68,7 @@ class Run:
     setup_s: float
     time_loop_s: float
     highest_frequency: float
-    snapshots: observers.Snapshots | None = None
+    snapshots: runner.Snapshots | None = None
 
 
 class Stepper(runner.PlateStepper):
@@ -181,7 +181,7 @@ def simulate(
     progress: Callable[[float], None] = lambda fraction: None,
     corrupted: Callable[[dict[str, float]], bool] = lambda row: False,
     make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
-    checkpoint: observers.Checkpoint | None = None,
+    checkpoint: runner.Checkpoint | None = None,
     snapshots: int = 0,
 ) -> Run:
     """Run from the start to the tail-slap, the instant when the plate's angle reaches zero.
@@ -225,17 +225,17 @@ def simulate(
         return corrupted(_named((time_step * (stride * (len(made) - 1)), *made[-1].tolist())))
 
     glance = max(1, rows // GLANCES)
-    shapes = observers.Shapes(max(1, rows // observers.LOOKS), glance)
-    keeper = observers.SnapshotKeeper(snapshots, duration / interval, stepper.nodal)
+    shapes = runner.Shapes(max(1, rows // runner.LOOKS), glance)
+    keeper = runner.SnapshotKeeper(snapshots, duration / interval, stepper.nodal)
     watching: list[runner.Observer] = [
-        observers.Until(lambda made: made[-1, 0] <= 0.0),
+        runner.Until(lambda made: made[-1, 0] <= 0.0),
         shapes,
         *([keeper] if snapshots else []),
-        observers.Progress(lambda t: progress(min(1.0, t / duration)), interval),
-        observers.Until(is_corrupted, glance, first=-1),
-        observers.Until(lambda made: not np.isfinite(made[-1]).all()),
+        runner.Progress(lambda t: progress(min(1.0, t / duration)), interval),
+        runner.Until(is_corrupted, glance, first=-1),
+        runner.Until(lambda made: not np.isfinite(made[-1]).all()),
     ]
-    saver, total = observers.Saver(checkpoint, watching), math.ceil(OVERTIME * duration / time_step / stride)
+    saver, total = runner.Saver(checkpoint, watching), math.ceil(OVERTIME * duration / time_step / stride)
     state, made = saver.begun(stepper, stepper.form, total, lambda: stepper.start(start, kind))
     began = time.perf_counter()
     found = runner.run(stepper, state, stride, total, [*watching, saver], made)
@@ -248,7 +248,7 @@ def simulate(
             values[-1] = strike.values[name]
     ended = time.perf_counter()
     last = shapes.last if strike else found.state.positions
-    frequency = observers.highest_frequency(model, [*shapes.seen[1 : observers.LOOKS], last])
+    frequency = runner.highest_frequency(model, [*shapes.seen[1 : runner.LOOKS], last])
     snaps = None
     if snapshots:
         end = (strike.positions, strike.velocities) if strike else stepper.nodal(found.state)

@@ -14,8 +14,8 @@ from fem.laws.wall_contact import ContactState
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.kinds import ModelError
-from fem.run import observers, runner
-from fem.start import rigid_state
+from fem.run import runner
+from fem.start import inertia_relief
 
 CHUNK = 200
 """Rows between two looks at whether the run is over."""
@@ -73,7 +73,7 @@ class ImpactRun:
     steps: int
     time_loop_s: float = np.nan
     highest_frequency: float = np.nan
-    snapshots: observers.Snapshots | None = None
+    snapshots: runner.Snapshots | None = None
 
 
 class ImpactStepper(runner.PlateStepper):
@@ -89,13 +89,13 @@ class ImpactStepper(runner.PlateStepper):
         """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
         points, wall = self.loop.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
-        arm = rigid_state.to_global(touch.angle) @ body
+        arm = inertia_relief.to_global(touch.angle) @ body
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
         if self.loop.wall is not None:
-            from fem.laws import elastic_wall
+            from fem.laws import wall_contact
 
-            wall = elastic_wall.at_rest(self.loop.wall)
+            wall = wall_contact.at_rest(self.loop.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
         return impact_loop.ImpactLoopState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
 
@@ -141,7 +141,7 @@ def simulate_impact(
     latest: float,
     finished: Callable[[ImpactRun], bool] = lambda run: False,
     progress: Callable[[float], None] = lambda now: None,
-    checkpoint: observers.Checkpoint | None = None,
+    checkpoint: runner.Checkpoint | None = None,
     snapshots: int = 0,
     duration: float | None = None,
 ) -> ImpactRun:
@@ -185,23 +185,23 @@ def simulate_impact(
     def over(rows: np.ndarray) -> bool:
         return not np.isfinite(rows[-1]).all() or finished(_run(stepper, rows, stride))
 
-    shapes = observers.Shapes(CHUNK)
-    keeper = observers.SnapshotKeeper(snapshots, (duration or latest) / interval, stepper.nodal)
+    shapes = runner.Shapes(CHUNK)
+    keeper = runner.SnapshotKeeper(snapshots, (duration or latest) / interval, stepper.nodal)
     watching: list[runner.Observer] = [
         shapes,
         *([keeper] if snapshots else []),
-        observers.Progress(progress, interval),
-        observers.Until(over, CHUNK),
+        runner.Progress(progress, interval),
+        runner.Until(over, CHUNK),
     ]
-    saver, touched = observers.Saver(checkpoint, watching), stepper.at_touch(touch)
+    saver, touched = runner.Saver(checkpoint, watching), stepper.at_touch(touch)
     total = max(1, -int(-latest // interval))
     state, made = saver.begun(stepper, touched, total, lambda: touched)
     began = time.perf_counter()
     rows, _, state = runner.run(stepper, state, stride, total, [*watching, saver], made)
     elapsed, run = time.perf_counter() - began, _run(stepper, rows, stride)
     seen = shapes.seen + ([state.positions] if (len(rows) - 1) % CHUNK else [])
-    looks = np.unique(np.linspace(0, len(seen) - 1, observers.LOOKS).astype(int))
-    frequency = observers.highest_frequency(model, [seen[k] for k in looks])
+    looks = np.unique(np.linspace(0, len(seen) - 1, runner.LOOKS).astype(int))
+    frequency = runner.highest_frequency(model, [seen[k] for k in looks])
     snaps = keeper.finished(run.history["t"], stepper.nodal(state)) if snapshots else None
     return replace(run, time_loop_s=elapsed, highest_frequency=frequency, snapshots=snaps)
 

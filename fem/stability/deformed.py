@@ -16,7 +16,7 @@ from fem.laws.materials import deformation_gradient, energy_density, green_strai
 from fem.machine_code.compiled import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.spectrum import largest_eigenpair
-from fem.start.rigid_state import to_global
+from fem.start.inertia_relief import to_global
 
 TOLERANCE, BASIS = 1e-4, 8
 """Residual over the eigenvalue at which Lanczos ends, and vectors that it keeps."""

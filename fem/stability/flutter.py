@@ -30,7 +30,7 @@ from fem.lazy import cached
 from fem.machine_code.compiled import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse
-from fem.start.rigid_state import RigidStart, to_global
+from fem.start.inertia_relief import RigidStart, to_global
 
 MAX_UNKNOWNS = 1200
 """Above this all modes cost more than many a run; a coarser mesh of the same plate then stands in."""

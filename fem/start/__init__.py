@@ -1,5 +1,5 @@
 """The plate at the first instant.
 
-`start_kinds` registers the kinds of start and places the plate; `rigid_state` has the rigid body's motion,
-accelerations and loads, `inertia_relief` the elastic state that belongs to them, at finite strain by `equilibrium`.
+`start_kinds` registers the kinds of start and places the plate; `inertia_relief` has the rigid body's
+motion, accelerations and loads, and the elastic state that belongs to them, at finite strain by Newton's method.
 """

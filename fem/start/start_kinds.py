@@ -24,7 +24,7 @@ from fem.registry import Registry
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
 
 
 @dataclass(frozen=True)
@@ -111,12 +111,12 @@ def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.nd
     positions, velocities : ndarray, shape (2, nodes)
         In the wall's frame [m], [m/s].
     """
-    from fem.start import rigid_state
+    from fem.start import inertia_relief
 
-    body = model.discretisation.positions - rigid_state.at_corner(model, model.discretisation.positions)
+    body = model.discretisation.positions - inertia_relief.at_corner(model, model.discretisation.positions)
     elastic, rate, gap, gap_rate, *others = START_KINDS[kind].fields(model, start, body)
     spin, speed = others or (start.omega, start.corner_speed)
-    turn = rigid_state.to_global(start.angle)
+    turn = inertia_relief.to_global(start.angle)
     arm = turn @ (body + elastic)
     positions = arm + np.array([[0.0], [gap]])
     velocities = turn @ rate + spin * np.array([-arm[1], arm[0]])

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.svg import chart, drawing, scale
+from postprocess.svg import chart, drawing
 from postprocess.svg.marks import Line
 
 History = Mapping[str, drawing.Floats]
@@ -144,7 +144,7 @@ def unit_with_power(unit: str, power: int) -> str:
     """A unit with a power of ten before it, or where it has one, with its prefix."""
     if power == 3 and unit in ("N", "J"):
         return "k" + unit
-    return f"10{str(power).translate(scale.SUPERSCRIPTS)} {unit}" if power else unit
+    return f"10{str(power).translate(drawing.SUPERSCRIPTS)} {unit}" if power else unit
 
 
 class Curve(NamedTuple):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.svg import chart, scale
+from postprocess.svg import chart, drawing
 from postprocess.svg.drawing import Floats
 from postprocess.svg.marks import Boxes, Line, Swatch, cells_about
 from postprocess.units import measure
@@ -53,8 +53,8 @@ class MapAxis:
         """Its axis, with ticks at round values."""
         cells = cells_about(self.places, not self.is_even)
         low, high = float(cells.min()), float(cells.max())
-        ticks = scale.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
-        named = list(zip(ticks, scale.tick_texts(ticks, not self.is_even), strict=True))
+        ticks = drawing.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
+        named = list(zip(ticks, drawing.tick_texts(ticks, not self.is_even), strict=True))
         if self.places[0] != self.values[0]:
             first = float(self.places[0])
             named = [(first, "0"), *(each for each in named if each[0] > 2.0 * first)]
@@ -75,7 +75,7 @@ def draw_map(
 
 
 def _rounded(value: float) -> str:
-    return scale.power_text(float(f"{value:.3g}"))
+    return drawing.power_text(float(f"{value:.3g}"))
 
 
 def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.report.table import Table
-from postprocess.svg import scale
+from postprocess.svg import drawing
 from postprocess.units import SI
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def prose(text: str) -> Any:
 def printed_numbers(text: str) -> str:
     """The text with powers of ten as such, a true minus, superscripts, and the letters ω, θ and μ by their names."""
     text = EXPONENT.sub(lambda found: _power(found[1], int(found[2])), text)
-    text = SQUARE.sub(lambda found: found[0][1:].translate(scale.SUPERSCRIPTS), MINUS.sub("−", text))
+    text = SQUARE.sub(lambda found: found[0][1:].translate(drawing.SUPERSCRIPTS), MINUS.sub("−", text))
     return LETTER.sub(lambda found: LETTERS[found[0]], text)
 
 
@@ -133,7 +133,7 @@ def _power(factor: str, power: int) -> str:
     if power in PLAIN:
         return f"{Decimal(f'{factor}e{power}'):{'+' if factor[0] == '+' else ''}f}"
     times = factor[:-1] if factor.lstrip("+-") == "1" else f"{factor}×"
-    return f"{times}10{str(power).translate(scale.SUPERSCRIPTS)}"
+    return f"{times}10{str(power).translate(drawing.SUPERSCRIPTS)}"
 
 
 def glued(text: str) -> str:

@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from postprocess.svg import drawing
+from postprocess.svg.drawing import Scale, fitted, tick_texts
 from postprocess.svg.marks import Level, Mark, found_ranges
-from postprocess.svg.scale import Scale, fitted, tick_texts
 from postprocess.units import SI, Units
 
 SIZE, SMALL = 12.0, 11.0

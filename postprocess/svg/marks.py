@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from postprocess.svg import drawing, scale
+from postprocess.svg import drawing
 from postprocess.units import measure
 
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
@@ -34,7 +34,7 @@ class Mark:
         changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
         return replace(self, **changed)  # type: ignore[type-var]
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """SVG elements."""
         return ""
 
@@ -60,7 +60,7 @@ class Line(Mark):
     values: Sequence[Any] = ()
     at: Sequence[str] = ()
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """A path, and dots at its points where it has any; of dots alone each is a stroke of no length."""
         places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
         sound = np.isfinite(places).all(axis=-1)
@@ -93,7 +93,7 @@ class Level(Mark):
     value: float
     colour: str = "difference"
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """The line; charts set the name, which may have to make room for others."""
         height = float(y.at(self.value))
         line = f'<path d="M{x.start:.2f} {height:.2f}H{x.end:.2f}" stroke-dasharray="5 2" '
@@ -113,7 +113,7 @@ class Words(Mark):
     anchor: str = "start"
     colour: str = "ink"
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """The text, with an edge that sets it off from lines."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
         return drawing.coloured(drawing.words(self.label, across, down, self.anchor, 10.0, HALO), self.colour)
@@ -165,7 +165,7 @@ class Layer(Mark):
     colour: str = "steel"
     strength: float = 0.7
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """The upper line forth, the lower line back."""
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
@@ -196,7 +196,7 @@ class Boxes(Mark):
     at: Sequence[str] = ()
     strength: float = 1.0
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """A path a colour, with a gap between boxes that are not small, and an unseen one through the centres."""
         left, right = np.sort(x.at(self.x)).T
         top, bottom = np.sort(y.at(self.y)).T
@@ -231,7 +231,7 @@ class Span(Mark):
     end: float
     colour: str = "soft"
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """The band, and the name at its top."""
         left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
         if self.start == self.end:
@@ -256,7 +256,7 @@ class Outline(Mark):
     fill: float = 0.04
     label: str = ""
 
-    def draw(self, x: scale.Scale, y: scale.Scale) -> str:
+    def draw(self, x: drawing.Scale, y: drawing.Scale) -> str:
         """A closed path."""
         edge = drawing.path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
@@ -289,14 +289,14 @@ class Shades:
 
     def colours(self, values: drawing.Floats) -> list[str]:
         """Colours of finite values, as "#rrggbb"."""
-        fraction = np.clip(scale.Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
+        fraction = np.clip(drawing.Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
         table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * drawing.viridis(COUNT)).astype(np.uint8)]
         return [table[number] for number in np.rint((COUNT - 1) * fraction).astype(int)]
 
     def keys(self, unit: str) -> list[Swatch]:
         """Round values for the legend, in this unit."""
-        ticks = scale.Scale(self.low, self.high, is_log=self.is_log).ticks(6)
-        texts = scale.tick_texts(ticks, self.is_log)
+        ticks = drawing.Scale(self.low, self.high, is_log=self.is_log).ticks(6)
+        texts = drawing.tick_texts(ticks, self.is_log)
         texts = [measure(tick, unit, "g") for tick in ticks] if unit else texts
         return [Swatch(*pair) for pair in zip(texts, self.colours(np.array(ticks)), strict=True)]
 

@@ -9,13 +9,14 @@ hinges; each states its error. Signs are those of `solver.MotionState`; SI units
 from solver.impact.solve import (
     ImpactMotion,
     Impacts,
+    Strike,
     Trajectories,
     solve_impact,
     solve_impacts,
     solve_trains,
+    strikes_of,
 )
 from solver.impact.step import Train
-from solver.impact.strikes import Strike, strikes_of
 from solver.impact.train import (
     CORNERS,
     CrushLaw,

@@ -22,7 +22,7 @@ from tailslap.campaign import records
 from tailslap.case import kind_of
 from tailslap.errors import InputError
 from tailslap.options import MAX_RUNS
-from tailslap.scene import read, validate, vary, write
+from tailslap.scene import read, vary, write
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source
 
@@ -170,7 +170,7 @@ def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
 
 
 def _scene(source: Source, changes: Changes) -> Scene:
-    return validate.key_by_key(vary.changed_tables(source.given, changes)[0])
+    return vary.key_by_key(vary.changed_tables(source.given, changes)[0])
 
 
 def _fixed(source: Source, changes: tuple[str, ...], keys: list[str]) -> Source:

@@ -12,11 +12,9 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.files import write_summary
 from postprocess.report.page import Page, Section, write_page
-from postprocess.report.report import page_in_units
-from postprocess.report.table import Column, Table
-from postprocess.report.terminal import place_line, printed
+from postprocess.report.report import page_in_units, place_line, printed
+from postprocess.report.table import Column, Table, write_summary
 from postprocess.units import SYSTEMS, Units, measure
 from tailslap.campaign.definition import Definition, Variation
 from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import tailslap
 from fem import lazy
-from postprocess.report import files
+from postprocess.report import table
 from tailslap.campaign.definition import Definition, plain
 from tailslap.campaign.engine import CampaignEffort
 from tailslap.campaign.records import Records
@@ -89,7 +89,7 @@ def write_table(folder: Path, definition: Definition, rows: Records) -> Path:
     import pyarrow.parquet as pq
 
     schema = table_schema(definition, sorted(name for name in rows.columns if name.startswith("check.")))
-    path, found = folder / TABLE, map(files.plain, rows.in_order())
+    path, found = folder / TABLE, map(table.plain, rows.in_order())
     with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         while chunk := list(itertools.islice(found, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))

@@ -14,16 +14,15 @@ from postprocess import units
 from postprocess.fields import series
 from postprocess.report.page import Page, Section
 from postprocess.report.table import Column, Table, pairs
-from postprocess.signals.design_forces import design_forces
+from postprocess.signals.filters import design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
-from tailslap.case.case import Case, FePlan, Outcome
-from tailslap.case.checks import Check
+from tailslap.case.case import Case, Check, FePlan, Outcome
 from tailslap.scene import write
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
-    from fem.run.observers import Snapshots
+    from fem.run.runner import Snapshots
     from tailslap.scene.schema import Scene
 
 LABEL = 13
@@ -329,7 +328,7 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> series.FieldSeries:
 
 def series_of_ends(outcome: Any) -> series.FieldSeries:
     """Fields at the start and at the tail-slap of a run that reached it."""
-    from fem.run.observers import Snapshots
+    from fem.run.runner import Snapshots
     from fem.start import start_kinds
 
     plan, strike = outcome.fe_plan, outcome.run.strike

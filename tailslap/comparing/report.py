@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import tailslap
-from postprocess.comparison.metrics import LIMITS, Beside, beside
-from postprocess.comparison.quantities import QUANTITIES
+from postprocess.comparison.quantities import LIMITS, QUANTITIES, Beside, beside
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report

@@ -30,8 +30,7 @@ from tailslap.files import manifest
 from tailslap.files.folder import resolved
 
 if TYPE_CHECKING:
-    from fem.run.observers import Checkpoint
-    from fem.run.runner import Arrays, Sizes
+    from fem.run.runner import Arrays, Checkpoint, Sizes
 
 SAVE_S, MAX_SHARE = 10.0, 0.02
 """Seconds between checkpoints, and the fraction of a run's time that they may take."""

@@ -67,7 +67,7 @@ def export(
     >>> tailslap.export(result, "vtkhdf", "results/paraview")  # doctest: +SKIP
     PosixPath('results/paraview/fields.vtkhdf')
     """
-    from postprocess.fields import contours, formats, series
+    from postprocess.fields import contours, series
     from tailslap.files.folder import result_folder
     from tailslap.files.manifest import Origin
 
@@ -91,7 +91,7 @@ def export(
                 else:
                     contours.animate(unfinished / f"{name}.gif", fields, name, magnify, system)
         else:
-            getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
+            getattr(series, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
 
 
@@ -107,9 +107,9 @@ def _units(to: str, units: str) -> Units:
 
 
 def _write_tables(found: Result, to: str, folder: Path) -> None:
-    from postprocess.fields import formats, series
+    from postprocess.fields import series
 
-    write, names = getattr(formats, f"write_{to}"), {FE: "history", RIGID: "rigid"}
+    write, names = getattr(series, f"write_{to}"), {FE: "history", RIGID: "rigid"}
     if not found.histories:
         raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed is a run or a sweep")
     for label, columns in found.histories.items():

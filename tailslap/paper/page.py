@@ -23,7 +23,7 @@ from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Line
 from postprocess.units import percent
 from tailslap.case.report import footer
-from tailslap.paper import data, tables
+from tailslap.paper import tables
 from tailslap.paper.tables import FIGURES, Numbers
 
 NAMES = {"theta": ComparedQuantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
@@ -60,7 +60,7 @@ def paper_report(found: Numbers) -> Report:
     column = found["table_3"]["analytical"]
     off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     page = Page(
-        kicker=data.PAPER,
+        kicker=tables.PAPER,
         title="The paper's tables and figures, computed beside printed",
         headline=f"Velocities and slide of Table 3's analytical column are met to {100 * off:.2f} %. {DIFFERENCE}",
         sections=parts,
@@ -68,16 +68,16 @@ def paper_report(found: Numbers) -> Report:
         contents=True,
     )
     curves = {f"figures_10_to_14_{name}.csv": course for name, course in courses.items()}
-    opening = f"{data.PAPER}\nComputed beside printed. {DIFFERENCE}"
+    opening = f"{tables.PAPER}\nComputed beside printed. {DIFFERENCE}"
     return Report(page, summary(found), (opening, "", *parts), histories=curves)
 
 
 def summary(found: Numbers) -> dict[str, Any]:
     """The numbers, SI. The curves of the figures are left out: they stand in files of their own."""
     inputs = {
-        item.name: {"given": item.given, "value": item.value, "unit": item.unit} for item in data.INPUTS
+        item.name: {"given": item.given, "value": item.value, "unit": item.unit} for item in tables.INPUTS
     }
-    head = {"version": tailslap.__version__, "paper": data.PAPER, "inputs": inputs, "start": data.START}
+    head = {"version": tailslap.__version__, "paper": tables.PAPER, "inputs": inputs, "start": tables.START}
     return head | found
 
 
@@ -132,35 +132,35 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
     )
     its = found["derived"]
     follows = (
-        data.Input("gamma", "γ", "Corner angle, atan(B/L)", "", its["gamma"], "rad", "Eq 63"),
-        data.Input("phi", "φ", "Angle between wall and PG, θ + γ", "", its["phi"], "rad", "Eq 63"),
-        data.Input("beta", "β", "Direction of the impulse, atan(1/μ_k)", "", its["beta"], "rad", "Eq 7"),
-        data.Input(
+        tables.Input("gamma", "γ", "Corner angle, atan(B/L)", "", its["gamma"], "rad", "Eq 63"),
+        tables.Input("phi", "φ", "Angle between wall and PG, θ + γ", "", its["phi"], "rad", "Eq 63"),
+        tables.Input("beta", "β", "Direction of the impulse, atan(1/μ_k)", "", its["beta"], "rad", "Eq 7"),
+        tables.Input(
             "corner_radius", "r_PG", "Corner to centre of mass", "", its["corner_radius"], "m", "Eq 15"
         ),
-        data.Input("inertia", "I_G", "Moment of inertia", "", its["moment_of_inertia"], "kg m²", "Eq 26"),
+        tables.Input("inertia", "I_G", "Moment of inertia", "", its["moment_of_inertia"], "kg m²", "Eq 26"),
     )
     starts = (
         Column("from", "Stage 1"),
         *computed("omega", ".6f", "ω_0 [rad/s]"),
         *computed("corner_speed", ".6f", "v_P0 [m/s]"),
-        *computed("lateral_speed", scaled(data.KM_PER_HOUR, ".3f"), "v_0 sin θ [km/h]"),
+        *computed("lateral_speed", scaled(tables.KM_PER_HOUR, ".3f"), "v_0 sin θ [km/h]"),
     )
     rows = [{"from": name, **start} for name, start in found["starts"].items()]
     speed = found["implied_speed"]
     note = (
-        f"Printed: ω_0 = {data.START['omega']:g} rad/s, v_P0 = {data.START['corner_speed']:g} m/s, v_0 sin θ = "
-        f"{data.LATERAL_SPEED / data.KM_PER_HOUR:g} km/h. This v_P0 is reached from {speed:.4f} m/s, that is "
-        f"{speed / data.MPH:.3f} mph or {speed / data.KM_PER_HOUR:.3f} km/h."
+        f"Printed: ω_0 = {tables.START['omega']:g} rad/s, v_P0 = {tables.START['corner_speed']:g} m/s, v_0 sin θ = "
+        f"{tables.LATERAL_SPEED / tables.KM_PER_HOUR:g} km/h. This v_P0 is reached from {speed:.4f} m/s, that is "
+        f"{speed / tables.MPH:.3f} mph or {speed / tables.KM_PER_HOUR:.3f} km/h."
     )
     title = "The printed start of Stage 2, computed from 56 mph and from 90 km/h"
-    inputs = Table(columns, (*data.INPUTS, *follows), "Inputs, and what follows from them")
+    inputs = Table(columns, (*tables.INPUTS, *follows), "Inputs, and what follows from them")
     return inputs, Table(starts, rows, title, (note,))
 
 
 def table_3(found: Numbers) -> tuple[Table, Table]:
     """The analytical column beside the motion with friction from three starts; ABAQUS's beside both motions."""
-    start, force = data.START, found["peak_force"]
+    start, force = tables.START, found["peak_force"]
     analytical = {"analytical": "as printed", "analytical_56": "from 56 mph", "analytical_15": "56 mph, 15°"}
     abaqus = {
         "abaqus": "none, θ = 0",
@@ -177,7 +177,7 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
     )
     note = (
         'The printed start without friction ("none") at θ = 0 and at an earlier instant; last, the motion with '
-        f"friction at the instant at which its corner has slid the printed {data.ABAQUS['slide']:g} m."
+        f"friction at the instant at which its corner has slid the printed {tables.ABAQUS['slide']:g} m."
     )
 
     def table(title: str, columns: dict[str, str], notes: tuple[str, ...]) -> Table:
@@ -236,7 +236,7 @@ def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False
 
     known: row b with the speed and angle of its test. repeated: the notes are those of the table before.
     """
-    source = f"row b, computed with the {data.ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
+    source = f"row b, computed with the {tables.ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
     marked = known | {"printed": known["printed"] | {"row": "b*", "source": source}}
     lines, exact = [*rows[:2], marked, *rows[2:]], f"{known['ratio']['computed']:.4f}"
     _, ratio = computed("ratio", group="ratio", decimals=1)
@@ -275,7 +275,7 @@ def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False
 
 
 def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
-    for i, e in enumerate(data.RESTITUTIONS):
+    for i, e in enumerate(tables.RESTITUTIONS):
         yield printed(f"{key}.{i}", first, f"e = {e:g}")
         yield from computed(f"{key}.{i}", second, f"e = {e:g}", 1)
 

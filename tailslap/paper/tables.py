@@ -3,6 +3,8 @@
 A printed number and its own stand in a cell {"printed", "computed", "difference"}; difference: computed/printed - 1.
 The paper gives neither mass nor speed nor length of the six vehicles of Tables 4 and 5, so that every row of these is
 computed with the vehicle and impact of Table 1, at 56 mph, and differs from its neighbours by the pulse's duration.
+
+The numbers that they print stand first, in SI, each with its place in the paper. Table 3 stands in `postprocess.comparison`, whose v_GY carries this program's sign, negative towards the wall.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from postprocess.comparison.quantities import PAPER_TABLE_3
 from solver import (
     CONVENTIONS,
     ImpulseResult,
@@ -28,8 +31,97 @@ from solver import (
 )
 from solver.impact import CrushLaw, ImpactMotion, ImpactVehicle, WallContact, first_touch, solve_impact
 from tailslap.case.impact.answers import rigid_answer
-from tailslap.paper import data
-from tailslap.paper.data import ABAQUS, ANALYTICAL, ANGLE, FRICTION, LENGTH, MASS, RESTITUTION, WIDTH
+
+PAPER = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307"
+MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6  # m/s
+
+
+class Input(NamedTuple):
+    """An input of the analysis: name, symbol and words; as the paper gives it; in SI with its unit; where."""
+
+    name: str
+    symbol: str
+    title: str
+    given: str
+    value: float
+    unit: str
+    place: str = "Table 1"
+
+
+INPUTS = (
+    Input("speed", "V_I", "Impact speed", "90 km/h", 90.0 * KM_PER_HOUR, "m/s"),
+    Input("angle", "θ", "Impact angle", "15 deg", math.radians(15.0), "rad"),
+    Input("mass", "W", "Vehicle weight", "9979 kg", 9979.0, "kg"),
+    Input("width", "B", "Vehicle width", "2438 mm", 2.438, "m"),
+    Input("length", "L", "Vehicle length", "10,000 mm", 10.0, "m"),
+    Input("friction", "μ_k", "Coefficient of friction", "0.47", 0.47, "", "Section 3.1.1"),
+    Input("restitution", "e", "Coefficient of restitution", "0.22", 0.22, "", "Section 3.1.1"),
+)
+SPEED, ANGLE, MASS, WIDTH, LENGTH, FRICTION, RESTITUTION = (item.value for item in INPUTS)
+START = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053}  # theta_0, omega_0, v_P0, Section 3.1.1
+FEA_SPEED = 25.0  # m/s, V_x in Table 2, where Section 3.1.2 says 25,053 mm/s
+LATERAL_SPEED = 23.3 * KM_PER_HOUR  # m/s, v_0 sin(theta) in Section 3.1.1
+ANALYTICAL, ABAQUS = PAPER_TABLE_3["analytical"], PAPER_TABLE_3["abaqus"]  # Table 3
+CHART_TIME, CHART_V_GY = 0.38, -3.274  # s, Figure 10 at theta = 0; m/s, Figure 11 then (Section 3.1.1)
+PULSE = 0.1  # s, "a reasonable estimate ... in most cases" (Section 3.2)
+
+
+class ForceRow(NamedTuple):
+    """A row of Table 4 or 5; forces in N, pairs for e = 0.22 and e = 0.
+
+    duration: of the second pulse [s]; measured: by crash test or finite elements; projected: 1.33 times the
+    50 ms average, by the authors; peak: analytical, F_lat,peak; factor: adjustment factor phi_a.
+    """
+
+    row: str
+    source: str
+    duration: float
+    measured: float
+    peak: tuple[float, float]
+    factor: tuple[float, float]
+    projected: bool = False
+
+
+SOURCES = {
+    "a": "MwRSF TRP-03-415-21, crash test",
+    "b": "MwRSF TRP-03-403-21, crash test",
+    "c": "NCHRP 22-20(02), tall vertical wall, FEA",
+    "d": "NCHRP 22-20(02), 42 in. barrier, FEA",
+    "e": "TTI 9-1002-5, FEA",
+    "f": "Cao et al., FEA",
+}
+
+
+def _row(
+    row: str, duration: float, forces: tuple[float, ...], factor: tuple[float, float], projected: bool = False
+) -> ForceRow:
+    """A row of the forces in kN."""
+    measured, elastic, plastic = (1e3 * force for force in forces)
+    return ForceRow(row, SOURCES[row], duration, measured, (elastic, plastic), factor, projected)
+
+
+TABLE_4 = (  # 50 ms average
+    _row("a", 0.1, (680.0, 707.0, 898.5), (1.04, 1.32)),
+    _row("b", 0.1, (595.0, 680.0, 872.0), (1.14, 1.46)),
+    _row("c", 0.1, (415.0, 609.0, 783.0), (1.47, 1.89)),
+    _row("d", 0.08, (351.0, 765.0, 978.0), (2.17, 2.78)),
+    _row("e", 0.1, (360.0, 614.0, 796.0), (1.7, 2.21)),
+    _row("f", 0.18, (375.0, 351.0, 440.0), (0.94, 1.17)),
+)
+TABLE_5 = (  # SAE-filtered
+    _row("a", 0.1, (904.0, 707.0, 898.5), (0.78, 0.99), projected=True),
+    _row("b", 0.1, (791.0, 680.0, 872.0), (0.86, 1.1), projected=True),
+    _row("c", 0.1, (552.0, 609.0, 783.0), (1.1, 1.42), projected=True),
+    _row("d", 0.08, (467.0, 765.0, 978.0), (1.64, 2.09), projected=True),
+    _row("e", 0.1, (479.0, 614.0, 796.0), (1.28, 1.66), projected=True),
+    _row("f", 0.16, (500.0, 396.0, 494.0), (0.79, 0.99)),
+)
+RESTITUTIONS = (RESTITUTION, 0.0)  # of the pairs in Tables 4 and 5
+FACTOR_RANGE_PLASTIC = (1.32, 2.78)  # Section 3.2: phi_a of Table 4 for e = 0, "for those test conditions"
+
+# Not in the paper: the test behind row b, MNCBR-1, as its report's abstract gives it.
+ROW_B_SPEED, ROW_B_ANGLE, ROW_B_GIVEN = 57.4 * MPH, math.radians(15.4), "57.4 mph and 15.4 deg"
+
 
 Cell = dict[str, float]
 Numbers = dict[str, Any]
@@ -37,8 +129,8 @@ Numbers = dict[str, Any]
 TRUCK = RectangularBody(LENGTH, WIDTH, MASS)
 IMPACT_TRUCK = ImpactVehicle(LENGTH, WIDTH, MASS)
 
-MASH_SPEED = 56.0 * data.MPH
-SPEEDS = {"56 mph": MASH_SPEED, "90 km/h": data.SPEED}
+MASH_SPEED = 56.0 * MPH
+SPEEDS = {"56 mph": MASH_SPEED, "90 km/h": SPEED}
 """Speeds that the start may have been computed from [m/s]: MASH's for the truck, and its printed metric rounding."""
 
 FIGURES = {10: "theta", 11: "v_gy", 12: "v_gx", 13: "omega", 14: "slide"}
@@ -71,11 +163,9 @@ def review() -> Numbers:
         "table_1": table_1(),
         "table_3": table_3(),
         "figures": figures(),
-        "table_4": [force_row(row) for row in data.TABLE_4],
-        "table_5": [force_row(row) for row in data.TABLE_5],
-        "row_b": [
-            force_row(table[1], data.ROW_B_SPEED, data.ROW_B_ANGLE) for table in (data.TABLE_4, data.TABLE_5)
-        ],
+        "table_4": [force_row(row) for row in TABLE_4],
+        "table_5": [force_row(row) for row in TABLE_5],
+        "row_b": [force_row(table[1], ROW_B_SPEED, ROW_B_ANGLE) for table in (TABLE_4, TABLE_5)],
         "earlier": earlier_methods(),
         "reaction": reaction(),
         "restitution": restitutions(),
@@ -97,7 +187,7 @@ def stages(
     angle: float = ANGLE,
     restitution: float = RESTITUTION,
     convention: str = "paper",
-    duration: float = data.PULSE,
+    duration: float = PULSE,
     start_angle: float | None = None,
 ) -> Stages:
     """All three stages for the truck of Table 1, friction as in Eqs 66-67.
@@ -111,9 +201,9 @@ def stages(
     return Stages(stage1, strike, strike_force(MASS, strike.v_gy, duration).peak_force)
 
 
-def printed_motion(reaction: str = "drag", corner_speed: float = data.START["corner_speed"]) -> PlaneMotion:
+def printed_motion(reaction: str = "drag", corner_speed: float = START["corner_speed"]) -> PlaneMotion:
     """Stage 2 from the start that the paper prints; corner_speed [m/s]."""
-    return plane_motion(TRUCK, data.START["angle"], data.START["omega"], corner_speed, FRICTION, reaction)
+    return plane_motion(TRUCK, START["angle"], START["omega"], corner_speed, FRICTION, reaction)
 
 
 def table_1() -> Numbers:
@@ -126,9 +216,9 @@ def table_1() -> Numbers:
         stage1, _, peak_force = stages(speed)
         starts[name] = {
             "speed": speed,
-            "omega": beside(data.START["omega"], stage1.omega),
-            "corner_speed": beside(data.START["corner_speed"], stage1.corner_speed),
-            "lateral_speed": beside(data.LATERAL_SPEED, speed * math.sin(ANGLE)),
+            "omega": beside(START["omega"], stage1.omega),
+            "corner_speed": beside(START["corner_speed"], stage1.corner_speed),
+            "lateral_speed": beside(LATERAL_SPEED, speed * math.sin(ANGLE)),
             "impulse": stage1.impulse,
             "peak_force": peak_force,
         }
@@ -140,7 +230,7 @@ def table_1() -> Numbers:
         "moment_of_inertia": TRUCK.moment_of_inertia,
     }
     unit = stages(1.0).stage1  # velocities are proportional to the speed
-    implied = data.START["corner_speed"] / unit.corner_speed
+    implied = START["corner_speed"] / unit.corner_speed
     return {"derived": derived, "starts": starts, "implied_speed": implied}
 
 
@@ -159,7 +249,7 @@ def table_3() -> Numbers:
     crossing = drag.at(instant(drag, "v_gx", ABAQUS["v_gx"]))
     columns = {
         "analytical": (ANALYTICAL, drag.strike),
-        "analytical_56": (ANALYTICAL, stages(start_angle=data.START["angle"]).strike),
+        "analytical_56": (ANALYTICAL, stages(start_angle=START["angle"]).strike),
         "analytical_15": (ANALYTICAL, stages().strike),
         "abaqus": (ABAQUS, none.strike),
         "abaqus_read": (ABAQUS, none.at(reading)),
@@ -169,12 +259,12 @@ def table_3() -> Numbers:
         name: {key: beside(value, getattr(state, key)) for key, value in printed.items()}
         for name, (printed, state) in columns.items()
     }
-    forces = (strike_force(MASS, v, data.PULSE).peak_force for v in (ANALYTICAL["v_gy"], drag.strike.v_gy))
+    forces = (strike_force(MASS, v, PULSE).peak_force for v in (ANALYTICAL["v_gy"], drag.strike.v_gy))
     return cells | {
         "reading": reading,
         "slide_at_printed_time": float(none.at(ABAQUS["t"]).slide),
         "crossing": [float(crossing.t), float(crossing.slide)],
-        "v_gx_25": float(printed_motion("none", data.FEA_SPEED).strike.v_gx),
+        "v_gx_25": float(printed_motion("none", FEA_SPEED).strike.v_gx),
         "peak_force": beside(*forces),
     }
 
@@ -197,8 +287,8 @@ def figures() -> Numbers:
     drag = printed_motion()
     strike = drag.strike
     charts = [
-        (10, "t", "θ = 0", data.CHART_TIME, strike.t),
-        (11, "v_gy", f"t = {data.CHART_TIME} s", data.CHART_V_GY, float(drag.at(data.CHART_TIME).v_gy)),
+        (10, "t", "θ = 0", CHART_TIME, strike.t),
+        (11, "v_gy", f"t = {CHART_TIME} s", CHART_V_GY, float(drag.at(CHART_TIME).v_gy)),
     ]
     at_strike = [
         (number, name, "θ = 0", ANALYTICAL[name], getattr(strike, name))
@@ -222,20 +312,20 @@ def course(reaction: str, instants: np.ndarray | None = None) -> dict[str, np.nd
 
 def marks(name: str) -> dict[str, tuple[tuple[float, float], ...]]:
     """Printed points (t [s], value in SI) of a quantity of FIGURES: the start's, and those of Table 3's columns."""
-    starts = {"theta": data.START["angle"], "omega": data.START["omega"], "slide": 0.0}
+    starts = {"theta": START["angle"], "omega": START["omega"], "slide": 0.0}
     analytical = [(0.0, starts[name])] if name in starts else []
-    analytical.append((data.CHART_TIME, 0.0) if name == "theta" else (ANALYTICAL["t"], ANALYTICAL[name]))
+    analytical.append((CHART_TIME, 0.0) if name == "theta" else (ANALYTICAL["t"], ANALYTICAL[name]))
     return {"paper": tuple(analytical), "ABAQUS": ((ABAQUS["t"], ABAQUS[name]),) if name in ABAQUS else ()}
 
 
-def force_row(row: data.ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) -> Numbers:
+def force_row(row: ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) -> Numbers:
     """A row of Table 4 or 5 and what is computed for a speed [m/s] and an angle [rad]; pairs for e = 0.22 and e = 0.
 
     peak [N]; factor: phi_a. ratio: printed F(e = 0)/F(e = 0.22) beside the exact 1/(1 - e). rounds: whether rounding
     of the printed forces explains that ratio. factor_of_print: the row's own printed forces over its measured one.
     impulse: F dt/2 of the printed force for e = 0.22 [N s].
     """
-    computed = [stages(speed, angle, e, duration=row.duration).peak_force for e in data.RESTITUTIONS]
+    computed = [stages(speed, angle, e, duration=row.duration).peak_force for e in RESTITUTIONS]
     elastic, plastic = row.peak
     exact, half = 1.0 / (1.0 - RESTITUTION), 500.0  # forces are printed to the kilonewton
     return {

@@ -1,9 +1,13 @@
-"""The scene: what a TOML file may say. SI after validation; a table that is None is a part left out."""
+"""The scene: what a TOML file may say. SI after validation; a table that is None is a part left out.
+
+Meaning of each key of a scene, in a line; unit, bounds and default are the schema's.
+"""
 
 from __future__ import annotations
 
 import math
 import re
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -338,3 +342,70 @@ class Scene(SceneTable):
         given = self.corner.friction
         given = self.impact.friction if given is None and self.impact else given
         return math.nan if given is None else given
+
+
+MEANINGS = MappingProxyType(
+    {
+        "name": "names the result folder",
+        "vehicle.length": "of the rectangle, along the direction of travel",
+        "vehicle.width": "of the rectangle",
+        "vehicle.mass": "of the vehicle",
+        "vehicle.centre_of_mass": "behind the front, of a whole impact; if left out half the length",
+        "vehicle.yaw_inertia": "about the centre of mass, of a whole impact; if left out the uniform rectangle's",
+        "impact.speed": "before the impact",
+        "impact.angle": "between the vehicle's side and the wall",
+        "impact.friction": "between the front corner and the wall, in Stage 1",
+        "impact.restitution": "of the front corner, in Stage 1",
+        "impact.convention": "of restitution: the paper's (1 - e) or Newton's (1 + e)",
+        "impact.test_level": "of MASH; design forces of this level stand beside the result",
+        "start.angle": "between side and wall where Stage 2 starts, in place of Stage 1's",
+        "start.omega": "angular velocity where Stage 2 starts, in place of Stage 1's",
+        "start.corner_speed": "of the corner along the wall where Stage 2 starts, in place of Stage 1's",
+        "corner.reaction": "friction law of the corner that slides",
+        "corner.friction": "of the corner that slides; if left out impact.friction",
+        "corner.constraint": "how the FE model holds the corner on the wall",
+        "corner.penalty_scale": "stiffness of the corner's spring, times the program's own choice",
+        "corner.damping_ratio": "of the corner's spring, to critical",
+        "corner.patch_length": "length of side over which the corner is held; if left out one node",
+        "contact.stiffness": "of the crush law of each corner; if left out nothing crushes",
+        "contact.initial_force": "of the crush law, at no crush",
+        "contact.restitution": "its square is the fraction of the crush energy that is given back",
+        "contact.friction": "between vehicle and wall",
+        "contact.side_stiffness": "of a layer along the sides; if left out the corners alone touch",
+        "contact.patch_length": "length of side over which a corner's force is spread",
+        "contact.enforcement": "of contact that does not crush",
+        "contact.penalty_scale": "stiffness of the penalty, times the program's own choice",
+        "strike.duration": "of the tail-slap in Stage 3",
+        "plate.thickness": "of the FE plate",
+        "plate.density": "if left out the vehicle's mass spread over the plate",
+        "plate.youngs_modulus": "of the plate; this or first_frequency",
+        "plate.first_frequency": "of the free plate in its plane, which gives the modulus",
+        "plate.poissons_ratio": "of the plate",
+        "plate.elements": "along and across; if left out the program chooses",
+        "plate.element": "kind of element",
+        "plate.distortion": "of the mesh, as a fraction of the element's size",
+        "plate.lumping": "how the mass is put on the nodes",
+        "plate.start": "elastic state at the start",
+        "material.law": "of the plate",
+        "damping.kind": "of the plate's elastic motion; if left out the program decides",
+        "damping.rate": "of the elastic velocities",
+        "damping.ratio": "in proportion to stiffness, to critical at the highest frequency",
+        "damping.bulk_viscosity": "linear",
+        "verify.tolerance": "largest difference from the rigid motion that the scene allows",
+        "verify.mesh": "largest numerical error of a strike's peak, impulse, 50 ms mean and duration",
+        "verify.companion": "whether a run states its numerical error, by runs on other meshes",
+        "time.safety_factor": "time step over the stable one",
+        "time.rows": "of the history",
+        "time.threads": "of the time loop",
+        "time.end": "of a whole impact; if left out 0.1 s after the second strike",
+        "output.fields": "instants of a run at which displacement, velocity and stress of the plate are kept",
+        "wall.length": "of the wall's mesh",
+        "wall.depth": "of the wall's mesh",
+        "wall.elements": "along and across",
+        "wall.height": "of a wall that gives",
+        "wall.foundation_stiffness": "of a wall that gives, along it",
+        "wall.density": "of the wall",
+        "wall.youngs_modulus": "of the wall",
+        "wall.poissons_ratio": "of the wall",
+    }
+)

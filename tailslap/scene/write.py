@@ -14,11 +14,10 @@ from pydantic.fields import FieldInfo
 
 from fem.laws import materials
 from tailslap.errors import InputError
-from tailslap.scene import meanings
+from tailslap.scene import schema
 from tailslap.scene.schema import Plate, Scene, SceneTable
 from tailslap.scene.units import Quantity
-from tailslap.scene.validate import validate
-from tailslap.scene.vary import Source
+from tailslap.scene.vary import Source, validate
 
 
 def scene_text(source: Source) -> str:
@@ -107,7 +106,7 @@ def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:
     front = "" if given is not None else "# "
     return (
         f"{front}{name} = {(values or [example(field)])[0]}".ljust(34)
-        + f"  # {meanings.MEANINGS[f'{table}.{name}']}"
+        + f"  # {schema.MEANINGS[f'{table}.{name}']}"
     )
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tailslap.case.checks import CheckKind, Evaluation
+from tailslap.case.case import CheckKind, Evaluation
 from tailslap.case.corner.checks import CHECKS, Evidence
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from fem.laws.friction import FRICTION_LAWS, Drag, Signed
 from fem.run.corner import Stepper
-from tailslap.case.checks import evaluated
+from tailslap.case.case import evaluated
 from tailslap.case.corner import model
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import CHECKS, Evidence

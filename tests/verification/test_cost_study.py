@@ -5,8 +5,7 @@ import math
 
 import pytest
 
-from postprocess.comparison.metrics import grid_convergence
-from postprocess.comparison.quantities import largest_relative
+from postprocess.comparison.quantities import grid_convergence, largest_relative
 from postprocess.report.report import write_report
 from tailslap.case import case_of
 from tailslap.cli import _status

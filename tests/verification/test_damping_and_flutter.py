@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.explicit.elastic_damping import SUMS, ElasticDamping, damp, damped_time_step
+from fem.explicit.internal_force import SUMS, ElasticDamping, damp, damped_time_step
 from fem.laws.constraints import Exact
 from fem.laws.friction import friction_slope
 from fem.plate.elements import stiffness_matrix
 from fem.run.corner import Stepper, simulate
 from fem.stability import flutter
-from fem.start.rigid_state import RigidStart, to_global
+from fem.start.inertia_relief import RigidStart, to_global
 from tailslap.case.corner import case, decisions
 from tailslap.case.corner.decisions import REQUIRED_DAMPING
 from tailslap.scene.read import read_scene

@@ -10,12 +10,12 @@ import tomllib
 import click
 import pytest
 
+from postprocess.report.report import labelled, printed, table_lines
 from postprocess.report.table import Column, Table
-from postprocess.report.terminal import labelled, printed, table_lines
 from tailslap import cli, errors
-from tailslap.scene import meanings, read, write
+from tailslap.scene import read, schema, write
 from tailslap.scene.schema import Scene, SceneTable
-from tailslap.scene.validate import validate
+from tailslap.scene.vary import validate
 
 QUICK = (
     ("scenes",), ("rigid", "mash-tl4-sut"), ("rigid", "mash-tl4-sut", "--units", "us"),
@@ -88,7 +88,7 @@ def test_labels_hang(monkeypatch):
 
 
 def test_paths_are_not_broken(monkeypatch):
-    from postprocess.report.terminal import place_line
+    from postprocess.report.report import place_line
 
     monkeypatch.setenv("COLUMNS", "40")
     path = "/a folder/" + "x" * 60
@@ -170,21 +170,21 @@ def scene_keys():
 
 
 def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
-    assert set(meanings.MEANINGS) == scene_keys()
+    assert set(schema.MEANINGS) == scene_keys()
     text = write.new_scene("my-truck")
     assert validate(tomllib.loads(text)).name == "my-truck"
     bare = [line.lstrip("# ") for line in text.splitlines()]
-    for key in meanings.MEANINGS:
+    for key in schema.MEANINGS:
         assert any(line.startswith(f"{key.rpartition('.')[2]} = ") for line in bare), key
     everything = "\n".join([line for line in bare if "=" in line or line.startswith("[")])
     tables = tomllib.loads(everything)
     keys = {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys}
-    assert keys | {"name"} == set(meanings.MEANINGS)
+    assert keys | {"name"} == set(schema.MEANINGS)
 
 
 def test_examples_in_a_new_scene_are_allowed():
     """Each example by itself, in the table that it stands in."""
-    from tailslap.scene.validate import key_by_key
+    from tailslap.scene.vary import key_by_key
 
     text = "\n".join(line.lstrip("# ") for line in write.new_scene("x").splitlines()[1:])
     key_by_key(tomllib.loads(text))

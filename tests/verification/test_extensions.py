@@ -17,7 +17,7 @@ from fem.registry import Registry
 from fem.start.inertia_relief import statics
 from postprocess.report.report import write_report
 from solver import REACTIONS
-from tailslap.case.checks import advice
+from tailslap.case.case import advice
 from tailslap.case.corner import case, report
 from tailslap.case.corner.checks import CHECKS
 from tailslap.errors import InputError
@@ -122,7 +122,7 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
 
 
 def test_a_check_from_outside_can_fail(result):
-    from tailslap.case.checks import evaluated
+    from tailslap.case.case import evaluated
     from tailslap.case.corner.checks import Evidence
 
     history = result.run.history | {"height": -result.run.history["height"]}

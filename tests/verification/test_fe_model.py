@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem.laws.constraints import Penalty
-from fem.laws.corner import CornerConstraint, add_corner_reaction
+from fem.laws.constraints import CornerConstraint, Penalty, add_corner_reaction
 from fem.laws.friction import Drag, Signed
 from fem.plate.elements import discretise
 from fem.plate.kinds import exact_inertia_masses, row_sum_masses
 from fem.plate.spectrum import Spectrum, hold_of
 from fem.run.corner import Stepper
-from fem.start.rigid_state import RigidStart
+from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh
 
 DENSITY, THICKNESS = 7800.0, 0.053

@@ -13,7 +13,7 @@ from fem.explicit.time_loop import copy_state
 from fem.laws import constraints, materials
 from fem.laws.friction import Drag
 from fem.run.corner import Stepper
-from fem.start.rigid_state import RigidStart
+from fem.start.inertia_relief import RigidStart
 from meshes import distorted, plate_mesh
 from tailslap.cli import _status
 from tailslap.scene.read import read_scene

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from postprocess.figures import animation, impact
+from postprocess.figures import impact
 
 T = np.linspace(0.0, 0.5, 5001)
 STRIKES = (
@@ -121,14 +121,14 @@ def test_contact_of_one_instant_is_seen():
     assert len(svg) < len(plain) + 1500
 
 
-@pytest.mark.parametrize(("instants", "frames"), [(7, 7), (animation.MAX_FRAMES + 30, animation.MAX_FRAMES)])
+@pytest.mark.parametrize(("instants", "frames"), [(7, 7), (impact.MAX_FRAMES + 30, impact.MAX_FRAMES)])
 def test_animation(tmp_path, instants, frames):
     """As many frames as instants, at most MAX_FRAMES; about ten times slower than the impact; the vehicle moves."""
     from PIL import Image
 
     t = np.linspace(0.0, 0.3, instants)
     outlines = impact.vehicle_outlines(25.0 * t, 2.5 - t, 0.26 - t / 2.0, 10.0, 2.4, 5.0)
-    path = animation.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
+    path = impact.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
     assert path == tmp_path / "impact.gif"
     with Image.open(path) as film:
         assert film.n_frames == frames

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tailslap import cli, errors
-from tailslap.case.checks import evaluated
+from tailslap.case.case import evaluated
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, checks, report, rigid, run
 from tailslap.case.impact.case import ImpactCase

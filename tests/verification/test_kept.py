@@ -6,7 +6,7 @@ import pytest
 from fem import lazy
 from fem.explicit.columns import COLUMNS, HistoryColumn
 from fem.run.corner import Stepper, simulate
-from fem.start.rigid_state import RigidStart
+from fem.start.inertia_relief import RigidStart
 from tailslap.campaign.table import CIRCUMSTANCES, REUSED, compute_row
 from tailslap.scene.read import read_scene
 

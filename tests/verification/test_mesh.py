@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meshes import plate_mesh, wall_mesh, write_mesh
-from meshes.gmsh_files import gmsh_model
+from meshes.rectangle import gmsh_model
 
 PLATE_GROUPS = {"plate", "side_pe", "side_kp", "side_hk", "side_eh"}
 PLATE_GROUPS |= {"corner_p", "corner_e", "corner_h", "corner_k"}

@@ -13,12 +13,11 @@ import pytest
 from fem.modal.model import integrate, modal_plate, modal_start, with_fewer_modes
 from fem.modal.motion import MEASURED, accelerate, measure_rows
 from fem.modal.motion import reaction as corner_reaction
-from fem.start.inertia_relief import relieved_fields
-from fem.start.rigid_state import RigidStart, to_global
+from fem.start.inertia_relief import RigidStart, relieved_fields, to_global
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import CHECK_FAILED, DONE, WRONG_INPUT, _status
-from tailslap.modal_analysis.run import modal_run
+from tailslap.modal_analysis import modal_run
 from tailslap.scene.read import read_scene
 
 SOFT = [pytest.param(modulus, marks=pytest.mark.long) for modulus in ("200 MPa", "20 MPa")]

@@ -16,17 +16,16 @@ from test_command_line import imported
 from test_postprocess_report import Parsed
 
 from postprocess.report.page import glued, prose
+from postprocess.report.report import printed
 from postprocess.report.table import Column, Table
-from postprocess.report.terminal import printed
 from postprocess.units import percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status
 from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.paper import data, page, tables
-from tailslap.paper.data import ABAQUS, MASS, ForceRow
+from tailslap.paper import page, tables
 from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
-from tailslap.paper.tables import FIGURES, corner_fraction
+from tailslap.paper.tables import ABAQUS, FIGURES, MASS, ForceRow, corner_fraction
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +62,7 @@ def test_every_difference_of_the_answer(found):
 
 
 def test_inputs_in_si_by_hand():
-    values = {item.name: item.value for item in data.INPUTS}
+    values = {item.name: item.value for item in tables.INPUTS}
     assert values["speed"] == pytest.approx(25.0, rel=1e-15)
     assert values["angle"] == pytest.approx(math.pi / 12.0, rel=1e-15)
     assert (values["mass"], values["width"], values["length"]) == (9979.0, 2.438, 10.0)
@@ -229,10 +228,10 @@ def statements(found):
         f"rounds to 0.26 rad, t is {exact['t']['computed']:.4f} s and s {exact['slide']['computed']:.3f} m, "
         f"{percent(longer, 1)}",
         f"{start['56 mph']['omega']['computed']:.4f} rad/s and {start['56 mph']['corner_speed']['computed']:.3f} m/s "
-        f"against the printed {data.START['omega']} and {data.START['corner_speed']}",
+        f"against the printed {tables.START['omega']} and {tables.START['corner_speed']}",
         f"The 90 km/h of Table 1 give {start['90 km/h']['omega']['computed']:.4f} and "
         f"{start['90 km/h']['corner_speed']['computed']:.3f}, and a peak force that is {percent(slower, 2)} off",
-        f"belongs to {found['table_1']['implied_speed'] / data.MPH:.3f} mph",
+        f"belongs to {found['table_1']['implied_speed'] / tables.MPH:.3f} mph",
         f"t = {table['reading']:g} s**, {1e3 * (strike - table['reading']):.0f} ms before the strike at {strike:.4f} s",
         f"the printed s = {ABAQUS['slide']} m, its v_GX is {read['v_gx']['computed']:.3f} m/s "
         f"({percent(read['v_gx']['difference'], 2)}), v_GY {read['v_gy']['computed']:.3f} "
@@ -253,7 +252,8 @@ def statements(found):
         f"{100 * max(far):.1f} %, rows c and d by less than 0.5 %",
         f"run from {min(impulses):.2f} to {max(impulses):.2f} kN s",
         f"the last digit of {len(wrong)} of {4 * len(four)}",
-        f"{data.FACTOR_RANGE_PLASTIC[0]} to {data.FACTOR_RANGE_PLASTIC[1]} as the range for e = 0, where Table 4 holds "
+        f"{tables.FACTOR_RANGE_PLASTIC[0]} to {tables.FACTOR_RANGE_PLASTIC[1]} as the range for e = 0, where "
+        f"Table 4 holds "
         f"{min(plastic)} to {max(plastic)}",
         f"they run from {min(factors):.2f} to {max(factors):.2f} there",
         f"A_L = {found['earlier']['front_distance']:g} m, B = {found['earlier']['half_width']:g} m and D = 0 assumed: "

@@ -19,14 +19,23 @@ import numpy as np
 import pytest
 
 from postprocess.report import page as pages
-from postprocess.report.files import read_history, write_history, write_summary
 from postprocess.report.report import Report, report_text, write_report, write_table
-from postprocess.report.table import Column, Table, columns, listed, pairs, text_table
+from postprocess.report.table import (
+    Column,
+    Table,
+    columns,
+    listed,
+    pairs,
+    read_history,
+    text_table,
+    write_history,
+    write_summary,
+)
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.drawing import PALETTE
 from postprocess.svg.marks import Line, Swatch
 from postprocess.units import duration, grouped, known, number, shown
-from tailslap.case.checks import advice
+from tailslap.case.case import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.report import corner_report, diagnosis, prediction
 from tailslap.case.report import DESIGN

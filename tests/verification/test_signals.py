@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from postprocess.signals import occupant_risk as risk
-from postprocess.signals.design_forces import LEVELS, design_forces
 from postprocess.signals.filters import (
     CLASSES,
+    LEVELS,
     cfc_filter,
     cutoff_60hz,
+    design_forces,
     force_curves,
     force_peaks,
     low_pass,

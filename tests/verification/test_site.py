@@ -14,8 +14,7 @@ import pytest
 
 import tailslap
 from tailslap.cli import commands, main
-from tailslap.scene.meanings import MEANINGS
-from tailslap.scene.schema import Scene, SceneTable
+from tailslap.scene.schema import MEANINGS, Scene, SceneTable
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

@@ -22,7 +22,7 @@ from test_sweep_run import alive, children
 from postprocess.report.report import report_text, write_report
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
-from tailslap.case.checks import Check, advice
+from tailslap.case.case import Check, advice
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.error import NumericalError
@@ -30,8 +30,7 @@ from tailslap.case.cost import expected_effort
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.scene.read import read_scene, source_of_text
-from tailslap.scene.validate import validate
-from tailslap.scene.vary import changed_tables, vary
+from tailslap.scene.vary import changed_tables, validate, vary
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute as study
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report

@@ -13,9 +13,7 @@ from fem.laws.constraints import Exact
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.stability.flutter import rounding_noise
-from fem.start.equilibrium import internal_forces
-from fem.start.inertia_relief import TooSoftError
-from fem.start.rigid_state import RigidStart, to_global
+from fem.start.inertia_relief import RigidStart, TooSoftError, internal_forces, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
 from tailslap.case.corner.case import CornerCase

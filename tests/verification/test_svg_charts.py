@@ -8,14 +8,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures import loglog
+from postprocess.figures import rows
 from postprocess.figures import rows as bars
 from postprocess.figures.histories import draw_histories, power_of_ten, thinned
 from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings, draw_mode
 from postprocess.svg.chart import Axis, Plot, draw_chart
-from postprocess.svg.drawing import PALETTE, text_width
+from postprocess.svg.drawing import PALETTE, Scale, fitted, power_text, round_ticks, text_width, tick_texts
 from postprocess.svg.marks import Boxes, Layer, Level, Line, Shades, Span, Swatch, Words, cells_about
-from postprocess.svg.scale import Scale, fitted, power_text, round_ticks, tick_texts
 from postprocess.units import SI
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.compute import MAP_KINDS as KINDS
@@ -216,10 +215,10 @@ def test_sensitivity_is_a_row_an_input():
 
 
 def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
-    axis = loglog.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
-    fe = loglog.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
-    ring = loglog.SweepLine("ring", [1e-4] * 3, form=loglog.RINGS)
-    chart = loglog.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
+    axis = rows.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
+    fe = rows.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
+    ring = rows.SweepLine("ring", [1e-4] * 3, form=rows.RINGS)
+    chart = rows.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
     assert shown(chart) == {"FE": ["0.01", "1"], "failed a check": ["50"], "ring": ["0.01"] * 3}
     assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
     xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
@@ -258,7 +257,7 @@ def test_inputs_have_a_chart_each_and_one_legend():
 
 def test_plates_that_are_not_to_be_relied_on_are_red():
     panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
-    chart = loglog.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
+    chart = rows.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
     assert shown(chart) == {"first strike": ["5", "4"], "not to be relied on": ["9"]}
 
 
@@ -277,9 +276,9 @@ def crowded(lines=9):
     series = []
     for n in range(lines):
         errors = [1e-2 * (n + 1), 1e-4 * (n + 1), 1e-5 * (1.0 + 0.02 * n)]
-        series.append(loglog.Series(f"line {n}", [1e-3, 1e-2, 0.9 + 0.01 * n], errors, [True, n != 3, True]))
+        series.append(rows.Series(f"line {n}", [1e-3, 1e-2, 0.9 + 0.01 * n], errors, [True, n != 3, True]))
     front = "Pareto front", [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
-    return loglog.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
+    return rows.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
 
 
 def test_each_line_has_a_plot_over_the_same_axes():
@@ -304,8 +303,8 @@ def test_ticks_are_powers_of_ten():
 
 def test_a_diagram_without_points_is_none():
     """A scene may refuse every setting of a panel."""
-    empty = [loglog.Series("quad4", [], [], [])]
-    assert loglog.draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []
+    empty = [rows.Series("quad4", [], [], [])]
+    assert rows.draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []
 
 
 AXES = {axis.name: axis for axis in axes_of(read_scene("paper-table-3")[0], 10)}

@@ -12,7 +12,7 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.error import CORRUPTED
 from tailslap.case.corner.model import sensitivity
 from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate, rings
-from tailslap.case.refine import comparable_plate, refined, second_plates
+from tailslap.case.model import comparable_plate, refined, second_plates
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene

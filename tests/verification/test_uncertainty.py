@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from postprocess.report.report import write_report
-from postprocess.report.terminal import printed
+from postprocess.report.report import printed, write_report
 from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
@@ -26,7 +25,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.paper.data import ForceRow
+from tailslap.paper.tables import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.studies import study_names
 from tailslap.studies.uncertainty import compute

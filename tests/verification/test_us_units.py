@@ -9,7 +9,7 @@ import pytest
 
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
-from postprocess.figures.animation import write_animation
+from postprocess.figures.impact import write_animation
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report, in_units
 from postprocess.report.table import Column, Table

@@ -56,7 +56,7 @@ class CornerCase(RigidStages):
 
     def row(self, outcome: CornerOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; those of the tail-slap are missing where it was not reached."""
-        from tailslap.case import checks
+        from tailslap.case import case
         from tailslap.case.report import run_cost
 
         if outcome is None:
@@ -65,7 +65,7 @@ class CornerCase(RigidStages):
         groups = {"rigid": outcome.rigid, "fe": outcome.fe, "difference": outcome.difference}
         groups["cost"] = run_cost(outcome)
         return {
-            **checks.check_columns(outcome.checks),
+            **case.check_columns(outcome.checks),
             **{f"{group}.{name}": value for group, its in groups.items() for name, value in its.items()},
             "rigid.peak_force": float(self.force.peak_force),
             "deflection_ratio": float(outcome.fe_plan.deflection_ratio),

@@ -34,10 +34,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.registry import Registry
-from postprocess.comparison.metrics import Metrics, compare_histories
-from postprocess.comparison.quantities import largest
-from tailslap.case import checks
-from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation
+from postprocess.comparison.quantities import Metrics, compare_histories, largest
+from tailslap.case import case
+from tailslap.case.case import FINER, STEP, CheckKind, Evaluation
 from tailslap.case.corner import error
 from tailslap.case.corner.error import FLOOR, FRACTION, NumericalError, SecondRun
 from tailslap.case.corner.model import sensitivity
@@ -132,7 +131,7 @@ class Evidence:
 
 def energy_error(history: Columns) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return checks.energy_surplus(history, STORED_ENERGIES)
+    return case.energy_surplus(history, STORED_ENERGIES)
 
 
 def _reached(given: Evidence) -> Evaluation:
@@ -243,7 +242,7 @@ def _agreement(given: Evidence) -> Evaluation | None:
 MECHANICS = (
     CheckKind("tail-slap reached", _reached, f"{MORE_DAMPING}; {SOFT}", shows_ringing=True),
     CheckKind("finite numbers", _finite, f"{STEP}; {MORE_DAMPING}", shows_ringing=True),
-    CheckKind("time step", checks.time_step, STEP),
+    CheckKind("time step", case.time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("momentum balance", _momentum, STEP),
     CheckKind("penetration", _penetration, STIFFER),

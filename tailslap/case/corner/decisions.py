@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fem.plate import kinds
-from tailslap.case import cost, refine
+from tailslap.case import cost
 from tailslap.case.corner.model import (
     centre_travel,
     friction_lost,
@@ -17,7 +17,15 @@ from tailslap.case.corner.model import (
     static_models,
 )
 from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.model import Decision, fe_mesh, resolved_plate, same_mesh, threads_decision
+from tailslap.case.model import (
+    Decision,
+    comparable_plate,
+    fe_mesh,
+    refined,
+    resolved_plate,
+    same_mesh,
+    threads_decision,
+)
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 
@@ -123,7 +131,7 @@ def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
     scene, travel, start = case.scene, centre_travel(case), rigid_start(case)
     mesh = fe_mesh(scene, plate)
     plate = resolved_plate(scene, plate, mesh)
-    other = refine.comparable_plate(plate)
+    other = comparable_plate(plate)
     meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(scene, other))
     model, comparable = static_models(case, (plate, other), meshes)
     mine, its = inertia_relief.statics(model, start), inertia_relief.statics(comparable, start)
@@ -139,8 +147,8 @@ def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
     elements = (plate.element,) if chosen else ("quad4", "quad9")
     sized = plate.model_copy(update={"elements": counts})
     while True:
-        yield from (refine.refined(sized, 1.0, element) for element in elements)
-        sized = refine.refined(sized)
+        yield from (refined(sized, 1.0, element) for element in elements)
+        sized = refined(sized)
         if plate.elements is not None or math.prod(sized.counts) > MAX_CHOSEN:
             return
 
@@ -258,7 +266,7 @@ def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iter
     """The finest coarser meshes of the same element that make a model and can be analysed."""
     found = 0
     while found < STAND_INS and max(plate.counts) > 2:
-        plate = refine.refined(plate, 1.0 / 1.5, least=2, whole=round)
+        plate = refined(plate, 1.0 / 1.5, least=2, whole=round)
         along, across = plate.counts
         if 2 * (along + 1) * (across + 1) > most_unknowns:  # without other nodes than the elements' corners
             continue

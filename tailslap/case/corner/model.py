@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from fem.model.plate_model import PlateModel
     from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
 
 MIN_STEPS = 1000
 """Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
@@ -99,7 +99,7 @@ def _decayed(case: RigidStages, rate: float) -> float:
 
 def rigid_start(case: RigidStages) -> RigidStart:
     """Rigid state at the start of Stage 2."""
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
 
     return RigidStart(case.start.angle, float(case.start.omega), float(case.start.corner_speed))
 

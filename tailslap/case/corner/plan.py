@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.start.rigid_state import RigidStart
+    from fem.start.inertia_relief import RigidStart
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from postprocess.units import SI, Units, measure
 from solver import stage_3
 from tailslap import progress
 from tailslap.case import report
-from tailslap.case.checks import advice, failed_names
+from tailslap.case.case import advice, failed_names
 from tailslap.case.corner import decisions
 from tailslap.case.corner.checks import CHECKS, CONTACT, ENERGY_RATIO, MECHANICS, PRACTICE, reaction_checks
 from tailslap.case.corner.error import FLOOR

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.comparison import quantities
-from postprocess.comparison.metrics import Metrics
-from tailslap.case import refine
-from tailslap.case.case import Outcome
-from tailslap.case.checks import evaluated
+from postprocess.comparison.quantities import Metrics
+from tailslap.case import model
+from tailslap.case.case import Outcome, evaluated
 from tailslap.case.corner import decisions, error, plan
 from tailslap.case.corner.checks import CHECKS, Evidence, energy_error, ringing_checks
 from tailslap.case.corner.error import NumericalError, SecondRun
@@ -169,7 +168,7 @@ def second_run(outcome: CornerOutcome) -> SecondRun:
     scene forbids it, if the plate starts with the elastic state that damping leaves as it is.
     """
     fe_plan = outcome.fe_plan
-    for plate in refine.second_plates(fe_plan.plate):
+    for plate in model.second_plates(fe_plan.plate):
         case = on_plate(fe_plan, plate)
         try:
             other = attempt(damped_alike(case, fe_plan))

@@ -72,7 +72,7 @@ class ImpactCase(rigid.RigidImpact):
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; without an outcome, the rigid vehicle alone."""
-        from tailslap.case.checks import check_columns
+        from tailslap.case.case import check_columns
         from tailslap.case.report import run_cost
 
         if outcome is None:

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from solver.impact import Strike
-from tailslap.case import checks
-from tailslap.case.checks import FINER, STEP, CheckKind, Evaluation
+from tailslap.case import case
+from tailslap.case.case import FINER, STEP, CheckKind, Evaluation
 from tailslap.case.impact.run import ImpactOutcome
 
 STORED = (
@@ -43,7 +43,7 @@ LOSS = 2e-2
 
 def energy_error(outcome: ImpactOutcome) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return checks.energy_surplus(outcome.run.history, STORED)
+    return case.energy_surplus(outcome.run.history, STORED)
 
 
 def _initial_energy(outcome: ImpactOutcome) -> float:
@@ -187,7 +187,7 @@ FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (
     CheckKind("finite numbers", _finite, STEP),
-    CheckKind("time step", checks.time_step, STEP),
+    CheckKind("time step", case.time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("energy gained", _gain, STEP),
     CheckKind("momentum balance", _momentum, FAULT),
@@ -206,14 +206,14 @@ MESH_CHECKS = ("mesh", "mesh for durations", "vibration")
 """Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 
-def impact_checks(outcome: ImpactOutcome) -> tuple[checks.Check, ...]:
+def impact_checks(outcome: ImpactOutcome) -> tuple[case.Check, ...]:
     """All checks of a run."""
-    return checks.evaluated(CHECKS, outcome)
+    return case.evaluated(CHECKS, outcome)
 
 
 def failed_but_mesh(outcome: ImpactOutcome) -> tuple[str, ...]:
     """Names of the checks that fail, those of the mesh apart: where others tell its error."""
-    failed = checks.failed_names(outcome.checks or impact_checks(outcome))
+    failed = case.failed_names(outcome.checks or impact_checks(outcome))
     return tuple(name for name in failed if name not in MESH_CHECKS)
 
 

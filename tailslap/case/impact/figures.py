@@ -126,7 +126,7 @@ def animation(outcome: ImpactOutcome, folder: Path, units: Units = SI) -> Pictur
     """The impact as a GIF, its axes in these units."""
     h = outcome.run.history
     with progress.announced("Drawing the animation ..."):
-        from postprocess.figures.animation import write_animation
+        from postprocess.figures.impact import write_animation
 
         path = write_animation(
             folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"], units=units

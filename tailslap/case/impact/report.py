@@ -15,7 +15,7 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table
 from postprocess.units import SI, Units, measure
 from tailslap.case import report
-from tailslap.case.checks import failed_names
+from tailslap.case.case import failed_names
 from tailslap.case.impact import figures
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.checks import advice, energy_error

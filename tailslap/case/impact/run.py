@@ -8,13 +8,12 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from tailslap.case import refine
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, plan
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
-from tailslap.case.model import refusal
+from tailslap.case.model import higher_order_plates, refusal
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
@@ -118,7 +117,7 @@ def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     """The outcome with what higher-order or finer elements change; without, where they make no model."""
     fe_plan = outcome.fe_plan
-    for plate in refine.higher_order_plates(fe_plan.plate):
+    for plate in higher_order_plates(fe_plan.plate):
         try:
             model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
         except InputError:

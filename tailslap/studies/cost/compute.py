@@ -23,18 +23,18 @@ from fem.explicit.time_loop import State
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.run.impact import compile_impact_loop
-from fem.start.rigid_state import RigidStart
-from postprocess.comparison import metrics, quantities
+from fem.start.inertia_relief import RigidStart
+from postprocess.comparison import quantities
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
 from tailslap.campaign import engine, records
 from tailslap.case import case_of, cost
-from tailslap.case.checks import failed_names
+from tailslap.case.case import failed_names
 from tailslap.case.corner.run import compare
 from tailslap.case.impact import checks, run
 from tailslap.case.model import resolved_plate
 from tailslap.errors import InputError
-from tailslap.modal_analysis.run import modal_run
+from tailslap.modal_analysis import modal_run
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, shown, vary
 from tailslap.studies import with_elements
@@ -130,7 +130,7 @@ class CostResult(NamedTuple):
     limit: Limit
     seconds: float = 0.0
     mesh_limit: Limit = NO_LIMIT
-    convergence: Mapping[str, Mapping[str, metrics.GridConvergence]] = {}
+    convergence: Mapping[str, Mapping[str, quantities.GridConvergence]] = {}
     soft: tuple[str, ...] = ()
     flexibility: float = math.nan
     patch: float = math.nan
@@ -193,14 +193,15 @@ def _halved(records: list[Row]) -> bool:
     return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
 
 
-def _grids(records: Iterable[Row], names: Sequence[str] = KEYS) -> dict[str, metrics.GridConvergence]:
+def _grids(records: Iterable[Row], names: Sequence[str] = KEYS) -> dict[str, quantities.GridConvergence]:
     """Grid convergence of each quantity over the three finest, each half the one before; empty for fewer."""
     values = [record["values"] for record in _finite(records)][-3:]
     if len(values) < 3:
         return {}
     coarse, medium, fine = values
     return {
-        name: metrics.grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0)) for name in names
+        name: quantities.grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0))
+        for name in names
     }
 
 
@@ -209,10 +210,10 @@ def limit_of(records: Iterable[Row], names: Sequence[str] = KEYS) -> Limit:
     values, known = dict.fromkeys(names, math.nan), [MIN_KNOWN]
     grids = _grids(records, names)
     for name, grid in grids.items():
-        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], metrics.CAUTIOUS_FACTOR
+        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], quantities.CAUTIOUS_FACTOR
         values[name] = fine
         if grid.behaviour == "converging":
-            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), metrics.SAFETY_FACTOR
+            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), quantities.SAFETY_FACTOR
             values[name] = fine + change
         known.append(safety * abs(change / fine))
     return Limit(values, max(known) if grids else math.nan)

@@ -18,14 +18,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.start.start_kinds import START_KINDS
-from postprocess.comparison import metrics
+from postprocess.comparison import quantities
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from solver.impact import CORNERS
 from tailslap.campaign import engine
 from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law
 from tailslap.campaign.records import Journal
 from tailslap.case import case_of
-from tailslap.case.checks import failed_names
+from tailslap.case.case import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.model import MIN_STEPS
 from tailslap.case.cost import loop_seconds
@@ -35,7 +35,7 @@ from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.run import attempt
 from tailslap.case.model import plate_density
 from tailslap.errors import InputError
-from tailslap.modal_analysis.run import modal_run
+from tailslap.modal_analysis import modal_run
 from tailslap.scene.schema import Scene
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import Changes, Source, parse_value, vary
@@ -437,10 +437,10 @@ def mesh_error(meshes: list[Record], name: str) -> float:
 
 def convergence_index(fine: float, medium: float, coarse: float) -> float:
     """Grid convergence index of the fine mesh; an observed order above that of the elements is luck, and not used."""
-    found = metrics.grid_convergence((fine, medium, coarse), (2.0, 2.0))
+    found = quantities.grid_convergence((fine, medium, coarse), (2.0, 2.0))
     if found.behaviour != "converging" or found.order <= MAX_ORDER:
         return found.gci_fine
-    return metrics.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
+    return quantities.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
 
 
 def impact_flexibility(case: Any, given: Sequence[float], place: Path, workers: int | None) -> Flexibility:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
-from postprocess.figures.loglog import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
+from postprocess.figures.rows import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.report.page import Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, listed

@@ -23,7 +23,7 @@ from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.quantities import largest
 from tailslap.campaign import engine, records
 from tailslap.case import case_of
-from tailslap.case.checks import failed_names
+from tailslap.case.case import failed_names
 from tailslap.case.corner.checks import OSCILLATES, reaction_checks
 from tailslap.case.corner.error import FLOOR, FRACTION, Histories, distance_in_motion
 from tailslap.case.corner.run import CornerOutcome, settled

@@ -12,7 +12,7 @@ from postprocess.report.report import Report
 from postprocess.report.table import Column, Table, columns, text_table
 from postprocess.svg.chart import Chart
 from postprocess.units import known
-from tailslap.case.checks import advice
+from tailslap.case.case import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.report import study_page, study_summary
 from tailslap.scene.vary import changed_tables

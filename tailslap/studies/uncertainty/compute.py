@@ -28,7 +28,7 @@ from tailslap.case.impact.answers import COLUMNS, both_strikes
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.rigid import ARGUMENTS
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.paper import data
+from tailslap.paper import tables
 from tailslap.scene.schema import Scene
 
 # Combinations by default.
@@ -47,10 +47,10 @@ CURVE_POINTS = 25
 LEVEL = "TL-4"
 
 # What is known of the rows' impacts, SI.
-KNOWN = {"b": {"impact.speed": data.ROW_B_SPEED, "impact.angle": data.ROW_B_ANGLE}}
+KNOWN = {"b": {"impact.speed": tables.ROW_B_SPEED, "impact.angle": tables.ROW_B_ANGLE}}
 
 # By the quantity of the second strike that stands beside a table: its words, the table.
-TAKEN = {"mean_50ms": ("50 ms mean", data.TABLE_4), "cfc60": ("CFC 60", data.TABLE_5)}
+TAKEN = {"mean_50ms": ("50 ms mean", tables.TABLE_4), "cfc60": ("CFC 60", tables.TABLE_5)}
 
 
 @dataclass(frozen=True)
@@ -317,14 +317,14 @@ def _simulated(found: Spread, known: Mapping[str, float]) -> dict[str, tuple[flo
     }
 
 
-def beside(printed: data.ForceRow, kind: str, simulated: float, u_num: float, band: Band) -> dict[str, Any]:
+def beside(printed: tables.ForceRow, kind: str, simulated: float, u_num: float, band: Band) -> dict[str, Any]:
     """A measured force D beside the simulated S [N]: E = S - D, and u_val without u_D, which nobody gives."""
     u_input, error = band.standard_deviation, simulated - printed.measured
     u_known = math.hypot(u_num, u_input)
     needed = math.sqrt(max(0.0, error**2 - u_known**2))
     within = abs(error) <= u_known
     verdict = "within u_val" if within else f"beyond, unless u_D is {measure(needed, 'N', '.0f')}"
-    known = data.ROW_B_GIVEN if printed.row in KNOWN else ""
+    known = tables.ROW_B_GIVEN if printed.row in KNOWN else ""
     row: dict[str, Any] = {"row": printed.row, "source": printed.source, "kind": kind}
     row |= {"measured": printed.measured, "projected": printed.projected, "known": known}
     row |= {"simulated": simulated, "u_num": u_num, "u_input": u_input, "error": error, "within": within}
