@@ -20,7 +20,7 @@ __all__, __getattr__ = lazily(
         "StepProperties",
         "explicit.columns": "COLUMNS HistoryColumn",
         "run.corner": "Run simulate",
-        "start.rigid_state": "RigidStart",
+        "start.inertia_relief": "RigidStart",
         "start.start_kinds": "START_KINDS StartKind",
     },
 )
