@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from solver import rules
-from solver.rules import Gate, V, functions, number
 
 
 @dataclass(frozen=True)
-class RectangularBody(Generic[V]):
+class RectangularBody(Generic[rules.V]):
     """Rectangle of uniform mass: floats, or arrays that broadcast with each other.
 
     Parameters
@@ -32,33 +31,33 @@ class RectangularBody(Generic[V]):
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Figure 6.
     """
 
-    length: V
-    width: V
-    mass: V
+    length: rules.V
+    width: rules.V
+    mass: rules.V
 
     def __post_init__(self) -> None:
         for rule in (rules.LENGTH, rules.WIDTH, rules.MASS):
-            value = number(rule.key, getattr(self, rule.key))
-            Gate().positive(rule, value)
+            value = rules.number(rule.key, getattr(self, rule.key))
+            rules.Gate().positive(rule, value)
             object.__setattr__(self, rule.key, value)
 
     @property
-    def corner_radius(self) -> V:
+    def corner_radius(self) -> rules.V:
         """Distance from the corner to the centre of mass, r_PG = sqrt(L^2 + B^2)/2 [m] (Eq 15)."""
-        radius: V = functions(self.length, self.width).hypot(self.length, self.width) / 2.0
+        radius: rules.V = rules.functions(self.length, self.width).hypot(self.length, self.width) / 2.0
         return radius
 
     @property
-    def corner_angle(self) -> V:
+    def corner_angle(self) -> rules.V:
         """Angle between the side and the line from corner to centre, gamma = atan(B/L) [rad] (Eq 63)."""
-        angle: V = functions(self.length, self.width).atan2(self.width, self.length)
+        angle: rules.V = rules.functions(self.length, self.width).atan2(self.width, self.length)
         return angle
 
     @property
-    def moment_of_inertia(self) -> V:
+    def moment_of_inertia(self) -> rules.V:
         """Moment of inertia about the centre of mass, I = m (L^2 + B^2)/12 [kg m^2] (Eq 26)."""
         radius: Any = self.corner_radius
-        inertia: V = self.mass * radius * radius / 3.0
+        inertia: rules.V = self.mass * radius * radius / 3.0
         return inertia
 
 
@@ -66,7 +65,7 @@ REACTIONS = ("drag", "none", "signed")
 
 
 @dataclass(frozen=True)
-class MotionState(Generic[V]):
+class MotionState(Generic[rules.V]):
     """The vehicle at an instant: floats, or arrays of one shape.
 
     X runs along the wall, forwards; Y away from it. Every field is signed.
@@ -99,14 +98,14 @@ class MotionState(Generic[V]):
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307.
     """
 
-    t: V
-    theta: V
-    omega: V
-    v_gx: V
-    v_gy: V
-    v_p: V
-    slide: V
-    reaction_normal: V
-    reaction_tangential: V
-    kinetic_energy: V
-    friction_work: V
+    t: rules.V
+    theta: rules.V
+    omega: rules.V
+    v_gx: rules.V
+    v_gy: rules.V
+    v_p: rules.V
+    slide: rules.V
+    reaction_normal: rules.V
+    reaction_tangential: rules.V
+    kinetic_energy: rules.V
+    friction_work: rules.V

@@ -8,13 +8,12 @@ from typing import Any, Generic
 
 from solver import rules
 from solver.body import RectangularBody
-from solver.rules import Gate, Number, V, choose, functions, number
 
 CONVENTIONS = ("paper", "newton")
 
 
 @dataclass(frozen=True)
-class ImpulseResult(Generic[V]):
+class ImpulseResult(Generic[rules.V]):
     """The state after the impulse: floats, or arrays of the inputs' common shape.
 
     Attributes
@@ -31,17 +30,17 @@ class ImpulseResult(Generic[V]):
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307.
     """
 
-    omega: V
-    corner_speed: V
-    impulse: V
+    omega: rules.V
+    corner_speed: rules.V
+    impulse: rules.V
 
 
 def corner_impulse(
     body: RectangularBody[Any],
-    speed: Number,
-    angle: Number,
-    friction: Number,
-    restitution: Number,
+    speed: rules.Number,
+    angle: rules.Number,
+    friction: rules.Number,
+    restitution: rules.Number,
     convention: str = "paper",
     *,
     invalid: str = "raise",
@@ -85,17 +84,17 @@ def corner_impulse(
     ----------
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 6-33.
     """
-    choose("convention", convention, CONVENTIONS)
-    v_0, theta = number("speed", speed), number("angle", angle)
-    mu, e = number("friction", friction), number("restitution", restitution)
-    gate, gamma = Gate(invalid), body.corner_angle
+    rules.choose("convention", convention, CONVENTIONS)
+    v_0, theta = rules.number("speed", speed), rules.number("angle", angle)
+    mu, e = rules.number("friction", friction), rules.number("restitution", restitution)
+    gate, gamma = rules.Gate(invalid), body.corner_angle
     gate.positive(rules.SPEED, v_0)
     open_ = (theta > 0.0) & (theta + gamma < math.pi / 2.0)
     gate.demand(rules.ANGLE, open_, theta, most=math.pi / 2.0 - gamma)
     gate.not_negative(rules.FRICTION, mu)
     gate.demand(rules.RESTITUTION, (e >= 0.0) & (e <= 1.0), e)
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
-    phi, f = theta + gamma, functions(theta + gamma, mu)
+    phi, f = theta + gamma, rules.functions(theta + gamma, mu)
     limit = f.cos(phi) / f.sin(phi)
     gate.demand(rules.TURNING, mu < limit, mu, phi=phi, limit=limit)  # beta > phi
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
@@ -106,7 +105,7 @@ def corner_impulse(
 def _solve(body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
     """Eqs 31-33; as tan(beta) = 1/mu, cos(beta) is mu sin(beta), sin(beta - phi) is (c - mu s) sin(beta)."""
     phi, r, m = theta + body.corner_angle, body.corner_radius, body.mass
-    f = functions(phi, v_0, mu, k, m)
+    f = rules.functions(phi, v_0, mu, k, m)
     s, c = f.sin(phi), f.cos(phi)
     normal = k * v_0 * f.sin(theta) / (1.0 + 3.0 * c * (c - mu * s))  # F sin(beta)/m: Eqs 31 and 32
     omega = 3.0 * (c - mu * s) * normal / r  # Eq 30, where B^2 + L^2 = 4 r^2

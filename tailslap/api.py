@@ -21,7 +21,6 @@ from fem.registry import Registry
 from fem.start import start_kinds
 from postprocess.report import table
 from postprocess.report.report import labelled_text, printed
-from postprocess.report.table import Table
 from postprocess.units import SYSTEMS
 from tailslap import result
 from tailslap.case import case_of
@@ -359,7 +358,7 @@ def study(
 def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, Any]) -> result.Result:
     """Run a study of a case, whose place is locked; options: its own, as `compute` takes them."""
     report = chosen.report(chosen.compute(case, place, **options))
-    parts = [part for part in report.terminal if isinstance(part, Table)]
+    parts = [part for part in report.terminal if isinstance(part, table.Table)]
     tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
     text = printed(report.terminal)
     return result.of_report(f"study {chosen.name}", report, tables, text=text, place=place)

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem import lazy
-from fem.explicit.internal_force import Viscosity, damped_time_step, elastic_damping
-from fem.explicit.time_loop import LoopParameters
+from fem.explicit import internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
 from fem.plate import elements, kinds
@@ -215,8 +214,8 @@ def with_constraint(
 def with_elastic_damping(model: PlateModel, step: kinds.StepProperties) -> PlateModel:
     """The model with the step's rate of damping of elastic velocities, and the time step for it."""
     # The step that is stable without it belongs to a mode of this frequency; with it, that mode bounds the step.
-    stable = damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
-    damping = elastic_damping(step.elastic_rate, model.loop.mass)
+    stable = internal_force.damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
+    damping = internal_force.elastic_damping(step.elastic_rate, model.loop.mass)
     time_step = min(step.safety_factor * stable, step.longest)
     loop = model.loop._replace(elastic_damping=damping, time_step=time_step)
     return replace(model, stable_time_step=stable, loop=loop)
@@ -228,7 +227,7 @@ def static_model(
     """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
     unit = unit_plate(mesh, plate)
     held = _corner(unit.discretisation, unit.masses, plate, corner)
-    return unfinished_model(unit, plate, LoopParameters, corner=held, friction=corner.friction)
+    return unfinished_model(unit, plate, time_loop.LoopParameters, corner=held, friction=corner.friction)
 
 
 def unfinished_model(unit: UnitPlate, plate: kinds.PlateProperties, loop: Any, **others: Any) -> PlateModel:
@@ -328,11 +327,11 @@ def _hat_integrals(s: np.ndarray, length: float) -> np.ndarray:
 
 def plate_viscosity(
     d: elements.Discretisation, plate: kinds.PlateProperties, step: kinds.StepProperties, frequency: float
-) -> Viscosity | None:
+) -> internal_force.Viscosity | None:
     if not (step.damping_ratio or step.bulk_viscosity):
         return None
     moduli = materials.st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)
     time = 2.0 * step.damping_ratio / frequency
     size = math.sqrt(float(d.scalar.dx.sum(axis=1).min()))
     bulk = step.bulk_viscosity * math.sqrt(plate.density * moduli.c_11) * size
-    return Viscosity(time * moduli.c_11 + bulk, time * moduli.c_12 + bulk, time * moduli.c_33)
+    return internal_force.Viscosity(time * moduli.c_11 + bulk, time * moduli.c_12 + bulk, time * moduli.c_33)

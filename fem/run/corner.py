@@ -15,8 +15,7 @@ from fem.explicit.measures import advance_and_measure, all_forces, measure
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.run import runner
-from fem.start import start_kinds
-from fem.start.inertia_relief import RigidStart
+from fem.start import inertia_relief, start_kinds
 
 GLANCES = 50
 """Instants of a run at which it is asked whether it is corrupted."""
@@ -98,7 +97,7 @@ class Stepper(runner.PlateStepper):
         rows = np.zeros((0, len(columns.Measures._fields)))
         return advance_and_measure, self.form, self.form, 1, *self._all_parts, rows
 
-    def start(self, start: RigidStart, kind: str) -> time_loop.State:
+    def start(self, start: inertia_relief.RigidStart, kind: str) -> time_loop.State:
         """State at t = 0, its velocities set back by half a step."""
         positions, velocities = map(np.ascontiguousarray, start_kinds.start_fields(self.model, start, kind))
         loop, state = self.loop, time_loop.State(positions, velocities, np.zeros(4), np.zeros(1))
@@ -155,7 +154,7 @@ class Stepper(runner.PlateStepper):
 
 def compile_loop(
     model: PlateModel,
-    start: RigidStart,
+    start: inertia_relief.RigidStart,
     threads: int = 1,
     on_compile: compiled.OnCompile = compiled.ignore_compiling,
 ) -> None:
@@ -173,7 +172,7 @@ def compile_loop(
 
 def simulate(
     model: PlateModel,
-    start: RigidStart,
+    start: inertia_relief.RigidStart,
     duration: float,
     kind: str = "inertia-relief",
     rows: int = 400,

@@ -1,4 +1,4 @@
-"""Fields of the plate over time: one record and the formats of other programs (series.py), contour pictures by PyVista."""
+"""Fields of the plate over time: record, formats of other programs (series.py), contour pictures by PyVista."""
 
 MESHES, TABLES, PICTURES = ("vtkhdf", "xdmf", "vtu", "msh"), ("csv", "parquet"), ("png", "gif")
 FORMATS = (*MESHES, *TABLES, *PICTURES)

@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.svg import chart, drawing
-from postprocess.svg.marks import Line
+from postprocess.svg import chart, drawing, marks
 
 History = Mapping[str, drawing.Floats]
 
@@ -92,10 +91,10 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
         apart = values - exact
     own, power = (3 if panel.unit == "N" else 0), power_of_ten(apart)
     lines = (
-        Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0),
-        Line("FE", *thinned(t, values * 10.0**-own)),
+        marks.Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0),
+        marks.Line("FE", *thinned(t, values * 10.0**-own)),
     )
-    difference = Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
+    difference = marks.Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
     plots = (
         chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), 130.0),
         chart.Plot((difference,), chart.Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
@@ -109,7 +108,7 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
         found = {label: values - values[0] for label, values in found.items()}
     power = power_of_ten(np.concatenate([*found.values()]))
     lines = tuple(
-        Line(
+        marks.Line(
             label,
             *thinned(fe["t"], values * 10.0**-power),
             colour,
@@ -166,7 +165,7 @@ WIDTH, HEIGHT = 6.4, 2.5
 def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str) -> chart.Chart:
     """Curves over one another as SVG for a page; name: of its file, heading: of their axis, with unit."""
     lines = tuple(
-        Line(curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)])
+        marks.Line(curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)])
         for number, curve in enumerate(curves)
     )
     return chart.draw_chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME)

@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 
 from postprocess.svg import drawing
-from postprocess.svg.drawing import Scale, fitted, tick_texts
 from postprocess.svg.marks import Level, Mark, found_ranges
 from postprocess.units import SI, Units
 
@@ -34,12 +33,12 @@ class Axis:
     margin: float = 0.05
     named: tuple[tuple[float, str], ...] | None = None
 
-    def scale(self, found: tuple[float, float]) -> Scale:
+    def scale(self, found: tuple[float, float]) -> drawing.Scale:
         """A scale for what is drawn, without its places."""
-        low, high = fitted(*found, self.margin, self.is_log)
+        low, high = drawing.fitted(*found, self.margin, self.is_log)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
-        return Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
+        return drawing.Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
 
     @property
     def unit(self) -> str:
@@ -54,13 +53,13 @@ class Axis:
             self, label=self.label.replace(f"[{self.unit}]", f"[{unit}]"), low=low, high=high, named=named
         )
 
-    def ticks(self, scale: Scale, room: float) -> list[tuple[float, str]]:
+    def ticks(self, scale: drawing.Scale, room: float) -> list[tuple[float, str]]:
         """Values and their texts; room: for one of them."""
         if self.named is not None:
             low, high = sorted((scale.low, scale.high))
             return [(value, text) for value, text in self.named if low <= value <= high]
         values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
-        return list(zip(values, tick_texts(values, self.is_log), strict=True))
+        return list(zip(values, drawing.tick_texts(values, self.is_log), strict=True))
 
 
 @dataclass(frozen=True)
@@ -85,8 +84,8 @@ class Frame:
     """A plot with its scales in place, and its ticks."""
 
     plot: Plot
-    x: Scale
-    y: Scale
+    x: drawing.Scale
+    y: drawing.Scale
     y_ticks: list[tuple[float, str]]
 
 

@@ -22,9 +22,7 @@ from tailslap.campaign import records
 from tailslap.case import kind_of
 from tailslap.errors import InputError
 from tailslap.options import MAX_RUNS
-from tailslap.scene import read, vary, write
-from tailslap.scene.schema import Scene
-from tailslap.scene.vary import Changes, Source
+from tailslap.scene import read, schema, vary, write
 
 ALLOWED = (
     "allowed is KEY=VALUES, with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, like corner.friction=0:0.6:13; "
@@ -87,7 +85,7 @@ class Definition:
     scene: str
     text: str
     changes: tuple[str, ...]
-    source: Source
+    source: vary.Source
     given: tuple[str, ...]
     variations: tuple[Variation, ...]
     sample: int | None
@@ -169,11 +167,11 @@ def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
     return np.asarray(qmc.LatinHypercube(keys, seed=np.random.default_rng(seed)).random(runs))
 
 
-def _scene(source: Source, changes: Changes) -> Scene:
+def _scene(source: vary.Source, changes: vary.Changes) -> schema.Scene:
     return vary.key_by_key(vary.changed_tables(source.given, changes)[0])
 
 
-def _fixed(source: Source, changes: tuple[str, ...], keys: list[str]) -> Source:
+def _fixed(source: vary.Source, changes: tuple[str, ...], keys: list[str]) -> vary.Source:
     """The source with the changes that all runs have; the keys are those that vary."""
     fixed = vary.parse_changes(changes, source.given)
     for number, key in enumerate(keys):
@@ -182,7 +180,7 @@ def _fixed(source: Source, changes: tuple[str, ...], keys: list[str]) -> Source:
         if key in fixed:
             raise InputError("--vary", key, "--set fixes it; leave out one of the two")
     tables, noted = vary.changed_tables(source.given, fixed)
-    return Source(source.text, tables, frozenset(noted))
+    return vary.Source(source.text, tables, frozenset(noted))
 
 
 def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:

@@ -25,7 +25,6 @@ from tailslap.campaign.definition import Definition
 from tailslap.case import cost
 from tailslap.errors import InputError, place_error
 from tailslap.files import folder, manifest
-from tailslap.files.manifest import Origin
 
 LOST, INTERRUPTED = 3, 130
 
@@ -58,7 +57,7 @@ def perform(
     units: of the page, "si" or "us"; force: also where there is a result of another command.
     Raises InputError, and StoppedError for an interruption or the loss of the scheduler: the rows so far are then kept.
     """
-    origin = Origin("sweep", definition.scene)
+    origin = manifest.Origin("sweep", definition.scene)
     with sweep_folder(place, definition, force) as place:
         try:
             with open_records(place, definition) as rows:
@@ -151,7 +150,7 @@ def _write_definition(place: Path, definition: Definition) -> None:
 def _is_known(place: Path, definition: Definition, force: bool) -> bool:
     """True where the folder is this sweep's, False where it may become so. Raises InputError for all others."""
     if DEFINITION not in folder.users(place):
-        folder.demand_result(place, force, Origin("sweep", definition.scene))
+        folder.demand_result(place, force, manifest.Origin("sweep", definition.scene))
         return False
     theirs, ours = None, definition.as_written()
     with contextlib.suppress(OSError, ValueError):

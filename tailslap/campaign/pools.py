@@ -22,9 +22,8 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
-from tailslap import progress
+from tailslap import errors, progress
 from tailslap.campaign.records import Key, program
-from tailslap.errors import InputError, Verbatim
 
 NEEDED = ("fem.run.corner", "tailslap.case.corner.plan", "tailslap.case.corner.run")
 """Modules that runs need, imported before a worker has its first part."""
@@ -229,7 +228,7 @@ def cluster(address: str) -> Iterator[Pool]:
                 kind = str(error).splitlines()[0] if str(error) else f"nothing within {ANSWER_S:g} s"
             if kind != "Scheduler":
                 allowed = f"no Dask scheduler answers there ({kind}); allowed is an address like tcp://127.0.0.1:8786"
-                raise InputError("--cluster", address, allowed)
+                raise errors.InputError("--cluster", address, allowed)
             client = stack.enter_context(Client(address))
             for worker, reply in client.run(make_ready, on_error="return").items():
                 if reply != program():
@@ -245,9 +244,9 @@ async def _kind(address: str) -> str:
         return str((await there.identity())["type"])
 
 
-def _other_program(address: str, who: str, reply: Any) -> InputError:
+def _other_program(address: str, who: str, reply: Any) -> errors.InputError:
     """The error for a worker that has another version of this program, or cannot load it."""
     reply = str(reply) if isinstance(reply, OtherProgramError) else reply
     has = f"tailslap {reply}" if isinstance(reply, str) else f"no tailslap that loads ({reply})"
     allowed = f"{who} {has}; allowed is {program()}, as here, on all workers"
-    return InputError("--cluster", Verbatim(address), allowed)
+    return errors.InputError("--cluster", errors.Verbatim(address), allowed)

@@ -22,8 +22,7 @@ from typing import Any
 
 import tailslap
 from tailslap.errors import InputError, Interrupted, place_error
-from tailslap.files.folder import resolved
-from tailslap.files.manifest import whole_file
+from tailslap.files import folder, manifest
 
 Key = str | int
 
@@ -170,7 +169,7 @@ class Journal:
     records: Records
 
     def __init__(self, place: Path, definition: Mapping[str, Any]) -> None:
-        place = resolved(place)
+        place = folder.resolved(place)
         self.path, self._definition = place.parent / f".{place.name}.journal", definition
 
     def __enter__(self) -> Journal:
@@ -209,7 +208,7 @@ def remove(path: Path) -> None:
 
 def _create(path: Path, head: tuple[str, str, str]) -> None:
     """Make the file without records, whole or not at all."""
-    with whole_file(path) as partial, closing(sqlite3.connect(partial)) as file:
+    with manifest.whole_file(path) as partial, closing(sqlite3.connect(partial)) as file:
         file.executescript(f"PRAGMA journal_mode=MEMORY; PRAGMA application_id={OURS}; {TABLES}")
         file.execute("INSERT INTO campaign VALUES (?, ?, ?)", head)
         file.commit()

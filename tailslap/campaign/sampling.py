@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 from postprocess.units import measure
 from tailslap.case.case import Case
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene.schema import Scene
+from tailslap.scene import schema, write
 from tailslap.scene.vary import Source, parse_value, vary
-from tailslap.scene.write import SceneInput, scene_inputs
 
 Array = NDArray[np.float64]
 # The ends of a range [SI], and where it comes from.
@@ -46,7 +45,7 @@ MILE_PER_HOUR, DEGREE, POUND = 0.44704, 0.017453292519943295, 0.45359237
 LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
 
 
-def default_limits(scene: Scene) -> dict[str, Limits]:
+def default_limits(scene: schema.Scene) -> dict[str, Limits]:
     """The range of each key that varies by default, where the scene has the key."""
     limits: dict[str, Limits] = {"strike.duration": (0.08, 0.18, ASSUMED)}
     for name, (pounds, tolerance) in LIGHT_VEHICLES.items():
@@ -157,9 +156,9 @@ def _range(case: Case, key: str, lower: Any, upper: Any, origin: str) -> Range:
     return Range(key, low, high, unit, None if own is None else float(own.value or 0.0), origin)
 
 
-def _row(scene: Scene, source: Source, key: str) -> SceneInput | None:
+def _row(scene: schema.Scene, source: Source, key: str) -> write.SceneInput | None:
     """The key as a row of the scene's table of inputs."""
-    return next((row for row in scene_inputs(scene, source) if row.key == key), None)
+    return next((row for row in write.scene_inputs(scene, source) if row.key == key), None)
 
 
 def sobol_points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 import tailslap
 from fem import lazy
 from postprocess.report import table
+from tailslap.campaign import engine, records
 from tailslap.campaign.definition import Definition, plain
-from tailslap.campaign.engine import CampaignEffort
-from tailslap.campaign.records import Records
 from tailslap.case import case_of
 from tailslap.case.cost import demand_affordable
 from tailslap.errors import InputError
@@ -48,7 +47,7 @@ class FinishedSweep:
 
     definition: Definition
     statuses: dict[str, int]
-    effort: CampaignEffort
+    effort: engine.CampaignEffort
 
     @property
     def failures(self) -> int:
@@ -83,7 +82,7 @@ def versions() -> Mapping[str, str]:
     }
 
 
-def write_table(folder: Path, definition: Definition, rows: Records) -> Path:
+def write_table(folder: Path, definition: Definition, rows: records.Records) -> Path:
     """Write the table of all rows that there are."""
     import pyarrow as pa
     import pyarrow.parquet as pq

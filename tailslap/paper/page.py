@@ -19,8 +19,7 @@ from postprocess.figures.histories import COMPARED, TIME, History, thinned
 from postprocess.report.page import Page, Section
 from postprocess.report.report import Report
 from postprocess.report.table import Column, Form, Table, pairs
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
-from postprocess.svg.marks import Line
+from postprocess.svg import chart, marks
 from postprocess.units import percent
 from tailslap.case.report import footer
 from tailslap.paper import tables
@@ -193,20 +192,20 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
     return table("Analytical column", analytical, notes), table("ABAQUS column", abaqus, (note,))
 
 
-def figure(number: int, name: str, courses: Mapping[str, History]) -> Chart:
+def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Chart:
     """One of Figures 10 to 14: two motions at most as lines, the printed points as marks."""
     panel = next(panel for panel in COMPARED if panel.name == name)
     drawn = [
-        Line(label, *thinned(columns["t"], columns[name]), **look)
+        marks.Line(label, *thinned(columns["t"], columns[name]), **look)
         for (label, columns), look in zip(courses.items(), MOTION_LOOKS, strict=False)
     ]
     drawn += [
-        Line(label, *np.transpose(points), **look)
+        marks.Line(label, *np.transpose(points), **look)
         for (label, points), look in zip(tables.marks(name).items(), MARK_LOOKS, strict=False)
         if points
     ]
-    plot = Plot(tuple(drawn), Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
-    return draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
+    plot = chart.Plot(tuple(drawn), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
+    return chart.draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
 
 
 def figure_tables(found: Numbers) -> tuple[Table, Table]:

@@ -4,7 +4,8 @@ A printed number and its own stand in a cell {"printed", "computed", "difference
 The paper gives neither mass nor speed nor length of the six vehicles of Tables 4 and 5, so that every row of these is
 computed with the vehicle and impact of Table 1, at 56 mph, and differs from its neighbours by the pulse's duration.
 
-The numbers that they print stand first, in SI, each with its place in the paper. Table 3 stands in `postprocess.comparison`, whose v_GY carries this program's sign, negative towards the wall.
+The numbers that they print stand first, in SI, each with its place in the paper. Table 3 stands in
+`postprocess.comparison`, whose v_GY carries this program's sign, negative towards the wall.
 """
 
 from __future__ import annotations

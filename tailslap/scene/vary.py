@@ -21,22 +21,21 @@ from fem.laws import constraints
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene import schema
-from tailslap.scene.schema import Contact, Damping, Scene, Wall
 
 OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
 
 
-def validate(data: dict[str, Any]) -> Scene:
+def validate(data: dict[str, Any]) -> schema.Scene:
     """The scene that these tables describe. Raises InputError for the first thing that is wrong."""
     scene = key_by_key(data)
     _check_together(scene)
     return scene
 
 
-def key_by_key(data: dict[str, Any]) -> Scene:
+def key_by_key(data: dict[str, Any]) -> schema.Scene:
     """The scene, each key valid by itself, whatever keys that need or exclude each other. Raises InputError."""
     try:
-        return Scene.model_validate(data)
+        return schema.Scene.model_validate(data)
     except ValidationError as error:
         raise _input_error(error) from None
 
@@ -59,7 +58,7 @@ def _input_error(error: ValidationError) -> InputError:
 
 
 def _known(location: tuple[int | str, ...]) -> str:
-    model: Any = Scene
+    model: Any = schema.Scene
     for part in location[:-1]:
         kinds = model.model_fields[part].annotation
         model = next(k for k in (kinds, *getattr(kinds, "__args__", ())) if hasattr(k, "model_fields"))
@@ -70,7 +69,7 @@ def _known(location: tuple[int | str, ...]) -> str:
     return f"allowed are {', '.join(model.model_fields)}{hint}"
 
 
-def _check_together(scene: Scene) -> None:
+def _check_together(scene: schema.Scene) -> None:
     """Keys that need or exclude each other."""
     if scene.contact is not None:
         check_impact(scene, scene.contact)
@@ -80,7 +79,7 @@ def _check_together(scene: Scene) -> None:
     _check_plate(scene)
 
 
-def _check_corner(scene: Scene) -> None:
+def _check_corner(scene: schema.Scene) -> None:
     """Keys of the paper's three stages, with a constrained corner."""
     for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh"):
         value = _given(scene, key)
@@ -88,7 +87,7 @@ def _check_corner(scene: Scene) -> None:
             raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")
     for key in OF_A_WALL_THAT_GIVES:
         value = getattr(scene.wall, key, None)
-        if scene.wall is not None and value != Wall.model_fields[key].default:
+        if scene.wall is not None and value != schema.Wall.model_fields[key].default:
             allowed = "a wall that gives belongs to a whole impact, with [contact]; leave it out"
             raise InputError(f"wall.{key}", value, allowed)
     for key in ("friction", "restitution"):
@@ -108,14 +107,14 @@ def _check_corner(scene: Scene) -> None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
 
 
-def _given(scene: Scene, key: str) -> Any:
+def _given(scene: schema.Scene, key: str) -> Any:
     """The value that the scene gives a key of two parts; None where it leaves that to the default."""
     table, name = key.split(".")
     own = getattr(scene, table)
     return getattr(own, name) if name in own.model_fields_set else None
 
 
-def _check_plate(scene: Scene) -> None:
+def _check_plate(scene: schema.Scene) -> None:
     """Keys of the finite-element model that need or exclude each other."""
     tables = {
         "material": scene.material,
@@ -148,7 +147,7 @@ def _check_plate(scene: Scene) -> None:
         _check_damping(scene.damping)
 
 
-def _check_damping(damping: Damping) -> None:
+def _check_damping(damping: schema.Damping) -> None:
     if not damping.model_fields_set:
         allowed = "it needs kind, ratio or bulk_viscosity; left out, the program decides"
         raise InputError("damping", "an empty table", allowed)
@@ -177,7 +176,7 @@ OF_CRUSH = ("initial_force", "restitution", "side_stiffness", "patch_length")
 OF_NO_CRUSH = ("enforcement", "penalty_scale")
 
 
-def check_impact(scene: Scene, contact: Contact) -> None:
+def check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     """Keys of a whole impact that need or exclude each other. Raises InputError."""
     for name, why in OF_THE_CORNER.items():
         if name in scene.model_fields_set and getattr(scene, name) is not None:
@@ -198,7 +197,7 @@ def check_impact(scene: Scene, contact: Contact) -> None:
             raise InputError(f"wall.{key}", Missing, allowed)
 
 
-def _check_contact(contact: Contact) -> None:
+def _check_contact(contact: schema.Contact) -> None:
     excluded = OF_NO_CRUSH if contact.crushes else OF_CRUSH
     why = (
         "with contact.stiffness all that touches crushes" if contact.crushes else "it needs contact.stiffness"
@@ -213,7 +212,7 @@ def _check_contact(contact: Contact) -> None:
         raise InputError("contact.penalty_scale", contact.penalty_scale, allowed)
 
 
-def _check_plate_of_impact(scene: Scene, contact: Contact) -> None:
+def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     plate = scene.plate
     if plate is None:
         if not contact.crushes:
@@ -268,12 +267,12 @@ class Source:
     changed: frozenset[str] = frozenset()
 
     @classmethod
-    def of(cls, scene: Scene) -> Source:
+    def of(cls, scene: schema.Scene) -> Source:
         """A source of what the scene's keys say, in SI."""
         return cls(given=scene.model_dump(exclude_unset=True))
 
 
-def vary(source: Source, changes: Changes) -> tuple[Scene, Source]:
+def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
     """The validated scene with these changes, and its source, which notes them. Raises InputError.
 
     A key that the scene does not give may be taken out: nothing is noted then.
@@ -283,7 +282,7 @@ def vary(source: Source, changes: Changes) -> tuple[Scene, Source]:
     return validate(tables), Source(source.text + text, tables, source.changed | noted.keys())
 
 
-def varied(scene: Scene, changes: Changes) -> Scene:
+def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
     """Return the validated scene with these changes. Raises InputError."""
     return vary(Source.of(scene), changes)[0]
 

@@ -14,13 +14,10 @@ from pydantic.fields import FieldInfo
 
 from fem.laws import materials
 from tailslap.errors import InputError
-from tailslap.scene import schema
-from tailslap.scene.schema import Plate, Scene, SceneTable
-from tailslap.scene.units import Quantity
-from tailslap.scene.vary import Source, validate
+from tailslap.scene import schema, units, vary
 
 
-def scene_text(source: Source) -> str:
+def scene_text(source: vary.Source) -> str:
     """The scene file that gives this run: the file as it is, or where keys were changed, all that was given."""
     if not source.changed:
         return source.text
@@ -68,7 +65,7 @@ def write_new_scene(name: str) -> Path:
     """Write NAME.toml in the current folder. Raises InputError for a name that is none, or a file that is there."""
     stem = name.removesuffix(".toml")
     path, text = Path(f"{stem}.toml"), new_scene(stem)
-    validate(tomllib.loads(text))
+    vary.validate(tomllib.loads(text))
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -82,7 +79,7 @@ def write_new_scene(name: str) -> Path:
 def new_scene(name: str) -> str:
     """A scene with every key of the definition, its meaning and what is allowed; what may be left out is a comment."""
     lines = [f"# {name}: change the values; lines that begin with # are keys that may be left out", ""]
-    for key, field in Scene.model_fields.items():
+    for key, field in schema.Scene.model_fields.items():
         table = next(
             (kind for kind in (field.annotation, *get_args(field.annotation)) if _is_table(kind)), None
         )
@@ -96,7 +93,7 @@ def new_scene(name: str) -> str:
 
 
 def _is_table(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, SceneTable)
+    return isinstance(kind, type) and issubclass(kind, schema.SceneTable)
 
 
 def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:
@@ -114,7 +111,7 @@ def example(field: FieldInfo) -> str:
     """A value that a key may have, as TOML."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     for mark in marks:
-        if isinstance(mark, Quantity):
+        if isinstance(mark, units.Quantity):
             return mark.example
         if isinstance(mark, str):
             return toml_value(mark)
@@ -134,7 +131,7 @@ class SceneInput:
     origin: str = "scene"
 
 
-def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
+def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, ...]:
     """A row for every key that has a value; keys that the scene left to their defaults say so."""
     rows = _rows(scene, source.given, source.changed, "")
     unused = ["corner.", "strike."] if scene.contact else ["verify.mesh"]
@@ -143,7 +140,7 @@ def scene_inputs(scene: Scene, source: Source) -> tuple[SceneInput, ...]:
 
 
 def resolved_inputs(
-    scene: Scene, source: Source, plate: Plate, chosen: frozenset[str] = frozenset()
+    scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: frozenset[str] = frozenset()
 ) -> tuple[SceneInput, ...]:
     """Rows of `scene_inputs` with the plate's resolved modulus; chosen: keys that the program filled in."""
     rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
@@ -171,4 +168,4 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
 def unit_of(field: FieldInfo) -> str:
     """SI unit of a key, from its annotation; "" for what has none."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
-    return next((mark.unit for mark in marks if isinstance(mark, Quantity)), "")
+    return next((mark.unit for mark in marks if isinstance(mark, units.Quantity)), "")

@@ -27,17 +27,15 @@ from fem.start.inertia_relief import RigidStart
 from postprocess.comparison import quantities
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
+from tailslap import errors, modal_analysis, studies
 from tailslap.campaign import engine, records
 from tailslap.case import case_of, cost
 from tailslap.case.case import failed_names
 from tailslap.case.corner.run import compare
 from tailslap.case.impact import checks, run
 from tailslap.case.model import resolved_plate
-from tailslap.errors import InputError
-from tailslap.modal_analysis import modal_run
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, shown, vary
-from tailslap.studies import with_elements
 from tailslap.studies.flexibility.compute import NAMES, patch_length
 
 # Kinds of method: the exact rigid solution, integrators of the rigid equations, the plate by a few modes,
@@ -143,7 +141,7 @@ class CostResult(NamedTuple):
 def compute(case: Any, place: Path) -> CostResult:
     """Measure every setting; an interrupted study of the same scene goes on from its journal."""
     began, impact, patch = time.perf_counter(), case.scene.contact is not None, math.nan
-    case = case if impact else with_elements(case)
+    case = case if impact else studies.with_elements(case)
     if impact:
         todo, changes, patch = impact_settings(case)
     else:
@@ -375,7 +373,7 @@ def measure(source: Source, setting: Setting) -> Row:
         case = case_of(*vary(source, setting.changes))
         how = {FE: _finite_elements, MODAL: _modal}.get(setting.kind, _rigid)
         return how(case, setting)
-    except InputError as error:
+    except errors.InputError as error:
         return {"refused": str(error)}
 
 
@@ -420,7 +418,7 @@ def _modal(case: Any, setting: Setting) -> Row:
 
     def once() -> tuple[float, float, Any]:
         planned, fe_plan = _clocked(case.plan)
-        found = modal_run(fe_plan, int(setting.number), tolerance=1.0)
+        found = modal_analysis.modal_run(fe_plan, int(setting.number), tolerance=1.0)
         return planned + found.setup_s, found.integration_s, found
 
     found, times = _repeated(once)

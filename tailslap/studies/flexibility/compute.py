@@ -24,26 +24,23 @@ from solver.impact import CORNERS
 from tailslap.campaign import engine
 from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law
 from tailslap.campaign.records import Journal
-from tailslap.case import case_of
+from tailslap.case import case_of, cost, model
 from tailslap.case.case import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.model import MIN_STEPS
-from tailslap.case.cost import loop_seconds
 from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes, nearest_corner
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.run import attempt
-from tailslap.case.model import plate_density
 from tailslap.errors import InputError
 from tailslap.modal_analysis import modal_run
-from tailslap.scene.schema import Scene
-from tailslap.scene.units import Quantity
+from tailslap.scene import schema, units
 from tailslap.scene.vary import Changes, Source, parse_value, vary
 
 Record = dict[str, Any]
 
 # Values of --lowest and --highest.
-HERTZ = Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
+HERTZ = units.Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
 
 # The softest plate of a constrained corner and of a whole impact.
 LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
@@ -177,11 +174,11 @@ def define(case: CornerCase) -> Sweep:
     """The sweep of a scene. Raises InputError for keys that make no model."""
     fe_plan = case.plan()
     plate, meshes = fe_plan.plate, three_meshes(fe_plan.case.scene)
-    own = (plate.thickness, plate_density(case.scene, plate), plate.modulus)
+    own = (plate.thickness, model.plate_density(case.scene, plate), plate.modulus)
     return Sweep(case, fe_plan, meshes, corner_support(case.scene, meshes[0]), own)
 
 
-def three_meshes(scene: Scene) -> tuple[tuple[int, int], ...]:
+def three_meshes(scene: schema.Scene) -> tuple[tuple[int, int], ...]:
     """The scene's mesh halved, itself, doubled; or where it cannot be halved, itself, doubled, and doubled again.
 
     scene: one whose elements are decided.
@@ -194,7 +191,7 @@ def three_meshes(scene: Scene) -> tuple[tuple[int, int], ...]:
     return tuple((n * coarse[0], n * coarse[1]) for n in (1, 2, 4))
 
 
-def corner_support(scene: Scene, coarsest: tuple[int, int]) -> Record:
+def corner_support(scene: schema.Scene, coarsest: tuple[int, int]) -> Record:
     """The scene's own constraint and patch where it gives them, else the exact one over a patch of whole elements."""
     corner, element = scene.corner, scene.vehicle.length / coarsest[0]
     own = bool(corner.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"})
@@ -225,7 +222,7 @@ def mesh_changes(sweep: Sweep, frequency: float, start: str) -> list[Changes | N
     for elements in sweep.meshes:
         finer = elements[0] / own.plate.counts[0]
         steps = max(MIN_STEPS, own.expected_steps * finer * frequency / own.first_frequency)
-        expected = loop_seconds(sweep.case.scene, own.plate.element, elements, steps)
+        expected = cost.loop_seconds(sweep.case.scene, own.plate.element, elements, steps)
         found.append(run_changes(sweep, frequency, elements, start) if expected <= TOO_LONG else None)
     return found
 

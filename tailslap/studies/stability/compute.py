@@ -24,9 +24,8 @@ from postprocess.comparison.quantities import largest
 from tailslap.campaign import engine, records
 from tailslap.case import case_of
 from tailslap.case.case import failed_names
-from tailslap.case.corner.checks import OSCILLATES, reaction_checks
+from tailslap.case.corner import checks, run
 from tailslap.case.corner.error import FLOOR, FRACTION, Histories, distance_in_motion
-from tailslap.case.corner.run import CornerOutcome, settled
 from tailslap.case.cost import beam_frequency, expected_effort
 from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import differences
@@ -424,7 +423,7 @@ class Reference(NamedTuple):
     histories: Histories
 
 
-def against_reference(outcome: CornerOutcome) -> Row:
+def against_reference(outcome: run.CornerOutcome) -> Row:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     cell, plate = outcome.fe_plan.asked.source, outcome.fe_plan.plate
     first, failed = None, failed_names(outcome.checks)
@@ -464,7 +463,7 @@ def grade(
     elif max(moved, apart) > _limit(GOOD_TO, its):
         kind = CAUGHT
     else:
-        kind = GOOD if set(failed) - reaction_checks() else REACTION_ONLY
+        kind = GOOD if set(failed) - checks.reaction_checks() else REACTION_ONLY
     sizes = {"distance": moved, "allowed": _limit(WRONG_FROM, its), "difference": found, "reference": its}
     spent = {"reference_model": reference.model, "reference_seconds": reference.seconds}
     return verdict(kind, failed=names, **sizes, **spent)
@@ -484,7 +483,7 @@ def references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference]
             case: Any = case_of(*vary(cell, reference_changes(plate, finer, ratio)))
             if expected_effort(case.scene, case.duration).seconds > MAX_REFERENCE_S:
                 continue
-            outcome = settled(case)
+            outcome = run.settled(case)
         except InputError:
             continue
         if trustworthy(outcome):
@@ -505,12 +504,12 @@ def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes
     }
 
 
-def trustworthy(outcome: CornerOutcome) -> bool:
+def trustworthy(outcome: run.CornerOutcome) -> bool:
     """True if the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
     friction has fed, a reference may not."""
     found, error = largest(outcome.difference), outcome.error
     swayed = error.damping + error.ringing > _limit(SWAYED, found)
-    fed = any(check.name == "oscillation" and check.value > OSCILLATES for check in outcome.checks)
+    fed = any(check.name == "oscillation" and check.value > checks.OSCILLATES for check in outcome.checks)
     passed = DEMANDED.isdisjoint(failed_names(outcome.checks))
     return math.isfinite(found) and passed and not swayed and not fed
 

@@ -15,8 +15,7 @@ from postprocess.units import known
 from tailslap.case.case import advice
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.report import study_page, study_summary
-from tailslap.scene.vary import changed_tables
-from tailslap.scene.write import scene_file
+from tailslap.scene import vary, write
 from tailslap.studies.stability import compute
 from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, UNKNOWN, WRONG, Row, StabilityResult
 
@@ -131,7 +130,7 @@ def _scene_file(found: StabilityResult, key: str) -> str:
     off = f"{row['distance']:.1e} off, {row['allowed']:.1e} allowed, own estimate {row['error']:.1e}"
     why = row["failed"] or row["reason"] or "no check failed"
     title = f"Cell {key} from {found.case.scene.name}, {settings}: {row['kind']}; {off}; {why}"
-    return scene_file(changed_tables(found.base.given, found.cells[key])[0], title)
+    return write.scene_file(vary.changed_tables(found.base.given, found.cells[key])[0], title)
 
 
 def _records(found: StabilityResult, *kinds: str) -> list[Row]:

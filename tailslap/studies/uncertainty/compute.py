@@ -24,9 +24,8 @@ from tailslap.campaign import sampling
 from tailslap.campaign.sampling import Array, Band, Range
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.impact.answers import COLUMNS, both_strikes
+from tailslap.case.impact import answers, rigid
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.rigid import ARGUMENTS
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.paper import tables
 from tailslap.scene.schema import Scene
@@ -158,7 +157,7 @@ def own_columns(case: Any) -> dict[str, float]:
     """The columns of `solved` that the scene's own values give [SI]."""
     if case.scene.contact is None:
         return {"peak_force": float(case.force.peak_force)}
-    return both_strikes(case.answer)
+    return answers.both_strikes(case.answer)
 
 
 def solved(
@@ -258,7 +257,7 @@ def impact_ranges(
         "impact.angle": known["impact.angle"],
         "vehicle.centre_of_mass": (0.45 * length, 0.55 * length, "± 5 % of the length, assumed"),
     }
-    found = sampling.ranges_of(case, ARGUMENTS, limits, ranges, fixed)
+    found = sampling.ranges_of(case, rigid.ARGUMENTS, limits, ranges, fixed)
     for item in found:
         if item.key == "impact.angle" and not 0.0 < item.lower < item.upper < 0.5 * math.pi:
             raise InputError(item.key, f"{item.lower}:{item.upper}", "allowed is above 0 and below 90 deg")
@@ -313,7 +312,7 @@ def _simulated(found: Spread, known: Mapping[str, float]) -> dict[str, tuple[flo
         samples = solved(found.case, inputs | {key: np.full(2 * found.rows, x) for key, x in known.items()})
     return {
         name: (exact[name], abs(float(many[name][0]) - exact[name]), sampling.band_of(samples[name]))
-        for name in COLUMNS
+        for name in answers.COLUMNS
     }
 
 
