@@ -42,7 +42,7 @@ from fem.laws.materials import stress
 from fem.machine_code.compiled import compiled, inlined
 from fem.machine_code.kernel import Kernel
 from fem.machine_code.numba_code import compile_for, make_dispatcher
-from fem.plate.elements import ElementTable
+from fem.plate.kinds import ElementTable
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.plan import CornerPlan

@@ -15,8 +15,8 @@ from fem.model.impact_model import build_impact_model
 from fem.plate.kinds import ContactProperties, PlateProperties, StepProperties
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
+from postprocess.report.page import pairs
 from postprocess.report.report import printed
-from postprocess.report.table import pairs
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import energy_error

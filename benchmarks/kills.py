@@ -27,7 +27,7 @@ import psutil
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tailslap.campaign.table import CIRCUMSTANCES
+from tailslap.campaign.definition import CIRCUMSTANCES
 from tailslap.files.folder import locked, recover
 from tailslap.files.manifest import NAME, entry, read_manifest
 

@@ -26,9 +26,9 @@ from typing import Any
 import psutil
 from main_job import row
 
+from tailslap.campaign.definition import CIRCUMSTANCES, TABLE
 from tailslap.campaign.perform import RECORDS
 from tailslap.campaign.records import count
-from tailslap.campaign.table import CIRCUMSTANCES, TABLE
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),

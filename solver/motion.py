@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver import rules, stage_2
-from solver.body import MotionState, RectangularBody
-from solver.rules import Array, Gate, Number, RigidBodyError, number
+from solver.rules import Array, Gate, MotionState, Number, RectangularBody, RigidBodyError, number
 from solver.stage_2 import Clock, Path, Start
 
 OVERRUN = 0.01  # how far past the strike a motion can be followed, as a fraction of the time to it

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from solver import rules
-from solver.body import RectangularBody
+from solver.rules import RectangularBody
 
 CONVENTIONS = ("paper", "newton")
 

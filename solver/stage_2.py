@@ -19,8 +19,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver import rules
-from solver.body import REACTIONS, MotionState, RectangularBody
-from solver.rules import Array, Gate, Number, RigidBodyError, choose, functions, holds, number
+from solver.rules import (
+    REACTIONS,
+    Array,
+    Gate,
+    MotionState,
+    Number,
+    RectangularBody,
+    RigidBodyError,
+    choose,
+    functions,
+    holds,
+    number,
+)
 
 MU_SIGN = {"drag": 1.0, "none": 0.0, "signed": -1.0}  # of the coefficient in Eqs 66-67
 COARSE, FINE = 12, 20  # Gauss points; the answer is the fine rule's, its distance to the coarse one the check

@@ -19,7 +19,7 @@ from fem.laws import constraints, friction, materials
 from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
-from postprocess.report import table
+from postprocess.report import page
 from postprocess.report.report import labelled_text, printed
 from postprocess.units import SYSTEMS
 from tailslap import result
@@ -101,7 +101,7 @@ def run(
     outcome = case.run(tolerance)
     found, columns = outcome.run, case.histories(outcome)
     return result.of_run(
-        table.plain(case.summary(outcome, True)),
+        page.plain(case.summary(outcome, True)),
         {label: load.history(columns[name]) for label, name in load.FILES.items()},
         result.filled_by(
             lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])
@@ -142,11 +142,11 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     653
     """
     case = _case(scene, changes)
-    summary, columns = table.plain(case.rigid_numbers()), case.rigid_history()
+    summary, columns = page.plain(case.rigid_numbers()), case.rigid_history()
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        table.write_summary(folder / "summary.json", summary)
-        table.write_history(folder / "rigid.csv", columns)
+        page.write_summary(folder / "summary.json", summary)
+        page.write_history(folder / "rigid.csv", columns)
 
     return result.Result(
         "rigid",
@@ -195,7 +195,7 @@ def check(
     case = _case(scene, changes)
     name, lines = case.scene.name, case.check_text(allow_large)
     text = labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
-    return result.Result("check", name, table.plain(as_numbers(name, lines)), text=text)
+    return result.Result("check", name, page.plain(as_numbers(name, lines)), text=text)
 
 
 def modal(
@@ -247,7 +247,7 @@ def modal(
 
     fe_plan = _corner_plan(scene, changes, allow_large)
     found = modal_analysis.modal_run(fe_plan, modes, tolerance, steps)
-    summary = table.plain(modal_analysis.modal_numbers(fe_plan, found))
+    summary = page.plain(modal_analysis.modal_numbers(fe_plan, found))
     return result.Result(
         "modal",
         summary["scene"],
@@ -358,7 +358,7 @@ def study(
 def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, Any]) -> result.Result:
     """Run a study of a case, whose place is locked; options: its own, as `compute` takes them."""
     report = chosen.report(chosen.compute(case, place, **options))
-    parts = [part for part in report.terminal if isinstance(part, table.Table)]
+    parts = [part for part in report.terminal if isinstance(part, page.Table)]
     tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
     text = printed(report.terminal)
     return result.of_report(f"study {chosen.name}", report, tables, text=text, place=place)

@@ -20,9 +20,8 @@ from fem.model.plate_model import PlateModel
 from fem.plate import elastic
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.figures.plates import draw_mode
-from postprocess.report.page import Section
+from postprocess.report.page import Column, Section, Table
 from postprocess.report.report import Report, printed, shown_in
-from postprocess.report.table import Column, Table
 from postprocess.units import SYSTEMS, measure, percent
 from tailslap.case.case import Check
 from tailslap.case.corner.plan import CornerPlan

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.report.table import Table
+from postprocess.report.page import Table, plain
 from postprocess.units import measure
 from tailslap.errors import InputError, Missing, Verbatim
 
@@ -370,10 +370,8 @@ def _table_html(title: str, table: Table) -> str:
 
 def of_report(command: str, report: Report, tables: Mapping[str, Any], **more: Any) -> Result:
     """The result of a command that makes a report; more: what else the result has."""
-    from postprocess.report import table
-
     page, fill = report.page, filled_by(lambda place, pictures, units: report)
-    summary = table.plain(report.summary)
+    summary = plain(report.summary)
     return Result(command, page.title, summary, page.headline, page.passed, tables, fill=fill, **more)
 
 

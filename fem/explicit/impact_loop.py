@@ -22,7 +22,7 @@ from fem.laws.wall_contact import (
     tilted,
 )
 from fem.machine_code.compiled import compiled, implements
-from fem.plate.elements import ElementTable
+from fem.plate.kinds import ElementTable
 
 
 class ImpactLoop(NamedTuple):

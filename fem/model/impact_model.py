@@ -15,7 +15,7 @@ from fem.laws import materials, unilateral
 from fem.laws.wall_contact import BoundaryContact, ElasticWall
 from fem.model import plate_model
 from fem.model.plate_model import PlateModel
-from fem.plate import elements, kinds, spectrum
+from fem.plate import kinds, spectrum
 
 if TYPE_CHECKING:
     import meshio
@@ -63,7 +63,7 @@ def build_impact_model(
 
 
 def wall_contact(
-    discretisation: elements.Discretisation,
+    discretisation: kinds.Discretisation,
     masses: np.ndarray,
     plate: kinds.PlateProperties,
     contact: kinds.ContactProperties,
@@ -89,7 +89,7 @@ def wall_contact(
     return BoundaryContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
 
 
-def boundary_of(discretisation: elements.Discretisation) -> tuple[np.ndarray, np.ndarray]:
+def boundary_of(discretisation: kinds.Discretisation) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of the boundary, and lengths of the sides that each stands for [m], of shape (boundary nodes,) each."""
     import skfem
 
@@ -184,7 +184,7 @@ def _free_modes(scalar: Any, masses: np.ndarray, wall: kinds.WallProperties) -> 
 
     moduli = materials.st_venant_kirchhoff(wall.youngs_modulus, wall.poissons_ratio)
     root = 1.0 / np.sqrt(np.tile(masses, 2))
-    scaled = root[:, None] * elements.stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
+    scaled = root[:, None] * kinds.stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
     squares, vectors = eigh(scaled)
     return np.sqrt(np.maximum(squares, 0.0)), (root[:, None] * vectors).reshape(2, masses.size, -1)
 

@@ -16,7 +16,7 @@ from fem import lazy
 from fem.explicit import internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
-from fem.plate import elements, kinds
+from fem.plate import kinds
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
 from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
 
@@ -46,9 +46,9 @@ class UnitPlate:
         Of the stiffness, which it holds, over the modulus [m].
     """
 
-    discretisation: elements.Discretisation
+    discretisation: kinds.Discretisation
     masses: np.ndarray
-    hourglass: elements.Hourglass | None
+    hourglass: kinds.Hourglass | None
     inverse: Inverse
 
 
@@ -64,16 +64,16 @@ def unit_plate(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
 
 @lazy.cached("assembly")
 def _assembled(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
-    d = elements.discretise(mesh, plate.thickness, plate.element)
+    d = kinds.discretise(mesh, plate.thickness, plate.element)
     moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
     masses = kinds.LUMPINGS[plate.lumping].masses(d.scalar, plate.density, plate.thickness)
     if plate.inertia is not None:
         masses = kinds.given_inertia_masses(d.positions, masses, plate.inertia)
-    stiffness: Any = elements.stiffness_matrix(d.scalar, plate.thickness, moduli)
+    stiffness: Any = kinds.stiffness_matrix(d.scalar, plate.thickness, moduli)
     hourglass = None
     if kinds.ELEMENT_KINDS[plate.element].hourglass:
-        hourglass = elements.hourglass_control(d, plate.thickness, moduli)
-        stiffness = stiffness + elements.hourglass_matrix(d.table, hourglass, masses.size)
+        hourglass = kinds.hourglass_control(d, plate.thickness, moduli)
+        stiffness = stiffness + kinds.hourglass_matrix(d.table, hourglass, masses.size)
     return UnitPlate(d, masses, hourglass, Inverse(stiffness, masses, d.positions))
 
 
@@ -106,7 +106,7 @@ class PlateModel:
         not known.
     """
 
-    discretisation: elements.Discretisation
+    discretisation: kinds.Discretisation
     highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
@@ -176,7 +176,7 @@ def with_time_step(
     """The model with what its spectrum tells, its corner held like that, and damping."""
     d, spectrum = model.discretisation, _spectrum(model, held, step)
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
-    damping = None if viscosity is None else elements.stiffness_matrix(d.scalar, plate.thickness, viscosity)
+    damping = None if viscosity is None else kinds.stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
         model,
         highest_frequency=spectrum.frequency,
@@ -269,7 +269,7 @@ def modulus_for(mesh: meshio.Mesh, plate: kinds.PlateProperties, first_frequency
 
 
 def _corner(
-    d: elements.Discretisation,
+    d: kinds.Discretisation,
     masses: np.ndarray,
     plate: kinds.PlateProperties,
     corner: kinds.CornerProperties,
@@ -282,7 +282,7 @@ def _corner(
     return CornerConstraint(nodes, weights, mobility, constraints.CONSTRAINTS[corner.constraint].make(given))
 
 
-def corner_weights(discretisation: elements.Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
+def corner_weights(discretisation: kinds.Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights by which the corner P is held; length [m] of side PE, 0 for the node alone.
 
     The weights are the nodes' parts of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
@@ -326,7 +326,7 @@ def _hat_integrals(s: np.ndarray, length: float) -> np.ndarray:
 
 
 def plate_viscosity(
-    d: elements.Discretisation, plate: kinds.PlateProperties, step: kinds.StepProperties, frequency: float
+    d: kinds.Discretisation, plate: kinds.PlateProperties, step: kinds.StepProperties, frequency: float
 ) -> internal_force.Viscosity | None:
     if not (step.damping_ratio or step.bulk_viscosity):
         return None

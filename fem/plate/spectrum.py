@@ -27,7 +27,7 @@ import scipy.sparse as sp
 from fem.laws.constraints import CornerConstraint
 from fem.lazy import cached
 from fem.plate.elastic import ElasticSolver, Inverse
-from fem.plate.elements import Discretisation, ElementTable, Hourglass
+from fem.plate.kinds import Discretisation, ElementTable, Hourglass
 
 KEPT = 1.0 / 3.0
 """Fraction of the basis that a restart retains, of the vectors of the largest eigenvalues."""

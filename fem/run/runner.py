@@ -21,7 +21,7 @@ import numpy as np
 from fem.explicit import internal_force
 from fem.machine_code.arguments import Prepared
 from fem.model.plate_model import PlateModel
-from fem.stability import deformed
+from fem.stability import flutter
 
 Arrays = Mapping[str, np.ndarray]
 Size = tuple[int, ...]
@@ -230,7 +230,7 @@ class Shapes(Observer):
 def highest_frequency(model: PlateModel, shapes: Iterable[np.ndarray]) -> float:
     """The highest [rad/s] of the plate in these positions, but for what is not finite; infinite without any."""
     finite = [positions for positions in shapes if np.isfinite(positions).all()]
-    return max((deformed.deformed_frequency(model, positions) for positions in finite), default=np.inf)
+    return max((flutter.deformed_frequency(model, positions) for positions in finite), default=np.inf)
 
 
 @dataclass(frozen=True)

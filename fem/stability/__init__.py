@@ -1,5 +1,1 @@
-"""Stability of a plate: growth by friction and rounding, and its frequencies and stress as it is deformed.
-
-`flutter` has growth by friction, and what rounding feeds into an undamped plate; `deformed` the highest frequency, and
-the stress, of the plate at an instant of the run.
-"""
+"""Stability of a plate: growth by friction, what rounding feeds into it, and frequency and stress as it is deformed."""

@@ -21,7 +21,7 @@ import scipy.sparse as sp
 from fem.explicit import internal_force
 from fem.laws import friction
 from fem.model.plate_model import PlateModel
-from fem.plate import elastic, elements
+from fem.plate import elastic, kinds
 from fem.plate.elastic import without_rigid_motion
 
 
@@ -358,7 +358,7 @@ def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
     coupling = block(0, 1)
     matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))
     if model.loop.hourglass is not None:
-        matrix = matrix + elements.hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
+        matrix = matrix + kinds.hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
     return matrix
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.report.table import write_history
+from postprocess.report.page import write_history
 
 if TYPE_CHECKING:
     import pyvista

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.svg import chart, drawing, marks
+from postprocess.svg import chart, marks
 
-History = Mapping[str, drawing.Floats]
+History = Mapping[str, marks.Floats]
 
 STRETCHES = 200
 COLOURS = ("fe", "red", "green", "violet")
@@ -121,7 +121,7 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
     return chart.draw_chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
 
 
-def thinned(t: drawing.Floats, values: drawing.Floats) -> tuple[drawing.Floats, drawing.Floats]:
+def thinned(t: marks.Floats, values: marks.Floats) -> tuple[marks.Floats, marks.Floats]:
     """Times and values, shape (k,), k <= 402: both ends, smallest and largest value of each stretch."""
     if len(t) <= 2 * STRETCHES:
         return t, values
@@ -133,7 +133,7 @@ def thinned(t: drawing.Floats, values: drawing.Floats) -> tuple[drawing.Floats, 
     return t[index], values[index]
 
 
-def power_of_ten(values: drawing.Floats) -> int:
+def power_of_ten(values: marks.Floats) -> int:
     """Exponent, a multiple of three, that leaves the largest magnitude between 1 and 1000; 0 for zeros."""
     size = float(np.max(np.abs(values), initial=0.0))
     return 3 * math.floor(math.log10(size) / 3) if 1e-250 < size < math.inf else 0
@@ -143,15 +143,15 @@ def unit_with_power(unit: str, power: int) -> str:
     """A unit with a power of ten before it, or where it has one, with its prefix."""
     if power == 3 and unit in ("N", "J"):
         return "k" + unit
-    return f"10{str(power).translate(drawing.SUPERSCRIPTS)} {unit}" if power else unit
+    return f"10{str(power).translate(marks.SUPERSCRIPTS)} {unit}" if power else unit
 
 
 class Curve(NamedTuple):
     """A history of some origin: its label, instants [s] and values, shape (instants,) each."""
 
     label: str
-    t: drawing.Floats
-    values: drawing.Floats
+    t: marks.Floats
+    values: marks.Floats
 
 
 ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
@@ -218,7 +218,7 @@ def plot_overlays(panels: Mapping[str, Sequence[Curve]]) -> HistoryPlot:
         for axes, (heading, curves) in zip(grid, panels.items(), strict=True):
             for number, (label, t, values) in enumerate(curves):
                 dashes = DASHES[(number // len(ORIGINS) + number) % len(DASHES)]
-                colour = drawing.PALETTE[ORIGINS[number % len(ORIGINS)]]
+                colour = marks.PALETTE[ORIGINS[number % len(ORIGINS)]]
                 axes.plot(t, values, label=label, color=colour, ls=dashes, lw=1.4)
             axes.set_ylabel(heading)
         grid[-1].set_xlabel("t [s]")

@@ -14,8 +14,7 @@ import numpy as np
 
 from postprocess.figures import histories
 from postprocess.svg import chart
-from postprocess.svg.drawing import Floats
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Shades, Span, Words
+from postprocess.svg.marks import Boxes, Floats, Layer, Level, Line, Mark, Outline, Shades, Span, Words
 from postprocess.units import SI, Units, measure
 
 CORNERS = {"front": "red", "rear": "fe"}

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.svg import chart, drawing
-from postprocess.svg.drawing import Floats
-from postprocess.svg.marks import Boxes, Line, Swatch, cells_about
+from postprocess.svg import chart, marks
+from postprocess.svg.marks import Boxes, Floats, Line, Swatch, cells_about
 from postprocess.units import measure
 
 COLOURS: Mapping[str, str] = {
@@ -53,8 +52,8 @@ class MapAxis:
         """Its axis, with ticks at round values."""
         cells = cells_about(self.places, not self.is_even)
         low, high = float(cells.min()), float(cells.max())
-        ticks = drawing.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
-        named = list(zip(ticks, drawing.tick_texts(ticks, not self.is_even), strict=True))
+        ticks = marks.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
+        named = list(zip(ticks, marks.tick_texts(ticks, not self.is_even), strict=True))
         if self.places[0] != self.values[0]:
             first = float(self.places[0])
             named = [(first, "0"), *(each for each in named if each[0] > 2.0 * first)]
@@ -75,7 +74,7 @@ def draw_map(
 
 
 def _rounded(value: float) -> str:
-    return drawing.power_text(float(f"{value:.3g}"))
+    return marks.power_text(float(f"{value:.3g}"))
 
 
 def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
@@ -100,7 +99,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
     reach = REACH * np.ptp(positions, axis=0).min()
     deformed, sizes = positions + reach * shape, np.linalg.norm(shape, axis=1)
     nodes = np.unique(outline)
-    marks = (
+    boxes = (
         _segments(positions, outline, "grey", 0.9),
         *([_segments(deformed, edges, "steel", 0.6)] if len(edges) <= MAX_EDGES else []),
         _segments(deformed, outline, "fe", 1.6),
@@ -115,7 +114,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
     )
     (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
     x, y = chart.Axis(low=left, high=right, named=()), chart.Axis(low=low, high=high, named=())
-    plot = chart.Plot(marks, y, None, nearest="xy", has_grid=False, has_legend=False)
+    plot = chart.Plot(boxes, y, None, nearest="xy", has_grid=False, has_legend=False)
     return chart.draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
 
 

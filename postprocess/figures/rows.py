@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from postprocess.svg import chart
-from postprocess.svg.drawing import Floats
-from postprocess.svg.marks import Boxes, Level, Line, Mark, Span, Words, key
+from postprocess.svg.marks import Boxes, Floats, Level, Line, Mark, Span, Words, key
 from postprocess.units import measure
 
 WIDTH, WIDE, NARROW = 400.0, 480.0, 320.0

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from postprocess.comparison import quantities
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
-from postprocess.svg.drawing import Scale, power_text
-from postprocess.svg.marks import Boxes, Line, Mark, Shades, Swatch, Words, cells_about
+from postprocess.svg.marks import Boxes, Line, Mark, Scale, Shades, Swatch, Words, cells_about, power_text
 from postprocess.units import measure
 
 Values = NDArray[Any]

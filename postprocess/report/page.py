@@ -1,23 +1,257 @@
 """Pages: one file that holds all it shows and fetches nothing. Its script shows values of charts; by the page's own
-policy no other script runs, and without scripts everything is there."""
+policy no other script runs, and without scripts everything is there.
+
+A table is declared once: its columns say how a record is shown, its rows are the records. Terminal, page, CSV and JSON
+all take it from here.
+"""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import json
+import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, is_dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from postprocess.report.table import Table
-from postprocess.svg import drawing
-from postprocess.units import SI
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from postprocess.svg import marks
+from postprocess.units import SI, Units, number, shown
 
 if TYPE_CHECKING:
     from postprocess.svg.chart import Chart
+
+
+Form = str | Callable[[Any], str]
+
+MANY, LONG = 9, 105
+"""Columns, and letters of their headings with what is between them, that stand side by side."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """Column of a table: form of one entry of each record.
+
+    Parameters
+    ----------
+    key : str
+        Name of the entry, with dots for entries of entries; also its name in files.
+    label, unit : str
+        Heading, and the unit that stands behind it.
+    form : str or callable
+        Format specification of a number, or a function that gives the text; "" for words, which stand to the left.
+    style : str
+        "strong", "soft" or, for words in one line, "whole" on pages.
+    group : str
+        Heading over several neighbours.
+    below : Column, optional
+        Shown in small letters below the entry on pages; a terminal leaves it out.
+    unit_key : str
+        Key of the entry that names the unit, where it differs from record to record.
+    is_unit : bool
+        Whether the entries are such names.
+    units : Units
+        What people see of a unit.
+    """
+
+    key: str
+    label: str
+    unit: str = ""
+    form: Form = ""
+    style: str = ""
+    group: str = ""
+    below: Column | None = None
+    unit_key: str = ""
+    is_unit: bool = False
+    units: Units = SI
+
+    @property
+    def heading(self) -> str:
+        """Label with its unit."""
+        return f"{self.label} [{self.shown_unit}]" if self.unit else self.label
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit of all entries as people see it."""
+        return self.units.of(self.unit)[1]
+
+    def value(self, record: Any) -> Any:
+        """The entry of a mapping, whose keys may have dots, an object or a tuple; None where one on the way is None."""
+        return _looked_up(record, self.key)
+
+    def text(self, record: Any) -> str:
+        """The entry as people read it."""
+        text = self._text(record)
+        return self.units.rendered(text)
+
+    def _text(self, record: Any) -> str:
+        value = self.value(record)
+        if self.is_unit:
+            return self.units.of(value)[1]
+        factor, _ = self.units.of(_looked_up(record, self.unit_key) if self.unit_key else self.unit)
+        if factor != 1.0 and isinstance(value, int | float):
+            value = factor * value
+        if callable(self.form):
+            return self.form(value) if value is not None else number(value)
+        return shown(value, self.form) if self.form else number(value)
+
+
+def _looked_up(record: Any, key: str) -> Any:
+    if isinstance(record, Mapping) and key in record:
+        return record[key]
+    for name in key.split("."):
+        record = _entry(record, name)
+    return record
+
+
+def _entry(record: Any, name: str) -> Any:
+    if record is None:
+        return None
+    if isinstance(record, Mapping):
+        return record[name]
+    return record[int(name)] if name.isdigit() else getattr(record, name)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns and records. marks: style of rows by their number, "failed" or "marked"; notes stand below it."""
+
+    columns: tuple[Column, ...]
+    rows: Sequence[Any]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    marks: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def groups(self) -> tuple[tuple[str, int], ...]:
+        """The headings above the columns and how many columns each spans; none if no column has one."""
+        spans: list[tuple[str, int]] = []
+        for column in self.columns:
+            if spans and spans[-1][0] == column.group:
+                spans[-1] = (column.group, spans[-1][1] + 1)
+            else:
+                spans.append((column.group, 1))
+        return tuple(spans) if any(name for name, _ in spans) else ()
+
+    @property
+    def is_wide(self) -> bool:
+        """True if its headings need smaller letters to stand side by side on a page."""
+        return len(self.columns) > MANY or sum(len(column.heading) + 2 for column in self.columns) > LONG
+
+    def mark(self, row: int) -> str:
+        """Style of a row."""
+        return self.marks.get(row, "")
+
+    def in_units(self, units: Units) -> Table:
+        """Return the table in other units."""
+        columns = [
+            replace(column, units=units, below=column.below and replace(column.below, units=units))
+            for column in self.columns
+        ]
+        notes = tuple(units.rendered(note) for note in self.notes)
+        return replace(self, columns=tuple(columns), title=units.rendered(self.title), notes=notes)
+
+    def records(self) -> list[dict[str, Any]]:
+        """The entries as they are, by key: what JSON and other files hold."""
+        return [{column.key: column.value(row) for column in self.columns} for row in self.rows]
+
+
+def columns(labels: Mapping[str, str], **more: Any) -> tuple[Column, ...]:
+    """Columns of one form: their labels by key."""
+    return tuple(Column(key, label, **more) for key, label in labels.items())
+
+
+def listed(rows: Sequence[Mapping[str, Any]], **more: Any) -> Table:
+    """A table of flat mappings with the same keys, which are its headings: for files."""
+    return Table(tuple(Column(key, key) for key in rows[0]), rows, **more)
+
+
+def text_table(*columns: str, rows: Sequence[Sequence[str]], texts: int = 1, **more: Any) -> Table:
+    """A table of finished text: its headings and cells; the first `texts` columns are words, the others numbers."""
+    made = tuple(Column(str(i), name, form="" if i < texts else str) for i, name in enumerate(columns))
+    return Table(made, [{str(i): cell for i, cell in enumerate(row)} for row in rows], **more)
+
+
+def pairs(entries: Mapping[str, Any] | Sequence[tuple[Any, ...]], **more: Any) -> Table:
+    """A table without headings: what, its value, and its unit where there is one."""
+    lines = [(*line, "")[:3] for line in (entries.items() if isinstance(entries, Mapping) else entries)]
+    value = Column("value", "", form=lambda value: number(value, 5), style="strong", unit_key="unit")
+    columns = (Column("what", ""), value, Column("unit", "", is_unit=True))
+    used = columns if any(unit for *_, unit in lines) else columns[:2]
+    return Table(used, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)
+
+
+FORMAT = "%.17g"
+NOT_FINITE = re.compile(r"-?(nan|inf)")
+
+
+def write_history(path: Path, columns: Mapping[str, ArrayLike]) -> Path:
+    """Writes the columns, name -> values of shape (n,), in the mapping's order."""
+    table = np.column_stack([_column(name, values) for name, values in columns.items()])
+    line = ",".join([FORMAT] * table.shape[1])
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(",".join(columns) + "\n")
+        for row in table:
+            text = line % tuple(row)
+            file.write((text if np.isfinite(row).all() else NOT_FINITE.sub("", text)) + "\n")
+    return path
+
+
+def read_history(path: Path) -> dict[str, NDArray[np.float64]]:
+    """The columns of a file that `write_history` wrote, in its order: name -> values of shape (n,)."""
+    header, _, body = path.read_text(encoding="utf-8").partition("\n")
+    names = header.split(",")
+    rows = [line.split(",") for line in body.splitlines()]
+    table = np.array([[entry or "nan" for entry in row] for row in rows], dtype=np.float64)
+    table = table.reshape(-1, len(names))
+    return {name: np.ascontiguousarray(table[:, column]) for column, name in enumerate(names)}
+
+
+def _column(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    column = np.asarray(values, dtype=np.float64)
+    if column.ndim != 1:
+        raise ValueError(f"history column {name!r} must have one dimension, it has {column.ndim}")
+    if "," in name or "\n" in name or name != name.strip() or not name:
+        raise ValueError(f"history column name {name!r} does not fit a CSV header")
+    return column
+
+
+def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:
+    """Writes the mapping, nested as wished, with its own key order, indented by two."""
+    path.write_text(summary_text(summary) + "\n", encoding="utf-8")
+    return path
+
+
+def summary_text(summary: Mapping[str, Any]) -> str:
+    """The mapping as strict JSON."""
+    return json.dumps(plain(summary), indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def plain(value: Any) -> Any:
+    """The value in the types that JSON has: records as mappings, NumPy scalars and arrays unwrapped, non-finite numbers
+    None."""
+    if is_dataclass(value):
+        value = vars(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, str):
+        return SI.rendered(value)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
+
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
@@ -123,7 +357,7 @@ def prose(text: str) -> Any:
 def printed_numbers(text: str) -> str:
     """The text with powers of ten as such, a true minus, superscripts, and the letters ω, θ and μ by their names."""
     text = EXPONENT.sub(lambda found: _power(found[1], int(found[2])), text)
-    text = SQUARE.sub(lambda found: found[0][1:].translate(drawing.SUPERSCRIPTS), MINUS.sub("−", text))
+    text = SQUARE.sub(lambda found: found[0][1:].translate(marks.SUPERSCRIPTS), MINUS.sub("−", text))
     return LETTER.sub(lambda found: LETTERS[found[0]], text)
 
 
@@ -133,7 +367,7 @@ def _power(factor: str, power: int) -> str:
     if power in PLAIN:
         return f"{Decimal(f'{factor}e{power}'):{'+' if factor[0] == '+' else ''}f}"
     times = factor[:-1] if factor.lstrip("+-") == "1" else f"{factor}×"
-    return f"{times}10{str(power).translate(drawing.SUPERSCRIPTS)}"
+    return f"{times}10{str(power).translate(marks.SUPERSCRIPTS)}"
 
 
 def glued(text: str) -> str:

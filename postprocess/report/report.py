@@ -17,8 +17,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from postprocess.report import page
-from postprocess.report.page import Page, Section, write_page
-from postprocess.report.table import Table, plain, write_history, write_summary
+from postprocess.report.page import Page, Section, Table, plain, write_history, write_page, write_summary
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from postprocess.svg import drawing
+from postprocess.svg import marks
 from postprocess.svg.marks import Level, Mark, found_ranges
 from postprocess.units import SI, Units
 
@@ -33,12 +33,12 @@ class Axis:
     margin: float = 0.05
     named: tuple[tuple[float, str], ...] | None = None
 
-    def scale(self, found: tuple[float, float]) -> drawing.Scale:
+    def scale(self, found: tuple[float, float]) -> marks.Scale:
         """A scale for what is drawn, without its places."""
-        low, high = drawing.fitted(*found, self.margin, self.is_log)
+        low, high = marks.fitted(*found, self.margin, self.is_log)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
-        return drawing.Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
+        return marks.Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
 
     @property
     def unit(self) -> str:
@@ -53,13 +53,13 @@ class Axis:
             self, label=self.label.replace(f"[{self.unit}]", f"[{unit}]"), low=low, high=high, named=named
         )
 
-    def ticks(self, scale: drawing.Scale, room: float) -> list[tuple[float, str]]:
+    def ticks(self, scale: marks.Scale, room: float) -> list[tuple[float, str]]:
         """Values and their texts; room: for one of them."""
         if self.named is not None:
             low, high = sorted((scale.low, scale.high))
             return [(value, text) for value, text in self.named if low <= value <= high]
         values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
-        return list(zip(values, drawing.tick_texts(values, self.is_log), strict=True))
+        return list(zip(values, marks.tick_texts(values, self.is_log), strict=True))
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Frame:
     """A plot with its scales in place, and its ticks."""
 
     plot: Plot
-    x: drawing.Scale
-    y: drawing.Scale
+    x: marks.Scale
+    y: marks.Scale
     y_ticks: list[tuple[float, str]]
 
 
@@ -99,10 +99,8 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
         for scale, plot in zip(scales, plots, strict=True)
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
-    left = 8.0 + max(drawing.text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
-    beside = [
-        drawing.text_width(line, 10.0) for plot in plots for _, lines in _levels(plot) for line in lines
-    ]
+    left = 8.0 + max(marks.text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
+    beside = [marks.text_width(line, 10.0) for plot in plots for _, lines in _levels(plot) for line in lines]
     along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
@@ -121,7 +119,7 @@ def drawn(frame: Frame) -> str:
     box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
     places = [(float(y.at(value)), text) for value, text in frame.y_ticks]
     grid = "".join(f"M{x.start:.2f} {place:.2f}H{x.end:.2f}" for place, _ in places)
-    texts = [drawing.words(text, x.start - 5.0, place + 4.0, "end", SMALL) for place, text in places]
+    texts = [marks.words(text, x.start - 5.0, place + 4.0, "end", SMALL) for place, text in places]
     parts = [
         f'<g class="plot" data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" '
         f'data-x="{x.low:.7g} {x.high:.7g}" data-log="{int(x.is_log)}" '
@@ -129,15 +127,15 @@ def drawn(frame: Frame) -> str:
         _stroked(f'<path d="{grid}"', "grid") if plot.has_grid else "",
         *(mark.draw(x, y) for mark in plot.marks),
         _stroked(f"<rect {box}", "grey") if places else "",
-        drawing.coloured("".join(texts), "soft"),
-        drawing.coloured(drawing.words(plot.y.label, 0.0, y.end - 7.0), "ink"),
+        marks.coloured("".join(texts), "soft"),
+        marks.coloured(marks.words(plot.y.label, 0.0, y.end - 7.0), "ink"),
         _level_names(frame),
     ]
     return "".join(parts) + "</g>"
 
 
 def _stroked(opening: str, colour: str) -> str:
-    return drawing.coloured(f'{opening} stroke="currentColor" stroke-width="0.8"/>', colour)
+    return marks.coloured(f'{opening} stroke="currentColor" stroke-width="0.8"/>', colour)
 
 
 def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
@@ -158,8 +156,8 @@ def _level_names(frame: Frame) -> str:
         placed.append((level, lines, lowest))
     lower = max(0.0, frame.y.end + 22.0 - lowest) if placed else 0.0
     drawn = [
-        drawing.coloured(
-            drawing.words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
+        marks.coloured(
+            marks.words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
             level.colour,
         )
         for level, lines, at in placed
@@ -196,8 +194,8 @@ class Chart:
         plots = []
         for plot in self.plots:
             up, unit = units.of(plot.y.unit)
-            marks = tuple(mark.scaled(along, up) for mark in plot.marks)
-            plots.append(replace(plot, marks=marks, y=plot.y.scaled(up, unit)))
+            drawn = tuple(mark.scaled(along, up) for mark in plot.marks)
+            plots.append(replace(plot, marks=drawn, y=plot.y.scaled(up, unit)))
         across = self.x.scaled(along, x_unit)
         return draw_chart(
             self.name, units.rendered(self.caption), plots, across, self.group, self.width, units
@@ -250,12 +248,12 @@ def _legend(plot: Plot, width: float) -> tuple[str, float]:
         return "", 0.0
     across, row, keys = 0.0, 0, []
     for label, mark in shown.items():
-        wide = 24.0 + drawing.text_width(label, SMALL)
+        wide = 24.0 + marks.text_width(label, SMALL)
         if across and across + wide > width:
             across, row = 0.0, row + 1
-        text = drawing.words(label, 23.0, 9.0, size=SMALL)
+        text = marks.words(label, 23.0, 9.0, size=SMALL)
         place = f'<g transform="translate({across:.1f} {row * ROW + 2.0:.1f})">'
-        keys.append(place + mark.key() + drawing.coloured(text, "ink") + "</g>")
+        keys.append(place + mark.key() + marks.coloured(text, "ink") + "</g>")
         across += wide + 12.0
     return "".join(keys), (row + 1) * ROW + 2.0
 
@@ -266,13 +264,13 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
     down = last.y.start + 15.0
     texts = [
-        drawing.words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
+        marks.words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
         for value, text in ticks
         for row, line in enumerate(text.split("\n"))
     ]
-    marks = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
-    label = drawing.words(
+    path = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
+    label = marks.words(
         axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle"
     )
-    shown = drawing.coloured("".join(texts), "soft") + drawing.coloured(label, "ink")
-    return _stroked(f'<path d="{marks}"', "grey") + shown
+    shown = marks.coloured("".join(texts), "soft") + marks.coloured(label, "ink")
+    return _stroked(f'<path d="{path}"', "grey") + shown

@@ -20,8 +20,18 @@ from pathlib import Path
 from typing import Any
 
 from tailslap import progress
-from tailslap.campaign import engine, pools, records, report, table
-from tailslap.campaign.definition import Definition
+from tailslap.campaign import engine, records, report
+from tailslap.campaign.definition import (
+    ERROR,
+    FAILED,
+    KILLS,
+    STATUSES,
+    TABLE,
+    Definition,
+    FinishedSweep,
+    compute_row,
+    write_table,
+)
 from tailslap.case import cost
 from tailslap.errors import InputError, place_error
 from tailslap.files import folder, manifest
@@ -29,7 +39,7 @@ from tailslap.files import folder, manifest
 LOST, INTERRUPTED = 3, 130
 
 DEFINITION, RECORDS = "sweep.json", "records.sqlite"
-RESULTS = (table.TABLE, report.REPORT, report.SUMMARY)
+RESULTS = (TABLE, report.REPORT, report.SUMMARY)
 """Files that are written anew each time the sweep is resumed, and refused if the user has added or changed them."""
 
 
@@ -47,10 +57,10 @@ def perform(
     place: Path,
     cluster: str | None = None,
     workers: int | None = None,
-    compute: Callable[..., dict[str, Any]] = table.compute_row,
+    compute: Callable[..., dict[str, Any]] = compute_row,
     units: str = "si",
     force: bool = False,
-) -> table.FinishedSweep:
+) -> FinishedSweep:
     """Make the runs that are missing in the folder `place`, and write what belongs there.
 
     cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run;
@@ -63,15 +73,15 @@ def perform(
             with open_records(place, definition) as rows:
                 effort = _make_missing(definition, rows, cluster, workers, compute)
                 new = folder.fresh(place)
-                table.write_table(new, definition, rows)
-                statuses = {name: rows.statuses[name] for name in table.STATUSES}
-            done = table.FinishedSweep(definition, statuses, effort)
+                write_table(new, definition, rows)
+                statuses = {name: rows.statuses[name] for name in STATUSES}
+            done = FinishedSweep(definition, statuses, effort)
             report.write_sweep(done, new, units)
-        except (KeyboardInterrupt, pools.LostError) as error:
-            is_lost = isinstance(error, pools.LostError)
+        except (KeyboardInterrupt, engine.LostError) as error:
+            is_lost = isinstance(error, engine.LostError)
             with open_records(place, definition) as rows:
                 if kept := len(rows):
-                    table.write_table(folder.fresh(place), definition, rows)
+                    write_table(folder.fresh(place), definition, rows)
                     folder.commit(place, origin)
             why, status = (str(error), LOST) if is_lost else ("interrupted", INTERRUPTED)
             raise StoppedError(why, kept, definition.runs, status) from None
@@ -97,20 +107,25 @@ def _make_missing(
         return engine.CampaignEffort()
 
     def died(run: Any) -> dict[str, Any]:
-        return {"run": run, **definition.inputs_of(run), "status": table.ERROR, "reason": table.KILLS}
+        return {
+            "run": run,
+            **definition.inputs_of(run),
+            "status": ERROR,
+            "reason": KILLS,
+        }
 
     def arguments(run: Any) -> tuple[Any, ...]:
         return run, definition.source, definition.changes_of(run)
 
     def look(threads: int) -> None:
         idle = "" if threads else "; no worker is there, waiting for one"
-        failed = rows.statuses[table.FAILED] + rows.statuses[table.ERROR]
+        failed = rows.statuses[FAILED] + rows.statuses[ERROR]
         show(len(rows), f", {failed} failed{idle}")
 
     cores = cost.available_cores()
     count = min(workers or cores, cores, len(missing))
     with (
-        pools.cluster(cluster) if cluster else pools.local(count) as pool,
+        engine.cluster(cluster) if cluster else engine.local(count) as pool,
         progress.counted(definition.scene, definition.runs, len(rows)) as show,
     ):
         return engine.perform(engine.Parts(compute, [*missing], arguments, died), rows, pool, look)

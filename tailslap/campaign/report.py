@@ -12,12 +12,19 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.page import Page, Section, write_page
+from postprocess.report.page import Column, Page, Section, Table, write_page, write_summary
 from postprocess.report.report import page_in_units, place_line, printed
-from postprocess.report.table import Column, Table, write_summary
 from postprocess.units import SYSTEMS, Units, measure
-from tailslap.campaign.definition import Definition, Variation
-from tailslap.campaign.table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep
+from tailslap.campaign.definition import (
+    ERROR,
+    FAILED,
+    PASSED,
+    REFUSED,
+    TABLE,
+    Definition,
+    FinishedSweep,
+    Variation,
+)
 from tailslap.case.report import footer
 from tailslap.files.load import read_columns
 from tailslap.progress import clock

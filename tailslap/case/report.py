@@ -12,8 +12,7 @@ import numpy as np
 import tailslap
 from postprocess import units
 from postprocess.fields import series
-from postprocess.report.page import Page, Section
-from postprocess.report.table import Column, Table, pairs
+from postprocess.report.page import Column, Page, Section, Table, pairs
 from postprocess.signals.filters import design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
@@ -366,9 +365,9 @@ def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
 
 
 def _elemental(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
-    from fem.stability import deformed
+    from fem.stability import flutter
 
-    found = np.array([deformed.element_stress(model, each) for each in positions])
+    found = np.array([flutter.element_stress(model, each) for each in positions])
     s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)
     middle, radius = 0.5 * (s_xx + s_yy), np.hypot(0.5 * (s_xx - s_yy), s_xy)
     return {

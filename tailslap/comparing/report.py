@@ -10,9 +10,8 @@ from typing import Any
 import tailslap
 from postprocess.comparison.quantities import LIMITS, QUANTITIES, Beside, beside
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Column, Page, Section, Table, columns
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, columns
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, percent
 from tailslap.case.report import footer

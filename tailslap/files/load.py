@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
-from postprocess.report import table
+from postprocess.report import page
 from tailslap import result
 from tailslap.errors import InputError, Verbatim
 
@@ -76,7 +76,7 @@ def load(folder: str | os.PathLike[str]) -> result.Result:
     if (place / SWEEP).is_file():
         return sweep_result(place)
     histories = {
-        label: history(table.read_history(place / name))
+        label: history(page.read_history(place / name))
         for label, name in FILES.items()
         if (place / name).is_file()
     }

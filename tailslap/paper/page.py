@@ -16,9 +16,8 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import COMPARED, TIME, History, thinned
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Column, Form, Page, Section, Table, pairs
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Form, Table, pairs
 from postprocess.svg import chart, marks
 from postprocess.units import percent
 from tailslap.case.report import footer

@@ -24,7 +24,7 @@ from postprocess.fields.contours import (
     round_between,
     view_of_plate,
 )
-from postprocess.svg.drawing import viridis
+from postprocess.svg.marks import viridis
 
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
 COLUMNS, ROWS = 20, 6

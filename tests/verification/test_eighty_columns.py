@@ -10,8 +10,8 @@ import tomllib
 import click
 import pytest
 
+from postprocess.report.page import Column, Table
 from postprocess.report.report import labelled, printed, table_lines
-from postprocess.report.table import Column, Table
 from tailslap import cli, errors
 from tailslap.scene import read, schema, write
 from tailslap.scene.schema import Scene, SceneTable

@@ -13,7 +13,7 @@ import pytest
 
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
-from tailslap.campaign import pools
+from tailslap.campaign import engine
 
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
 
@@ -82,7 +82,7 @@ def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path, besides_compil
 def test_processes_of_this_machine_open_no_port():
     """Neither they nor this process listen to the network; what they say goes through pipes and own sockets."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
-    with pools.local(2) as pool:
+    with engine.local(2) as pool:
         assert pool.submit(pow, 2, 10).result() == 1024
         worker = pool.submit(os.getpid).result()
         here = psutil.Process()

@@ -9,8 +9,8 @@ import pytest
 
 from postprocess.comparison.quantities import STRIKES
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from tailslap.campaign import report, table
-from tailslap.campaign.definition import make_definition
+from tailslap.campaign import report
+from tailslap.campaign.definition import compute_row, make_definition, table_schema
 from tailslap.campaign.perform import perform
 from tailslap.case import case_of
 from tailslap.errors import InputError
@@ -34,7 +34,7 @@ def scene_file(folder, text):
 
 def test_a_row_is_what_the_rigid_vehicle_gives():
     source = source_of_text(RIGID, "rigid")
-    row = table.compute_row(3, source, {"contact.stiffness": 3e6})
+    row = compute_row(3, source, {"contact.stiffness": 3e6})
     plan = case_of(*vary(source, {"contact.stiffness": 3e6}))
     first, second = plan.motion.strikes[:2]
     assert (row["run"], row["status"], row["rigid.strike_2.corner"]) == (3, "passed", "rear")
@@ -43,7 +43,7 @@ def test_a_row_is_what_the_rigid_vehicle_gives():
     assert 0.0 < row["rigid.strike_1.mean_50ms"] < first.peak_force
     overall = max(row[f"rigid.strike_{k}.mean_50ms"] for k in (1, 2))
     assert overall == pytest.approx(row["rigid.peak.mean_50ms"], rel=1e-12)
-    assert table.compute_row(0, source, {"contact.restitution": 2.0})["status"] == "refused"
+    assert compute_row(0, source, {"contact.restitution": 2.0})["status"] == "refused"
 
 
 def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
@@ -57,7 +57,7 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
     )
     soft, stiff = found["rigid.strike_1.peak_force"]
     assert stiff / soft == pytest.approx(2.0, rel=0.1)
-    names = table.table_schema(definition, []).names
+    names = table_schema(definition, []).names
     assert not [name for name in names if name.startswith(("fe.", "difference."))]
     page = (tmp_path / "sweep" / "report.html").read_text()
     assert [words for words in ("Of both strikes", "Rigid, least") if words not in page] == []
@@ -77,14 +77,14 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
 
 def test_columns_of_both_calculations(tmp_path):
     """The corner keeps its columns, whatever its rows; an impact with a plate has both models' strikes."""
-    corner = table.table_schema(
+    corner = table_schema(
         make_definition("paper-table-3", (), ("plate.thickness=1,2",), None, 1), ["check.x"]
     ).names
     assert corner[:5] == ["run", "status", "reason", "plate.thickness", "rigid.t"]
     assert corner[18:22] == ["difference.slide", "rigid.peak_force", "deflection_ratio", "check.x"]
     assert corner[22:26] == ["cost.elements", "cost.nodes", "cost.steps", "cost.time_step"]
     impact = make_definition(scene_file(tmp_path, RIGID + PLATE), (), ("contact.friction=0,1",), None, 1)
-    names = table.table_schema(impact, []).names
+    names = table_schema(impact, []).names
     assert {"fe.strike_2.mean_50ms", "difference.strike_2.impulse", "numerical_error"} <= set(names)
 
 

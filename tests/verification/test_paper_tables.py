@@ -15,9 +15,8 @@ import pytest
 from test_command_line import imported
 from test_postprocess_report import Parsed
 
-from postprocess.report.page import glued, prose
+from postprocess.report.page import Column, Table, glued, prose
 from postprocess.report.report import printed
-from postprocess.report.table import Column, Table
 from postprocess.units import percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact

@@ -19,8 +19,7 @@ import numpy as np
 import pytest
 
 from postprocess.report import page as pages
-from postprocess.report.report import Report, report_text, write_report, write_table
-from postprocess.report.table import (
+from postprocess.report.page import (
     Column,
     Table,
     columns,
@@ -31,9 +30,9 @@ from postprocess.report.table import (
     write_history,
     write_summary,
 )
+from postprocess.report.report import Report, report_text, write_report, write_table
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
-from postprocess.svg.drawing import PALETTE
-from postprocess.svg.marks import Line, Swatch
+from postprocess.svg.marks import PALETTE, Line, Swatch
 from postprocess.units import duration, grouped, known, number, shown
 from tailslap.case.case import advice
 from tailslap.case.corner.checks import CHECKS

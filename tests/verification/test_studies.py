@@ -9,9 +9,8 @@ import click
 import pytest
 
 import tailslap.studies
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Column, Page, Section, Table
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table
 from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.cli import _status
 from tailslap.studies import register, study_names

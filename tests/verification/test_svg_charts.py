@@ -13,8 +13,24 @@ from postprocess.figures import rows as bars
 from postprocess.figures.histories import draw_histories, power_of_ten, thinned
 from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings, draw_mode
 from postprocess.svg.chart import Axis, Plot, draw_chart
-from postprocess.svg.drawing import PALETTE, Scale, fitted, power_text, round_ticks, text_width, tick_texts
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Shades, Span, Swatch, Words, cells_about
+from postprocess.svg.marks import (
+    PALETTE,
+    Boxes,
+    Layer,
+    Level,
+    Line,
+    Scale,
+    Shades,
+    Span,
+    Swatch,
+    Words,
+    cells_about,
+    fitted,
+    power_text,
+    round_ticks,
+    text_width,
+    tick_texts,
+)
 from postprocess.units import SI
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.compute import MAP_KINDS as KINDS

@@ -17,6 +17,7 @@ from postprocess.report.page import write_page
 from postprocess.units import SI
 from tailslap.campaign.definition import (
     Definition,
+    FinishedSweep,
     TypedRange,
     Variation,
     latin_hypercube,
@@ -26,7 +27,6 @@ from tailslap.campaign.definition import (
 )
 from tailslap.campaign.engine import CampaignEffort
 from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
-from tailslap.campaign.table import FinishedSweep
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.progress import clock, counted

@@ -10,9 +10,8 @@ import pytest
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.impact import write_animation
-from postprocess.report.page import Page, Section
+from postprocess.report.page import Column, Page, Section, Table
 from postprocess.report.report import Report, in_units
-from postprocess.report.table import Column, Table
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure

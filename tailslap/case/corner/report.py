@@ -17,10 +17,9 @@ from fem.start import start_kinds
 from postprocess.comparison import quantities
 from postprocess.fields import contours
 from postprocess.figures.histories import Panel, draw_histories
-from postprocess.report import table
-from postprocess.report.page import Picture, Section
+from postprocess.report import page
+from postprocess.report.page import Column, Picture, Section, Table
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table
 from postprocess.units import SI, Units, measure
 from solver import stage_3
 from tailslap import progress
@@ -152,7 +151,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     stages = []
     for key, title in titles.items():
         numbers = [(*LABELS[name], value) for name, value in (answer[key] or {}).items()]
-        stages.append(table.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
+        stages.append(page.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
@@ -185,13 +184,13 @@ def _curves(outcome: CornerOutcome) -> list[Section]:
 def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> CornerOutcome:
     """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
     reached."""
-    from fem.plate import elements
+    from fem.plate import kinds
 
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:
         return outcome
     discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
-    spin = elements.nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
+    spin = kinds.nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
     # Corner nodes; those on the sides of quadratic elements come after.
     drawn = discretisation.cells.max() + 1
     fields = [

@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.report import table
-from postprocess.report.page import Picture, Section
+from postprocess.report import page
+from postprocess.report.page import Column, Picture, Section, Table
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table
 from postprocess.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.case import failed_names
@@ -174,7 +173,7 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
         ("contact force, 50 ms mean", found["contact_mean_50ms"], "N"),
         ("force of the foundation, largest", found["foundation_force"], "N"),
     ]
-    return [table.pairs(rows, notes=(WALL_NOTE,))]
+    return [page.pairs(rows, notes=(WALL_NOTE,))]
 
 
 def _paper(outcome: ImpactOutcome) -> list[Table]:
@@ -194,7 +193,7 @@ def _paper(outcome: ImpactOutcome) -> list[Table]:
         rows.append((read, beside["computed_peak_force"], "N"))
     rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"], "N"))
     note = "Stages 1 to 3 are those of the uniform rectangle, whatever its centre of mass and yaw inertia are here."
-    return [table.pairs(rows, notes=(note,))]
+    return [page.pairs(rows, notes=(note,))]
 
 
 def _statements(outcome: ImpactOutcome) -> list[str]:

@@ -9,11 +9,10 @@ import numpy as np
 
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.rows import Series, draw_precision
-from postprocess.report.page import Section
+from postprocess.report.page import Column, Section, Table, columns, listed
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
-from postprocess.svg.drawing import power_text
+from postprocess.svg.marks import power_text
 from postprocess.units import duration, known, measure
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute

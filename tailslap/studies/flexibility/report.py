@@ -8,9 +8,8 @@ from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.rows import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
-from postprocess.report.page import Section
+from postprocess.report.page import Column, Section, Table, columns, listed
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz

@@ -7,9 +7,8 @@ from itertools import combinations
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
-from postprocess.report.page import Section
+from postprocess.report.page import Column, Section, Table, columns, text_table
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, columns, text_table
 from postprocess.svg.chart import Chart
 from postprocess.units import known
 from tailslap.case.case import advice

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures import rows as figures
-from postprocess.report.page import Section
+from postprocess.report.page import Column, Section, Table, columns, pairs
 from postprocess.report.report import Report
-from postprocess.report.table import Column, Table, columns, pairs
 from postprocess.units import grouped, known, measure
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
 from tailslap.case.impact.answers import COLUMNS, QUANTITIES
