@@ -1,5 +1,5 @@
-"""The vehicle, the record of its motion, and inputs of the rigid-body theory: conversion, the rules that they must meet,
-and the error that refuses them.
+"""The vehicle, the record of its motion, and inputs of the rigid-body theory: conversion, the rules that they must
+meet, and the error that refuses them.
 
 One scalar solution must cost microseconds, and 100 000 of them must be one call. So the formulas are written once, for
 floats and arrays alike, with the functions of `functions(...)`: those of `math` for floats, of NumPy for arrays.
