@@ -147,7 +147,10 @@ def results_page() -> str:
 
 RESULTS_INTRODUCTION = """All numbers are SI. What is no finite number is an empty entry in CSV and null in JSON
 and Parquet. The rigid vehicle's columns have the same names, at the same instants; what it has not, like strain
-energy, is 0 or not there."""
+energy, is 0 or not there.
+
+`tailslap.load`, `compare` and `export` verify each file that they read by the manifest. One that is damaged, or was
+changed since, is refused with its name; `--force` (in Python `force=True`) reads what can be read."""
 FILES = (
     (
         "`summary.json`",

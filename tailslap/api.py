@@ -430,7 +430,7 @@ def sweep(
     asked = definition.make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
     place = Path(folder) if folder is not None else Path("results") / f"{asked.scene}-sweep"
     done = perform.perform(asked, place, cluster, workers, units=units, force=force)
-    return replace(load.sweep_result(place), text=report.sweep_text(done, place), place=place)
+    return replace(load.load(place), text=report.sweep_text(done, place), place=place)
 
 
 def compare(
@@ -438,6 +438,7 @@ def compare(
     *others: result.Result | str | os.PathLike[str],
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
+    force: bool = False,
 ) -> result.Result:
     """Set histories beside a reference: differences, Sprague and Geers' metrics, residuals.
 
@@ -452,6 +453,8 @@ def compare(
         sign, a unit in brackets is the file's. Without a unit in file or mapping SI is assumed.
     only : sequence of str
         Columns to compare; without any, the usual ones in common.
+    force : bool
+        Also results with files that are damaged, or were changed since, as `load`.
 
     Returns
     -------
@@ -462,7 +465,7 @@ def compare(
     Raises
     ------
     InputError
-        For what cannot be read, or has no column in common.
+        For what cannot be read or is damaged, or has no column in common.
 
     Examples
     --------
@@ -474,7 +477,7 @@ def compare(
     from tailslap.comparing import report
 
     items = (reference, *others)
-    found = report.compare_items(items, columns, only)
+    found = report.compare_items(items, columns, only, force)
     made = report.compare_report(found)
     histories = {item.label: result.Columns(item.columns, item.units) for item in found.items}
     tables = {"Metrics": made.tables["metrics.csv"]}

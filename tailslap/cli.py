@@ -8,6 +8,7 @@ import io
 import os
 import signal
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -246,7 +247,7 @@ def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json:
     show_default=True,
     help="The elastic deformation in them.",
 )
-@options.with_options(options.FORCE, *options.PRINTED)
+@options.with_options(options.FORCE_READ, *options.PRINTED)
 def export(result: Path, as_json: bool, **given: Any) -> int:
     """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
 
@@ -267,7 +268,7 @@ def export(result: Path, as_json: bool, **given: Any) -> int:
 )
 @click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
 @click.option("--out", type=options.Folder(), help="Folder of the page  [default: results/compare]")
-@options.with_options(options.FORCE, *options.PRINTED)
+@options.with_options(options.FORCE_READ, *options.PRINTED)
 def compare(
     given: tuple[Path, ...],
     columns: str | None,
@@ -283,7 +284,7 @@ def compare(
     a metric is beyond the limits of NCHRP W179.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
-    compute = lambda: tailslap.compare(*given, columns=columns, only=names).fill  # noqa: E731
+    compute = lambda: tailslap.compare(*given, columns=columns, only=names, force=force).fill  # noqa: E731
     place = out or RESULTS / "compare"
     return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
 
@@ -449,11 +450,17 @@ def _run(arguments: list[str] | None) -> int:
 
         return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
     try:
-        with commands.make_context("tailslap", given) as context:
+        with warnings.catch_warnings(), commands.make_context("tailslap", given) as context:
+            warnings.simplefilter("always", UserWarning)
+            warnings.showwarning = _remark
             status = commands.invoke(context)
     except click.exceptions.Exit as left:
         return left.exit_code
     return status if isinstance(status, int) else DONE
+
+
+def _remark(message: Warning | str, *_: Any, **__: Any) -> None:
+    click.echo(f"tailslap: remark: {errors.escaped(str(message))}", err=True)
 
 
 def _complain(message: str, status: int) -> int:

@@ -144,6 +144,11 @@ PRINTED = (UNITS, JSON, QUIET)
 WATCHED = (*PRINTED, PROGRESS)
 """Options of a command that takes its time."""
 FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another command or scene.")
+FORCE_READ = click.Option(
+    ["--force"],
+    is_flag=True,
+    help="Also replace the result of another command or scene, and read what can be read of a damaged one.",
+)
 
 
 def with_options(*options: click.Parameter) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

@@ -210,7 +210,7 @@ class Result:
     tables: Mapping[str, Table] = field(default_factory=dict)
     histories: Mapping[str, Columns] = field(default_factory=dict)
     fill: Fill | None = None
-    make_fields: Callable[[], FieldSeries] | None = None
+    make_fields: Callable[[], FieldSeries | None] | None = None
     make_ends: Callable[[], FieldSeries] | None = None
     text: str = ""
     place: Path | None = None
@@ -229,9 +229,10 @@ class Result:
     @property
     def fields(self) -> FieldSeries:
         """Fields of the plate at the instants of `[output] fields = N`, shape as `FieldSeries` says."""
-        if self.make_fields is None:
+        found = self.make_fields() if self.make_fields else None
+        if found is None:
             raise InputError("output.fields", Missing, "no fields were kept; run with {'output.fields': 20}")
-        return self.make_fields()
+        return found
 
     def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
         """Mesh of the plate with its fields, for PyVista.
@@ -379,7 +380,7 @@ def of_run(
     summary: dict[str, Any],
     histories: Mapping[str, Columns],
     fill: Fill,
-    make_fields: Callable[[], FieldSeries] | None,
+    make_fields: Callable[[], FieldSeries | None] | None,
     make_ends: Callable[[], FieldSeries] | None = None,
 ) -> Result:
     """The result of a run, just made or read again."""

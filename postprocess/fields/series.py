@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -137,9 +137,9 @@ def write_fields(path: Path, series: FieldSeries) -> Path:
     return path
 
 
-def read_fields(path: Path) -> FieldSeries:
+def read_fields(source: Path | BinaryIO) -> FieldSeries:
     """Fields that `write_fields` wrote. Raises OSError, KeyError or ValueError for anything else."""
-    with np.load(path, allow_pickle=False) as found:
+    with np.load(source, allow_pickle=False) as found:
         return FieldSeries(
             str(found["cell_type"]),
             found["points"],

@@ -203,9 +203,9 @@ def write_history(path: Path, columns: Mapping[str, ArrayLike]) -> Path:
     return path
 
 
-def read_history(path: Path) -> dict[str, NDArray[np.float64]]:
+def read_history(content: bytes) -> dict[str, NDArray[np.float64]]:
     """The columns of a file that `write_history` wrote, in its order: name -> values of shape (n,)."""
-    header, _, body = path.read_text(encoding="utf-8").partition("\n")
+    header, _, body = content.decode().partition("\n")
     names = header.split(",")
     rows = [line.split(",") for line in body.splitlines()]
     table = np.array([[entry or "nan" for entry in row] for row in rows], dtype=np.float64)

@@ -65,14 +65,17 @@ class Comparison:
 
 
 def compare_items(
-    given: Sequence[object], columns: Mapping[str, str] | str | None = None, only: Sequence[str] = ()
+    given: Sequence[object],
+    columns: Mapping[str, str] | str | None = None,
+    only: Sequence[str] = (),
+    force: bool = False,
 ) -> Comparison:
-    """Compare results, folders and files with the first of them. Raises InputError."""
+    """Compare results, folders and files with the first of them; force: damaged ones too. Raises InputError."""
     if len(given) < 2:
         allowed = "allowed are two or more, the first is the reference"
         raise InputError("RESULT", Verbatim(len(given)), allowed)
     mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
-    items = [read_item(each, mapping) for each in given]
+    items = [read_item(each, mapping, force) for each in given]
     labels = [item.label for item in items]
     items = [
         replace(item, label=f"{item.label} ({k})") if labels.count(item.label) > 1 else item

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tailslap.errors import InputError, Verbatim, shortened
-from tailslap.files.load import column_units, load
+from tailslap.files.load import column_units, demand_listed, load
 from tailslap.result import Result
 from tailslap.scene.text import read_text
 from tailslap.scene.units import COMMA, converted
@@ -54,17 +54,19 @@ def parse_mapping(text: str) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
-def read_item(given: object, mapping: Mapping[str, str]) -> Item:
-    """A result, its folder, or a file. Raises InputError."""
+def read_item(given: object, mapping: Mapping[str, str], force: bool = False) -> Item:
+    """A result, its folder, or a file; force: damaged ones too. Raises InputError."""
     path = Path(str(given))
     if isinstance(given, Result):
         found, label = given, given.scene
     elif path.is_dir():
-        found, label = load(path), path.resolve().name
+        found, label = load(path, force=force), path.resolve().name
     else:
+        demand_listed(path, force)
         return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()})
     if not found.histories:
         raise InputError(str(given), Verbatim(found.command), "it has no history; allowed is a run")
+    _demand_rising(found.history, path)
     return Item(label, dict(found.history), found.history.units, found.summary)
 
 

@@ -46,7 +46,7 @@ def export(
     units : str
         Of what pictures show, "si" or "us"; other files are in SI.
     force : bool
-        Also where the folder has the result of another command or scene.
+        Also where the folder has the result of another command or scene, and from a result that is damaged, as `load`.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def export(
 
     if to not in FORMATS:
         raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")
-    found = result if isinstance(result, Result) else load(result)
+    found = result if isinstance(result, Result) else load(result, force=force)
     base = Path("results") / found.scene if isinstance(result, Result) else Path(str(result)).resolve()
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields

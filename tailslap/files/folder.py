@@ -12,14 +12,11 @@ unchanged: the manifest lists them (manifest.py).
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import os
 import shutil
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
 from tailslap import errors
 from tailslap.files import manifest
@@ -142,8 +139,10 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
     """
     if not _is_held(place):
         raise errors.InputError("--out", str(place), "the folder was removed while the command was at work")
+    logged = False
     try:
         _write_log(place, origin)
+        logged = True
         _redo(place)
         (place / NEW).mkdir()
     except OSError as error:
@@ -152,7 +151,7 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
             why = f"the result is in {NEW} there, and the next command moves it to its place"
         raise errors.place_error(place, why, error) from None
     except KeyboardInterrupt:
-        if os.path.lexists(place / NEW / manifest.NAME) and not os.path.lexists(place / LOG):
+        if not logged and not os.path.lexists(place / LOG):
             raise
         _redo(place)
         raise errors.Interrupted(f"interrupted; the result is in {place}") from None
@@ -174,9 +173,7 @@ def earlier(place: Path, names: Iterable[str] = ()) -> frozenset[Entry]:
 def _write_log(place: Path, origin: Origin) -> None:
     """Put on disk the new files with their manifest, and then what they replace."""
     new, names = place / NEW, os.listdir(place / NEW)
-    entries = [item for name in names if (item := manifest.entry(new / name))]
-    if len(entries) < len(names):
-        raise ValueError("a result holds plain files alone")
+    entries = [manifest.read_entry(new / name) for name in names]
     old = earlier(place, names)
     manifest.write_manifest(new, entries, origin)
     listed = {
@@ -186,7 +183,7 @@ def _write_log(place: Path, origin: Origin) -> None:
     log = {name: [item._asdict() for item in items if item] for name, items in listed.items()}
     for path in (*new.iterdir(), new):
         manifest.sync(path)
-    (new / LOG).write_text(json.dumps({**log, "sha256": _digest(log)}), encoding="utf-8")
+    manifest.write_object(new / LOG, log)
     manifest.sync(new / LOG)
     os.replace(new / LOG, place / LOG)
     manifest.sync(place)
@@ -198,14 +195,9 @@ def _read_log(place: Path) -> tuple[frozenset[Entry], frozenset[Entry]] | None:
         return None
     found = manifest.read_object(place / LOG)
     old, new = (manifest.read_entries(found.get(name)) for name in ("old", "new"))
-    digest = _digest({"old": found.get("old"), "new": found.get("new")})
-    if old is None or new is None or found.get("sha256") != digest or (place / NEW).is_symlink():
+    if old is None or new is None or len(found) > len((old, new)) or (place / NEW).is_symlink():
         raise _damaged(place, LOG)
     return old, new
-
-
-def _digest(log: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(log, sort_keys=True).encode()).hexdigest()
 
 
 def _damaged(place: Path, name: str) -> errors.InputError:

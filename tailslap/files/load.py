@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
-import shutil
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from io import BufferedReader
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
 from postprocess.report import page
 from tailslap import result
-from tailslap.errors import InputError, Verbatim
+from tailslap.errors import InputError
+from tailslap.files import folder, manifest
+
+Read = TypeVar("Read")
 
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
-COMMANDS = {"modes": "modes", "compared": "compare", "stage2": "rigid", "strikes": "rigid"}
-"""The command that leaves a summary with this key."""
 FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv"}
 
 ENERGY_ERROR = HistoryColumn("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
@@ -46,13 +50,73 @@ def history(columns: Mapping[str, Any]) -> result.Columns:
     return result.Columns(columns, column_units(columns))
 
 
-def load(folder: str | os.PathLike[str]) -> result.Result:
+class Stored:
+    """The files of a result folder, each of which is what the manifest lists, or is refused.
+
+    force: it is read all the same, with a warning; what makes no sense is left out. A file that the manifest does not
+    list is the user's, and is not there.
+    """
+
+    def __init__(self, place: Path, force: bool = False) -> None:
+        folder.recover(place)
+        self.place, self._force = place, force
+        home = folder.path_in(place, manifest.NAME).parent
+        listed, self.origin = manifest.read_manifest(home), manifest.read_origin(home)
+        self.listed = None if listed is None else {item.path: item for item in listed}
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of the files; without a manifest of all that there are."""
+        with contextlib.suppress(OSError):
+            return frozenset(os.listdir(self.place) if self.listed is None else self.listed)
+        return frozenset()
+
+    def demand_manifest(self) -> None:
+        """Raise InputError for a folder that has no result, or one without a whole manifest."""
+        if SUMMARY not in self.names:
+            allowed = f"there is no {SUMMARY} that can be read; allowed is a result folder of tailslap"
+            raise InputError("folder", str(self.place), allowed)
+        if self.listed is None:
+            self._complain(f"its manifest {manifest.NAME} is missing or damaged, and tells of no file in it")
+
+    def read(self, name: str, parse: Callable[[BufferedReader], Read]) -> Read | None:
+        """What `parse` makes of a file; None where there is none. Raises InputError for one that is damaged."""
+        if name not in self.names:
+            return None
+        try:
+            with open(folder.path_in(self.place, name), "rb", opener=manifest.open_plain) as file:
+                if self.listed is not None and manifest.entry_of(file, name) != self.listed[name]:
+                    self._complain(f"{name} in it is damaged, or was changed since the program wrote it")
+                file.seek(0)
+                return parse(file)
+        except (InputError, Warning):
+            raise
+        except Exception as error:  # a parser raises what it likes over damaged bytes
+            self._complain(f"{name} in it cannot be read, {type(error).__name__}: {error}")
+            return None
+
+    def _complain(self, why: str) -> None:
+        if not self._force or Stored(self.place).listed != self.listed:
+            said = f"{why}; --force (in Python force=True) reads what can be read"
+            raise InputError("folder", str(self.place), said)
+        warnings.warn(f"{self.place}: {why}", stacklevel=2)
+
+    def copy(self, place: Path, pictures: bool, units: str) -> None:
+        """Fill another folder with these files."""
+        for name in self.names - {manifest.NAME}:
+            if pictures or not name.startswith("contour_"):
+                (place / name).write_bytes(self.read(name, BufferedReader.read) or b"")
+
+
+def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Result:
     """Read a result folder again, of a run, a study or a sweep.
 
     Parameters
     ----------
     folder : path
         That a command, or `Result.save`, has left.
+    force : bool
+        Also files that are damaged, or were changed since: what can be read is, with a warning.
 
     Returns
     -------
@@ -62,70 +126,60 @@ def load(folder: str | os.PathLike[str]) -> result.Result:
     Raises
     ------
     InputError
-        Where there is no result in the folder.
+        Where there is no result in the folder, or a file of it is not what its manifest lists.
 
     Examples
     --------
     >>> import tailslap
     >>> tailslap.load("results/mash-tl4-sut").history["v_gy"]  # doctest: +SKIP
     """
+    place = Path(folder)
+    stored = Stored(place, force)
+    stored.demand_manifest()
+    try:
+        return _loaded(stored)
+    except InputError:
+        again = Stored(place, force)
+        if again.listed == stored.listed:
+            raise
+        return _loaded(again)  # a command has replaced the result meanwhile
+
+
+def _loaded(stored: Stored) -> result.Result:
     from postprocess.fields import series
 
-    place = Path(folder)
-    summary = _summary(place)
-    if (place / SWEEP).is_file():
-        return sweep_result(place)
-    histories = {
-        label: history(page.read_history(place / name))
-        for label, name in FILES.items()
-        if (place / name).is_file()
+    tables = {
+        label: stored.read(name, lambda file: page.read_history(file.read())) for label, name in FILES.items()
     }
-    fields = place / series.FILE
-    if result.FE in histories:
-        kept = (lambda: series.read_fields(fields)) if fields.is_file() else None
-        return result.of_run(summary, histories, _copies(place), kept)
-    command = f"study {summary.get('study')}"
-    if "study" not in summary:
-        command = next((command for key, command in COMMANDS.items() if key in summary), "paper")
-    name, passed = str(summary.get("scene", "")), summary.get("passed")
-    return result.Result(command, name, summary, passed=passed, histories=histories, fill=_copies(place))
+    histories = {label: history(columns) for label, columns in tables.items() if columns is not None}
+    if (rows := stored.read(SWEEP, read_columns)) is not None:
+        histories["table"] = result.Columns(rows)
+    fields = (lambda: stored.read(series.FILE, series.read_fields)) if series.FILE in stored.names else None
+
+    def made(file: BufferedReader) -> result.Result:
+        summary = json.load(file)
+        if result.FE in histories:
+            found = result.of_run(summary, histories, stored.copy, fields)
+        else:
+            name, passed = str(summary.get("scene", "")), summary.get("passed")
+            found = replace(bare, scene=name, summary=summary, passed=passed)
+        str(found)  # says all that it has
+        return found
+
+    bare = result.Result(*stored.origin, {}, histories=histories, fill=stored.copy, make_fields=fields)
+    return replace(stored.read(SUMMARY, made) or bare, inputs=(stored.place,))
 
 
-def read_columns(path: Path, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+def demand_listed(path: Path, force: bool) -> None:
+    """Raise InputError for a file of a result which is not what the manifest beside it lists; with force, warn."""
+    stored = Stored(path.parent, force)
+    if stored.listed and path.name in stored.listed:
+        stored.read(path.name, id)
+
+
+def read_columns(source: Path | BufferedReader, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
     """Read columns of a sweep's table, without names all; numbers that a row lacks are NaN."""
     import pyarrow.parquet as pq
 
-    table = pq.read_table(path, columns=None if names is None else list(names))
+    table = pq.read_table(source, columns=None if names is None else list(names))
     return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-
-
-def sweep_result(place: Path) -> result.Result:
-    """The table of a sweep's folder."""
-    columns, summary = read_columns(place / SWEEP), _summary(place)
-    scene = str(summary.get("scene", place.name))
-    passed = not any(status in ("failed", "error") for status in columns["status"])
-    return result.Result("sweep", scene, summary, passed=passed, histories={"table": result.Columns(columns)})
-
-
-def _summary(place: Path) -> dict[str, Any]:
-    try:
-        found: dict[str, Any] = json.loads((place / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        allowed = f"there is no {SUMMARY} that can be read; allowed is a result folder of tailslap"
-        raise InputError("folder", str(place), allowed) from None
-    if not isinstance(found, dict):
-        raise InputError("folder", Verbatim(place), f"its {SUMMARY} is not one of tailslap's")
-    return found
-
-
-def _copies(place: Path) -> Any:
-    """Make a function that fills another folder with the files of this one."""
-
-    from tailslap.files import manifest
-
-    def fill(folder: Path, pictures: bool, units: str) -> None:
-        for entry in manifest.read_manifest(place) or ():
-            if entry.path != manifest.NAME and (pictures or not entry.path.startswith("contour_")):
-                shutil.copyfile(place / entry.path, folder / entry.path)
-
-    return fill

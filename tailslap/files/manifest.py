@@ -14,7 +14,8 @@ import json
 import os
 import re
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from io import BufferedReader
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -45,26 +46,53 @@ class Origin(NamedTuple):
 
 
 UNKNOWN = Origin("", "")
+KEYS = {"program", "version", *Origin._fields, "files"}
 
 
-def entry(file: Path) -> Entry | None:
-    """The file as it is now; None for a link, a folder, what is not there or cannot be read."""
+def open_plain(name: str, flags: int) -> int:
+    """Open a file, as an opener of `open`, which must be a plain one. Raises OSError or ValueError."""
+    number = os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
+    if stat.S_ISREG(os.fstat(number).st_mode):
+        return number
+    os.close(number)
+    raise ValueError("a result holds plain files alone")
+
+
+def entry(path: Path) -> Entry | None:
+    """The file as it is now; None for what is not there, is no plain file or may not be read."""
+    with _what_can_be_read():
+        return read_entry(path)
+    return None
+
+
+@contextlib.contextmanager
+def _what_can_be_read() -> Iterator[None]:
+    """End the block at what is not there, makes no sense or may not be read; a broken disk is the machine's fault."""
     try:
-        if not stat.S_ISREG(file.lstat().st_mode):
-            return None
-        with file.open("rb") as opened:
-            digest = hashlib.file_digest(opened, "sha256").hexdigest()
-            return Entry(file.name, opened.tell(), digest)
-    except OSError:
-        return None
+        yield
+    except (OSError, ValueError, RecursionError) as error:
+        if isinstance(error, OSError) and error.errno == errno.EIO:
+            raise
+
+
+def read_entry(path: Path) -> Entry:
+    """The file as it is now. Raises OSError for one that cannot be read, ValueError for what is no plain file."""
+    with open(path, "rb", opener=open_plain) as file:
+        return entry_of(file, path.name)
+
+
+def entry_of(file: BufferedReader, name: str) -> Entry:
+    """The entry of an open file, read to its end."""
+    digest = hashlib.file_digest(file, "sha256").hexdigest()
+    return Entry(name, file.tell(), digest)
 
 
 def read_manifest(folder: Path) -> frozenset[Entry] | None:
     """Entries of the folder's manifest; None if there is none, or it is not one that the program writes."""
     found = read_object(folder / NAME)
     entries = read_entries(found.get("files"))
-    is_ours = found.get("program") == PROGRAM and entries is not None and all(e.path != NAME for e in entries)
-    return entries if is_ours else None
+    is_ours = found.get("program") == PROGRAM and found.keys() <= KEYS
+    return entries if is_ours and entries and all(e.path != NAME for e in entries) else None
 
 
 def read_origin(folder: Path) -> Origin:
@@ -76,17 +104,30 @@ def read_origin(folder: Path) -> Origin:
 def write_manifest(folder: Path, entries: Iterable[Entry], origin: Origin) -> None:
     """Write the manifest of the folder."""
     files = [item._asdict() for item in sorted(entries)]
-    content = {"program": PROGRAM, "version": tailslap.__version__, **origin._asdict(), "files": files}
-    (folder / NAME).write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    head = {"program": PROGRAM, "version": tailslap.__version__}
+    write_object(folder / NAME, {**head, **origin._asdict(), "files": files})
+
+
+def write_object(path: Path, content: Mapping[str, Any]) -> None:
+    """Write an object as JSON, with a digest of it."""
+    path.write_text(json.dumps({**content, "sha256": _digest(content)}, indent=2), encoding="utf-8")
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """The object in a JSON file; an empty one where there is none, or no plain file."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8")) if entry(path) else None
-    except (OSError, ValueError, RecursionError):
-        found = None
-    return found if isinstance(found, dict) else {}
+    """The object in a JSON file, without its digest; an empty one where there is none, or it is damaged.
+
+    Those of earlier versions have no digest.
+    """
+    with _what_can_be_read():
+        with open(path, encoding="utf-8", opener=open_plain) as file:
+            found = json.load(file)
+        if isinstance(found, dict) and found.pop("sha256", None) in (None, _digest(found)):
+            return found
+    return {}
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def read_entries(found: Any) -> frozenset[Entry] | None:

@@ -390,7 +390,7 @@ def test_a_damaged_log_is_refused_by_readers_and_writers_and_nothing_is_changed(
     flipped = (whole[:k] + chr(ord(whole[k]) ^ 1) + whole[k + 1 :] for k in range(0, len(whole), 29))
     forged = json.loads(whole)
     forged["old"].append(forged["old"][0] | {"path": "../thesis.txt"})
-    digest = folder._digest({name: forged[name] for name in ("old", "new")})
+    digest = manifest._digest({name: forged[name] for name in ("old", "new")})
     for text in (*flipped, "", whole[:-1], "[]", "{}", json.dumps(forged | {"sha256": digest})):
         if text == whole:
             continue

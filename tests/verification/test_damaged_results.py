@@ -1,0 +1,263 @@
+"""Verification: a result is read through one door, which refuses each file that is not what the manifest lists, by its
+name; by force what can be read is. Never a number of a damaged file, or a fault of the program.
+"""
+
+import json
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+import tailslap
+from tailslap import InputError
+from tailslap.cli import _status
+from tailslap.files import folder, load, manifest
+from tailslap.files.manifest import NAME
+
+SMALL = {"plate.elements": [6, 2], "output.fields": 3}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Results of every kind, and another of a run, in folders."""
+    place = tmp_path_factory.mktemp("made")
+    tailslap.run("paper-table-3", SMALL).save(place / "run", pictures=False)
+    tailslap.run("paper-table-3", SMALL | {"corner.friction": 0.2}).save(place / "other", pictures=False)
+    tailslap.rigid("impact-mash-tl4-sut").save(place / "rigid")
+    tailslap.study("uncertainty", "mash-tl4-sut", samples=1000).save(place / "study")
+    tailslap.sweep("paper-table-3", {"corner.friction": [0.2]}, SMALL, folder=place / "sweep", workers=1)
+    return place
+
+
+@pytest.fixture
+def results(made, tmp_path):
+    shutil.copytree(made, tmp_path / "a")
+    return tmp_path / "a"
+
+
+def flipped(path, other):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 4
+    path.write_bytes(content)
+
+
+def cut(path, other):
+    os.truncate(path, path.stat().st_size // 2)
+
+
+def swapped(path, other):
+    shutil.copyfile(other, path)
+
+
+def removed(path, other):
+    path.unlink()
+
+
+def linked(path, other):
+    path.unlink()
+    path.symlink_to(other)
+
+
+def piped(path, other):
+    path.unlink()
+    os.mkfifo(path)
+
+
+DAMAGES = (flipped, cut, swapped, removed, linked, piped)
+
+
+def everything(place, **more):
+    """All that there is in a result, read again."""
+    found = tailslap.load(place, **more)
+    return found, found.make_fields and found.fields
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("name", ["summary.json", "history.csv", "rigid.csv", "fields.npz"])
+def test_a_damaged_file_of_a_run_is_named(results, damage, name, capsys):
+    damage(results / "run" / name, results / "other" / name)
+    with pytest.raises(InputError, match=rf"{name} in it .*; --force \(in Python force=True\)"):
+        everything(results / "run")
+    if name != "fields.npz":
+        words = ["compare", str(results / "run"), str(results / "other"), "--out", str(results / "out")]
+        assert _status(words) == 2
+        assert capsys.readouterr().err.count(f"{name} in it") == 1
+    assert _status(["export", str(results / "run"), "--to", "csv", "--out", str(results / "out")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (results / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("rigid", "rigid.csv"),
+        ("study", "summary.json"),
+        ("sweep", "sweep.parquet"),
+        ("sweep", "summary.json"),
+    ],
+)
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_of_other_results_is_named(results, kind, name, damage):
+    everything(results / kind)
+    damage(results / kind / name, results / "run" / "summary.json")
+    with pytest.raises(InputError, match=f"{name} in it"):
+        everything(results / kind)
+
+
+def test_every_flip_in_a_manifest_is_found(results):
+    path = results / "rigid" / NAME
+    whole = path.read_bytes()
+    for k in range(0, len(whole), 3):
+        path.write_bytes(whole[:k] + bytes([whole[k] ^ 2]) + whole[k + 1 :])
+        with pytest.raises(InputError, match=f"{NAME} is missing or damaged"):
+            tailslap.load(results / "rigid")
+    path.unlink()
+    with pytest.raises(InputError, match=f"{NAME} is missing or damaged"):
+        tailslap.load(results / "rigid")
+    with pytest.warns(UserWarning, match="missing or damaged"):
+        assert tailslap.load(results / "rigid", force=True).rigid.rows > 10
+
+
+def test_a_manifest_of_an_earlier_version_has_no_digest_of_itself(results):
+    path = results / "rigid" / NAME
+    content = json.loads(path.read_text())
+    del content["sha256"]
+    path.write_text(json.dumps(content))
+    assert tailslap.load(results / "rigid").command == "rigid"
+
+
+WRONG = [
+    *("", "{", "[]", "3", "null", '"a"', "{}", '{"fe": 3, "rigid": 4, "checks": 5}', "[" * 100_000, "\0"),
+    '{"scene": 1, "passed": "x", "verdict": {}, "fe": {"t": "1"}, "rigid": [], "checks": {}}',
+    '{"scene": "a", "passed": 1, "fe": {"strikes": [1]}, "rigid": {"strikes": "b"}, "checks": []}',
+]
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_a_summary_of_wrong_types_is_refused_and_by_force_the_histories_are_there(results, text):
+    """Also where the manifest lists it so, as if the program had written it."""
+    place = results / "run"
+    (place / "summary.json").write_text(text)
+    with pytest.raises(InputError, match=r"summary\.json in it is damaged"):
+        tailslap.load(place)
+    rows = (place / "history.csv").read_text().count("\n") - 1
+    with pytest.warns(UserWarning, match=r"summary\.json in it"):
+        found = tailslap.load(place, force=True)
+    assert (found.command, found.scene, found.summary) == ("run", "paper-table-3", {})
+    assert found.history.rows == found.rigid.rows == rows
+    entries = {manifest.read_entry(place / name) for name in ("summary.json", "history.csv", "rigid.csv")}
+    manifest.write_manifest(place, entries, manifest.Origin("run", "a"))
+    with pytest.raises(InputError, match=r"summary\.json in it cannot be read"):
+        tailslap.load(place)
+
+
+def test_by_force_a_history_that_was_changed_is_read_with_a_remark(results, capsys):
+    place, path = results / "run", results / "run" / "history.csv"
+    rows = tailslap.load(place).history.rows
+    path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
+    with pytest.warns(UserWarning, match=r"history\.csv in it is damaged, or was changed"):
+        assert tailslap.load(place, force=True).history.rows == rows - 1
+    words = [
+        "compare",
+        str(results / "run"),
+        str(results / "run" / "rigid.csv"),
+        "--out",
+        str(results / "out"),
+    ]
+    assert _status(words) == 2
+    capsys.readouterr()
+    assert _status([*words, "--force"]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith(f"tailslap: remark: {place}: history.csv in it is damaged")
+    assert said.count("\n") == 1
+    assert _status(["export", str(place), "--to", "csv", "--out", str(results / "csv"), "--force"]) == 0
+    assert len((results / "csv" / "history.csv").read_text().splitlines()) == rows
+
+
+def test_by_force_what_makes_no_sense_is_left_out(results):
+    cut(results / "run" / "fields.npz", None)
+    (results / "run" / "rigid.csv").write_text("t,v_gy\n0,1\n2\n")
+    with pytest.warns(UserWarning) as said:  # noqa: PT030, PT031
+        found = tailslap.load(results / "run", force=True)
+        with pytest.raises(InputError, match="no fields were kept"):
+            found.fields  # noqa: B018
+    assert set(found.histories) == {"FE"}
+    texts = [str(each.message).rpartition("/run: ")[2] for each in said]
+    assert [text[: text.index(",")] for text in texts] == [
+        *("rigid.csv in it is damaged", "rigid.csv in it cannot be read"),
+        *("fields.npz in it is damaged", "fields.npz in it cannot be read"),
+    ]
+
+
+def test_a_file_of_a_result_given_alone_is_what_the_manifest_beside_it_lists(results):
+    tailslap.compare(results / "run", results / "run" / "rigid.csv")
+    flipped(results / "run" / "rigid.csv", None)
+    with pytest.raises(InputError, match=r"rigid\.csv in it is damaged"):
+        tailslap.compare(results / "other", results / "run" / "rigid.csv")
+
+
+def test_a_copy_has_no_damaged_file(results, tmp_path):
+    found = tailslap.load(results / "run")
+    flipped(results / "run" / "theta.svg", None)
+    with pytest.raises(InputError, match=r"theta\.svg in it is damaged"):
+        found.save(tmp_path / "copy")
+    assert not (tmp_path / "copy").exists()
+    with pytest.raises(InputError, match="the command reads it"):
+        found.save(results / "run", force=True)
+
+
+def test_a_result_that_is_replaced_while_it_is_read_is_one_of_the_two(results, monkeypatch):
+    other = tailslap.load(results / "other")
+    for forced in (False, True):
+        place, demand = results / "run", load.Stored.demand_manifest
+
+        def replace(stored, place=place, demand=demand):
+            demand(stored)
+            other.save(place, force=True)
+
+        monkeypatch.setattr(load.Stored, "demand_manifest", replace)
+        found = tailslap.load(place, force=forced)
+        monkeypatch.setattr(load.Stored, "demand_manifest", demand)
+        assert found.summary == other.summary
+        np.testing.assert_array_equal(found.history["v_gy"], other.history["v_gy"])
+        shutil.rmtree(place)
+        shutil.copytree(results / "rigid", place)
+
+
+def test_what_a_dead_command_left_is_finished_before_it_is_read(results, monkeypatch):
+    other, place = tailslap.load(results / "other"), results / "run"
+    with monkeypatch.context() as patch:
+        patch.setattr(folder, "_redo", lambda place: None)  # it dies here
+        died = pytest.raises(InputError, match="the next command moves it")
+        with died, folder.result_folder(place, force=True) as new:
+            other.fill(new, True, "si")
+        assert (place / manifest.LOG).exists()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "access", lambda path, mode: False)  # a reader who may not write
+        assert tailslap.load(place).summary == other.summary
+    assert (place / manifest.LOG).exists()
+    assert tailslap.load(place).summary == other.summary
+    assert not (place / manifest.LOG).exists()
+
+
+def test_a_sweep_is_compared_with_nothing(results, capsys):
+    words = ["compare", str(results / "run"), str(results / "sweep"), "--out", str(results / "out")]
+    assert _status(words) == 2
+    assert "no column of instants" in capsys.readouterr().err
+
+
+def test_below_a_folder_that_may_not_be_searched(results, capsys):
+    closed, user = results / "home", os.geteuid()
+    closed.mkdir(0o000)
+    results.chmod(0o755)
+    os.seteuid(user or 65534)
+    try:
+        for words in (
+            ["compare", str(closed / "a"), str(closed / "b.csv")],
+            ["export", str(closed / "a"), "--to", "csv"],
+        ):
+            assert _status([*words, "--out", str(results / "out")]) == 2
+            assert "fault" not in capsys.readouterr().err
+    finally:
+        os.seteuid(user)
