@@ -80,7 +80,7 @@ class Stored:
             self._complain(f"its manifest {manifest.NAME} is missing or damaged, and tells of no file in it")
 
     def read(self, name: str, parse: Callable[[BufferedReader], Read]) -> Read | None:
-        """What `parse` makes of a file; None where there is none. Raises InputError for one that is damaged."""
+        """Parse a file; None where there is none, or nothing can be read. Raises InputError for one that is damaged."""
         if name not in self.names:
             return None
         try:
