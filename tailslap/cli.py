@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 DONE, CHECK_FAILED, WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; CANNOT_RUN is for an installation or a machine that lacks something."""
 
+STDERR = 2
 COMPLETE = "_TAILSLAP_COMPLETE"
 """Set by a shell that asks for completions."""
 
@@ -213,7 +214,7 @@ def study_command(chosen: Study) -> click.Command:
     "--workers",
     type=options.Whole(1, 1024),
     metavar="N",
-    help="Processes on this machine  [default: its cores]",
+    help="Processes on this machine, at most one a core  [default: its cores]",
 )
 @options.with_options(options.FORCE, *options.WATCHED)
 def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json: bool, **given: Any) -> int:
@@ -406,6 +407,7 @@ def main(arguments: list[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters shows question marks
+    sys.stderr = _Messages.instead_of(sys.stderr)
     status = _status(arguments)
     drop_unwritten()
     sys.exit(status)
@@ -477,6 +479,24 @@ def open_closed_streams() -> None:
             os.dup2(os.open(os.devnull, os.O_RDWR), number)
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w" if number else "r"))  # noqa: SIM115
+
+
+class _Messages(io.FileIO):
+    """Standard error where what it does not take, on a full disk or a pipe that is closed, is lost: no command ends or
+    changes its status for a message."""
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data) or 0
+        except OSError:
+            return len(data)
+
+    @classmethod
+    def instead_of(cls, stream: TextIO) -> TextIO:
+        if not isinstance(stream, io.TextIOWrapper) or stream.fileno() != STDERR:
+            return stream
+        buffer = io.BufferedWriter(cls(STDERR, "w", closefd=False))
+        return io.TextIOWrapper(buffer, stream.encoding, stream.errors, line_buffering=True)
 
 
 def take_signals_as_interrupts() -> None:

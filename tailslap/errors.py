@@ -45,11 +45,11 @@ class Verbatim(str):
     """Text that is shown as it stands, without quotes."""
 
 
-def place_error(place: object, what: str, error: OSError) -> Exception:
+def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:
     """Error to raise where a result cannot be written: wrong input, or the machine's fault as it is."""
     if error.errno in MACHINE_FAULTS:
         return OSError(error.errno, f"{what}: {error.strerror}", str(place))
-    return InputError("--out", str(place), f"{what}: {error.strerror or error}")
+    return InputError(key, str(place), f"{what}: {error.strerror or error}")
 
 
 def machine_fault(error: OSError) -> str:

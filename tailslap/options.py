@@ -115,7 +115,9 @@ SET = click.Option(
 ALLOW_LARGE = click.Option(
     ["--allow-large"], is_flag=True, help="Also where it takes more memory, time or threads than there are."
 )
-WORKERS = click.Option(["--workers"], type=Whole(1, 256), help="Processes  [default: one a core]")
+WORKERS = click.Option(
+    ["--workers"], type=Whole(1, 256), help="Processes, at most one a core  [default: one a core]"
+)
 JSON = click.Option(["--json", "as_json"], is_flag=True, help="Print the numbers as JSON, in SI.")
 QUIET = click.Option(
     ["--quiet", "-q"],

@@ -18,6 +18,10 @@ with unseen("coverage", "cffi"):  # Numba loads them where it finds them, at len
     with suppress(ImportError):
         import numba.core.typing.cffi_utils
 
+# NUMBA_DISABLE_JIT is for functions of one's own: these loops would take days, and have parts that exist as
+# compiled code alone.
+numba.config.DISABLE_JIT = 0
+
 NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
 """Results, by Numba's names of their types."""
 

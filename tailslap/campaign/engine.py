@@ -45,6 +45,7 @@ LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
+ENDING = {signal.SIGTERM, signal.SIGHUP}
 LOGGERS = ("distributed", "asyncio", "tornado")
 ANSWER_S = 5.0
 """Seconds within which a scheduler must reply."""
@@ -121,12 +122,15 @@ class Pool:
         context.set_forkserver_preload([__name__, *NEEDED, *LIBRARIES])
         ours, self._lifeline = context.Pipe(duplex=False)
         self._executor = ProcessPoolExecutor(self._workers, context, _begin, (ours,))
-        with _server_environment():
-            first = self._executor.submit(make_ready)
         try:
+            with _server_environment():
+                first = self._executor.submit(make_ready)
             first.result()
         except BrokenProcessPool:
             raise LostError("no worker is left") from None
+        except KeyboardInterrupt:  # processes that have just been started need this one for a moment yet
+            self.close()
+            raise
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Have a worker make the call."""
@@ -156,6 +160,7 @@ def _begin(lifeline: Connection) -> None:
 
     A signal of the pipe, not a thread: compiled code may hold the interpreter for minutes.
     """
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     own = os.open(f"/proc/self/fd/{lifeline.fileno()}", os.O_RDONLY | os.O_NONBLOCK)
     fcntl.fcntl(own, fcntl.F_SETOWN, os.getpid())
     # SIGIO ends a process that does not handle it.
@@ -166,11 +171,14 @@ def _begin(lifeline: Connection) -> None:
 
 @contextlib.contextmanager
 def _server_environment() -> Iterator[None]:
-    """Processes started here never get a Ctrl-C, which is for us, use one thread, and see our modules."""
-    resource_tracker.ensure_running()  # when it starts, it would unblock the signal
+    """Processes started here never get a Ctrl-C, which is for us, use one thread, and see our modules.
+
+    What else ends us waits until they are started: one that is left half-started would print its trace.
+    """
+    resource_tracker.ensure_running()  # when it starts, it would unblock the signals
     ours = {**ONE_THREAD, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
     given = {name: os.environ.get(name) for name in ours}
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *ENDING})
     os.environ.update(ours)
     try:
         yield
@@ -322,7 +330,7 @@ def run_parts(
     left: list[Key] = [key for key in parts if key not in records]
     if not left:
         return
-    count = min(workers or cost.available_cores(), len(left))
+    count = cost.worker_count(workers, len(left))
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(local(count)) if count > 1 else None
         show = stack.enter_context(progress.counted(label, len(parts), len(parts) - len(left)))

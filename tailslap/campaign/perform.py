@@ -33,7 +33,7 @@ from tailslap.campaign.definition import (
     write_table,
 )
 from tailslap.case import cost
-from tailslap.errors import InputError, place_error
+from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.files import folder, manifest
 
 LOST, INTERRUPTED = 3, 130
@@ -65,28 +65,44 @@ def perform(
 
     cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run;
     units: of the page, "si" or "us"; force: also where there is a result of another command.
-    Raises InputError, and StoppedError for an interruption or the loss of the scheduler: the rows so far are then kept.
+    Raises InputError, and StoppedError for an interruption, the loss of the scheduler or a full disk: the rows so far
+    are then kept.
     """
     origin = manifest.Origin("sweep", definition.scene)
     with sweep_folder(place, definition, force) as place:
+        kept = 0
         try:
             with open_records(place, definition) as rows:
-                effort = _make_missing(definition, rows, cluster, workers, compute)
-                new = folder.fresh(place)
-                write_table(new, definition, rows)
-                statuses = {name: rows.statuses[name] for name in STATUSES}
+                try:
+                    effort = _make_missing(definition, rows, cluster, workers, compute)
+                    new = folder.fresh(place)
+                    write_table(new, definition, rows)
+                    statuses = {name: rows.statuses[name] for name in STATUSES}
+                finally:
+                    kept = len(rows)
             done = FinishedSweep(definition, statuses, effort)
             report.write_sweep(done, new, units)
-        except (KeyboardInterrupt, engine.LostError) as error:
-            is_lost = isinstance(error, engine.LostError)
-            with open_records(place, definition) as rows:
-                if kept := len(rows):
-                    write_table(folder.fresh(place), definition, rows)
+        except (KeyboardInterrupt, OSError) as error:
+            why, status = _reason(error)
+            if kept:
+                with contextlib.suppress(OSError):  # on a full disk the rows alone are kept
+                    with open_records(place, definition) as rows:
+                        write_table(folder.fresh(place), definition, rows)
                     folder.commit(place, origin)
-            why, status = (str(error), LOST) if is_lost else ("interrupted", INTERRUPTED)
             raise StoppedError(why, kept, definition.runs, status) from None
         folder.commit(place, origin)
         return done
+
+
+def _reason(error: BaseException) -> tuple[str, int]:
+    """Why a sweep ended early, and the status of that; what else went wrong is raised on."""
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", INTERRUPTED
+    if isinstance(error, engine.LostError):
+        return str(error), LOST
+    if isinstance(error, OSError) and error.errno in MACHINE_FAULTS:
+        return machine_fault(error), LOST
+    raise error
 
 
 def open_records(place: Path, definition: Definition) -> contextlib.closing[records.Records]:
@@ -122,8 +138,7 @@ def _make_missing(
         failed = rows.statuses[FAILED] + rows.statuses[ERROR]
         show(len(rows), f", {failed} failed{idle}")
 
-    cores = cost.available_cores()
-    count = min(workers or cores, cores, len(missing))
+    count = cost.worker_count(workers, len(missing))
     with (
         engine.cluster(cluster) if cluster else engine.local(count) as pool,
         progress.counted(definition.scene, definition.runs, len(rows)) as show,

@@ -196,8 +196,11 @@ def count(path: Path) -> int:
     """Number of records of a file, whoever is at work on it: none where it is not one of ours."""
     if not _is_ours(path):
         return 0
-    with closing(sqlite3.connect(path)) as file:
-        return int(file.execute("SELECT COUNT(*) FROM record").fetchone()[0])
+    try:
+        with closing(sqlite3.connect(path)) as file:
+            return int(file.execute("SELECT COUNT(*) FROM record").fetchone()[0])
+    except sqlite3.OperationalError as error:
+        raise _fault(path, error) from None
 
 
 def remove(path: Path) -> None:

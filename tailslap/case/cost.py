@@ -204,6 +204,11 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
+def worker_count(asked: int | None, parts: int) -> int:
+    """Processes for so many parts: as many as were asked for, but no more than there are parts or cores."""
+    return min(asked or available_cores(), available_cores(), parts)
+
+
 def available_memory() -> float:
     """Memory [bytes] that this process may still take: what is free, within the limits of its container and its own."""
     return float(min((_free(), *_container(), *_own_limit())))

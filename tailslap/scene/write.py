@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
@@ -13,7 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from fem.laws import materials
-from tailslap.errors import InputError
+from tailslap.errors import InputError, place_error
 from tailslap.scene import schema, units, vary
 
 
@@ -73,6 +74,10 @@ def write_new_scene(name: str) -> Path:
         raise InputError(
             "NAME", name, f"{path} is there already; allowed is the name of a new file"
         ) from None
+    except OSError as error:
+        with suppress(OSError):
+            path.unlink()
+        raise place_error(path, "the file cannot be written", error, "NAME") from None
     return path
 
 

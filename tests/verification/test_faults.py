@@ -3,10 +3,12 @@ processes of a sweep or study take orders from us alone: no other user of this m
 """
 
 import errno
+import io
 import os
 import resource
 import subprocess
 import sys
+from pathlib import Path
 
 import psutil
 import pytest
@@ -14,6 +16,7 @@ import pytest
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
 from tailslap.campaign import engine
+from tailslap.cli import _status
 
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
 
@@ -77,6 +80,32 @@ def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path, besides_compil
         assert done.returncode in (0, 2), done.stderr
         assert "Traceback" not in done.stderr
         assert "bootstrap" not in done.stderr
+
+
+def test_messages_that_nobody_takes_change_no_status(tmp_path):
+    with open("/dev/full", "w") as full:
+        for arguments, status in (
+            (("rigid", "bogus"), 2),
+            (("rigid", "mash-tl4-sut", "--set", "impact.speed=45"), 0),  # which is remarked upon
+        ):
+            line = [sys.executable, "-m", "tailslap.cli", *arguments]
+            done = subprocess.run(line, stderr=full, stdout=subprocess.PIPE, timeout=60)
+            assert (done.returncode, b"peak force" in done.stdout) == (status, status == 0)
+
+
+def test_a_new_scene_where_none_can_be_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir("/proc")
+    assert _status(["new", "mine"]) == 2
+    assert "NAME: given " in capsys.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Path, "open", lambda path, *given, **named: FullFile(path, "x"))
+    assert _status(["new", "mine"]) == 3
+    assert list(tmp_path.iterdir()) == []
+
+
+class FullFile(io.FileIO):
+    def write(self, text):
+        raise OSError(errno.ENOSPC, "No space left on device")
 
 
 def test_processes_of_this_machine_open_no_port():

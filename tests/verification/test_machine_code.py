@@ -330,6 +330,17 @@ def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_p
         assert done.stdout.split() == ["24.0"], done.stderr
 
 
+def test_numba_told_not_to_compile_compiles_ours(tmp_path, python):
+    """NUMBA_DISABLE_JIT is for functions of one's own."""
+    (tmp_path / "outside.py").write_text(
+        "from fem.machine_code.compiled import compiled\n\n\n@compiled\ndef double(x):\n    return 2.0 * x\n"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code"), "NUMBA_DISABLE_JIT": "1"}
+    script = "from outside import double; print(double(1.5), double.path(1.5).is_file())"
+    done = python(script, cwd=tmp_path, env=environment)
+    assert done.stdout.split() == ["3.0", "True"], done.stderr
+
+
 def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path, monkeypatch):
     """The lock is held here, as another process would hold it; whom it keeps waiting says so."""
     monkeypatch.setattr(folder, "PATIENCE_S", 0.3)

@@ -24,6 +24,7 @@ from tailslap.campaign import engine, records
 from tailslap.campaign.definition import CIRCUMSTANCES, compute_row, make_definition, write_table
 from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
+from tailslap.case import cost
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import _status
 from tailslap.errors import InputError
@@ -226,8 +227,8 @@ def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp
     assert (done.effort.runs, table(place)) == (RUNS - len(kept), undisturbed)
 
 
-def records_of(scene, place):
-    with open_records(place, definition_of(scene)) as rows:
+def records_of(scene, place, definition=None):
+    with open_records(place, definition or definition_of(scene)) as rows:
         return dict(rows)
 
 
@@ -253,6 +254,58 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     assert done.effort.runs == RUNS - len(kept) > 0
     assert table(place) == undisturbed
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
+
+
+def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path):
+    """When there are two processes, what tracks and what forks them, and no worker yet."""
+    varied = ("--vary", "corner.friction=0.1:0.5:40", "--out", str(tmp_path / "sweep"))
+    command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    wait_until(lambda: process.poll() is not None or len(children(process.pid)) >= 2)
+    process.terminate()
+    said = process.communicate(timeout=HANG)[1].decode()
+    assert (process.returncode, said) == (130, "tailslap: interrupted; no run was finished\n")
+    assert not (tmp_path / "sweep").exists()
+
+
+def padded(run, *rest):
+    return {"run": run, "status": "passed", "reason": "", "note": 1000 * "x"}
+
+
+def test_a_full_disk_is_told_with_the_rows_that_are_kept(monkeypatch, scene, tmp_path):
+    """And the same command goes on."""
+    plain, definition = Records._begin, definition_of(scene, ("corner.friction=0.1:0.5:400",))
+
+    def small(self, head):
+        plain(self, head)
+        self._file.execute("PRAGMA max_page_count = 16")
+
+    with monkeypatch.context() as change:
+        change.setattr(Records, "_begin", small)
+        with pytest.raises(StoppedError, match=r"full: .*; \d+ of 400 rows are kept; the same comm") as stop:
+            perform(definition, tmp_path / "sweep", None, 1, padded)
+    assert stop.value.status == 3
+    kept = len(records_of(scene, tmp_path / "sweep", definition))
+    assert str(stop.value).split("; ")[1].startswith(f"{kept} of")
+    assert perform(definition, tmp_path / "sweep", None, 1, padded).effort.runs == 400 - kept < 400
+
+
+def test_workers_are_no_more_than_rows_and_cores(monkeypatch, scene, tmp_path):
+    monkeypatch.setattr(cost, "available_cores", lambda: 4)
+    asked = (None, 9), (1024, 9), (1024, 2), (3, 9)
+    assert [cost.worker_count(*each) for each in asked] == [4, 4, 2, 3]
+    counts = []
+
+    def counted(workers):
+        counts.append(workers)
+        raise engine.LostError("counted")
+
+    monkeypatch.setattr(engine, "local", counted)
+    with pytest.raises(StoppedError):
+        perform(definition_of(scene, ("corner.friction=0.1:0.5:3",)), tmp_path / "sweep", workers=1024)
+    with records.Journal(tmp_path / "study", {}) as journal, pytest.raises(engine.LostError):
+        engine.run_parts(int, dict.fromkeys("abcdef", ()), journal, "", workers=256)
+    assert counts == [3, 4]
 
 
 def dies_once(mark, run, *rest):
