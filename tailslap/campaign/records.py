@@ -1,7 +1,7 @@
 """Records by key in an SQLite file, each on disk before it counts, bound to what they depend on.
 
 The table `record` has a line a part, its value as JSON; the view `result` has the value's own columns, for any tool
-that reads SQLite.
+that reads SQLite. SQLite has no checksums: a line has its own, and one that was damaged is made anew.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import os
 import sqlite3
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -35,11 +35,26 @@ LOCAL = {"btrfs", "ext2", "ext3", "ext4", "f2fs", "overlay", "tmpfs", "xfs", "zf
 PATIENCE_S = 600.0
 """Seconds to wait for another program that reads the file."""
 NUMBER = "not finite"
+MACHINE = {
+    *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED),
+    *(sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM, sqlite3.SQLITE_NOMEM),
+}
+"""Errors of SQLite that are no fault of the file's content."""
+DAMAGES = (sqlite3.DatabaseError, UnicodeDecodeError)
+"""What SQLite raises over a damaged file, or Python over the message of its error."""
 
 TABLES = """
-CREATE TABLE campaign(digest TEXT, program TEXT, definition TEXT);
-CREATE TABLE record(key PRIMARY KEY NOT NULL, status TEXT, reason TEXT, seconds REAL, value TEXT NOT NULL);
+CREATE TABLE campaign(digest TEXT, program TEXT, definition TEXT, view TEXT);
+CREATE TABLE record(
+    key PRIMARY KEY NOT NULL, status TEXT, reason TEXT, seconds REAL, value TEXT NOT NULL, sha256 TEXT NOT NULL
+);
 """
+ANEW = f"BEGIN; DROP VIEW IF EXISTS result; DROP TABLE record; DROP TABLE campaign; {TABLES} COMMIT;"
+BEGIN = "INSERT INTO campaign VALUES (?, ?, ?, ?)"
+SEAL = "seal(CAST({} AS BLOB), CAST({} AS BLOB), CAST({} AS BLOB), CAST({} AS BLOB))"
+"""Digest of a line: of key, status, reason and value, as bytes, whatever text they may have become."""
+INSERT = f"INSERT OR IGNORE INTO record VALUES (?1, ?2, ?3, ?4, ?5, {SEAL.format('?1', '?2', '?3', '?5')})"
+DAMAGED = f"DELETE FROM record WHERE sha256 IS NOT {SEAL.format('key', 'status', 'reason', 'value')}"
 FIRST = ("key", "status", "reason", "seconds")
 """Columns of the view whatever the values are."""
 
@@ -82,28 +97,32 @@ class Records(Mapping[Key, Any]):
         self._path = path
         if not os.path.lexists(path):
             _create(path, head)
+        if not _is_ours(path):
+            raise _in_the_way(path)
+        self._file = sqlite3.connect(path, timeout=PATIENCE_S)
         try:
-            if not _is_ours(path):
-                raise sqlite3.DatabaseError
-            self._file = sqlite3.connect(path, timeout=PATIENCE_S)
+            self._file.create_function("seal", 4, _seal)
             self._begin(head)
-        except sqlite3.OperationalError as error:
-            raise _fault(path, error) from None
-        except sqlite3.DatabaseError:
-            allowed = "this file is in the way and is no journal; move it away, or give another --out"
-            raise InputError("--out", str(path), allowed) from None
+        except DAMAGES as error:
+            self._file.close()
+            if getattr(error, "sqlite_errorcode", 0) & 0xFF in MACHINE:
+                raise _fault(path, error) from None
+            raise _in_the_way(path) from None
 
     def _begin(self, head: tuple[str, str, str]) -> None:
         """Set the file up; what it has is of another definition, or is counted."""
         file, mode = self._file, "WAL" if _file_system(self._path) in LOCAL else "DELETE"
         file.execute(f"PRAGMA journal_mode={mode}")
         file.execute("PRAGMA synchronous=FULL")
+        if file.execute("PRAGMA integrity_check").fetchone() != ("ok",):
+            raise sqlite3.DatabaseError
         if file.execute("SELECT digest, program FROM campaign").fetchall() != [head[:2]]:
-            with file:
-                file.execute("DELETE FROM record")
-                file.execute("DELETE FROM campaign")
-                file.execute("INSERT INTO campaign VALUES (?, ?, ?)", head)
-                file.execute("DROP VIEW IF EXISTS result")
+            file.executescript(ANEW)
+            file.execute(BEGIN, (*head, _seal(None)))
+        if file.execute("SELECT view FROM campaign").fetchone() != (self._view(),):
+            raise sqlite3.DatabaseError
+        file.execute(DAMAGED)
+        file.commit()
         self.columns = dict.fromkeys(name for _, name, *_ in file.execute("PRAGMA table_info(result)"))
         counts = file.execute("SELECT status, COUNT(*) FROM record GROUP BY status")
         self.statuses: Counter[Any] = Counter(dict(counts))
@@ -123,7 +142,7 @@ class Records(Mapping[Key, Any]):
         ]
         try:
             with self._file:
-                self._file.executemany("INSERT OR IGNORE INTO record VALUES (?, ?, ?, ?, ?)", lines)
+                self._file.executemany(INSERT, lines)
                 if not names.keys() <= self.columns.keys():
                     self._show(names)
         except sqlite3.OperationalError as error:
@@ -139,6 +158,14 @@ class Records(Mapping[Key, Any]):
         shown = [f"""json_extract(value, '$."{path}"') AS "{name}\"""" for name, path in inner.items()]
         self._file.execute("DROP VIEW IF EXISTS result")
         self._file.execute(f"CREATE VIEW result AS SELECT {', '.join([*FIRST, *shown])} FROM record")
+        self._file.execute("UPDATE campaign SET view = ?", (self._view(),))
+
+    def _view(self) -> str:
+        """Digest of the view's definition, by which its columns are known to be whole."""
+        found = self._file.execute(
+            "SELECT CAST(sql AS BLOB) FROM sqlite_master WHERE name = 'result'"
+        ).fetchone()
+        return _seal(*found or (None,))
 
     def in_order(self) -> Iterator[Any]:
         """All records in the order of their keys, one after the other."""
@@ -196,11 +223,9 @@ def count(path: Path) -> int:
     """Number of records of a file, whoever is at work on it: none where it is not one of ours."""
     if not _is_ours(path):
         return 0
-    try:
-        with closing(sqlite3.connect(path)) as file:
-            return int(file.execute("SELECT COUNT(*) FROM record").fetchone()[0])
-    except sqlite3.OperationalError as error:
-        raise _fault(path, error) from None
+    with suppress(*DAMAGES), closing(sqlite3.connect(path)) as file:
+        return int(file.execute("SELECT COUNT(*) FROM record").fetchone()[0])
+    return 1  # of one that is damaged nobody knows, and it stays
 
 
 def remove(path: Path) -> None:
@@ -213,7 +238,7 @@ def _create(path: Path, head: tuple[str, str, str]) -> None:
     """Make the file without records, whole or not at all."""
     with manifest.whole_file(path) as partial, closing(sqlite3.connect(partial)) as file:
         file.executescript(f"PRAGMA journal_mode=MEMORY; PRAGMA application_id={OURS}; {TABLES}")
-        file.execute("INSERT INTO campaign VALUES (?, ?, ?)", head)
+        file.execute(BEGIN, (*head, _seal(None)))
         file.commit()
 
 
@@ -233,9 +258,19 @@ def _file_system(path: Path) -> str:
     return max(above)[1]
 
 
-def _fault(path: Path, error: sqlite3.OperationalError) -> OSError:
+def _seal(*parts: bytes | None) -> str:
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def _in_the_way(path: Path) -> InputError:
+    allowed = "this file is in the way: it is damaged, or no journal; move it away, or give another --out"
+    return InputError("--out", str(path), allowed)
+
+
+def _fault(path: Path, error: Exception) -> OSError:
     """An error of SQLite as one of the system."""
-    number = errno.ENOSPC if error.sqlite_errorcode == sqlite3.SQLITE_FULL else errno.EIO
+    is_full = getattr(error, "sqlite_errorcode", 0) == sqlite3.SQLITE_FULL
+    number = errno.ENOSPC if is_full else errno.EIO
     return OSError(number, str(error), str(path))
 
 

@@ -557,6 +557,32 @@ def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
     assert (tmp_path / RECORDS).read_bytes() == content
 
 
+def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones(tmp_path):
+    """A bit of a byte in each stretch of the file: what is read is a part of what was written, to the last digit."""
+    path, rows = tmp_path / "r.sqlite", row(0, **{"fe.t": 0.125}) | row(1, text="x" * 9000) | row(7, n=3)
+    found = Records(path, {})
+    found.add(rows)
+    found.close()
+    whole, ends = path.read_bytes(), set()
+    for k in range(0, len(whole), 37):
+        path.write_bytes(whole[:k] + bytes([whole[k] ^ (1 << k % 8)]) + whole[k + 1 :])
+        records.count(path)
+        try:
+            found = Records(path, {})
+        except InputError:
+            ends.add("refused")
+            continue
+        kept = dict(found)
+        assert kept.items() <= rows.items()
+        assert list(kept.values()) == list(found.in_order())
+        assert found.statuses.total() == len(kept)
+        found.add(rows)
+        assert dict(found) == rows
+        found.close()
+        ends.add(len(kept))
+    assert ends == {"refused", 0, 2, 3}
+
+
 def test_records_that_were_cut_off_are_refused_and_kept(tmp_path):
     with open_records(tmp_path, small_sweep()) as rows:
         rows.add(row(0, text="x" * 10_000))
