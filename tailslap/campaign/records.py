@@ -41,7 +41,7 @@ MACHINE = {
 }
 """Errors of SQLite that are no fault of the file's content."""
 DAMAGES = (sqlite3.DatabaseError, UnicodeDecodeError)
-"""What SQLite raises over a damaged file, or Python over the message of its error."""
+"""Errors of SQLite over a damaged file, and of Python over the text of such an error."""
 
 TABLES = """
 CREATE TABLE campaign(digest TEXT, program TEXT, definition TEXT, view TEXT);
