@@ -5,8 +5,6 @@ A function that is `cached` gives the same result for the same arguments, comput
 what happens to be there. Large parts are not cached.
 """
 
-from __future__ import annotations
-
 import functools
 import sys
 from collections.abc import Callable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Numbers and units for people: SI as engineers write it, or US customary ones; files stay in SI."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

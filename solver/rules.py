@@ -5,8 +5,6 @@ One scalar solution must cost microseconds, and 100 000 of them must be one call
 floats and arrays alike, with the functions of `functions(...)`: those of `math` for floats, of NumPy for arrays.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 from types import SimpleNamespace

@@ -1,13 +1,10 @@
 """Stage 1: the impulse at the front corner (Eqs 6-33)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Generic
 
 from solver import rules
-from solver.rules import RectangularBody
 
 CONVENTIONS = ("paper", "newton")
 
@@ -36,7 +33,7 @@ class ImpulseResult(Generic[rules.V]):
 
 
 def corner_impulse(
-    body: RectangularBody[Any],
+    body: rules.RectangularBody[Any],
     speed: rules.Number,
     angle: rules.Number,
     friction: rules.Number,
@@ -102,7 +99,7 @@ def corner_impulse(
     return gate.filled(result)
 
 
-def _solve(body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
+def _solve(body: rules.RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
     """Eqs 31-33; as tan(beta) = 1/mu, cos(beta) is mu sin(beta), sin(beta - phi) is (c - mu s) sin(beta)."""
     phi, r, m = theta + body.corner_angle, body.corner_radius, body.mass
     f = rules.functions(phi, v_0, mu, k, m)

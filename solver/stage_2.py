@@ -10,8 +10,6 @@ makes X_G - mu Y_G linear in time. Only the time itself is left as an integral, 
     tau = omega_0 t = integral of omega_0/omega d(theta) from theta to theta_0.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ The earlier methods stop the centre of mass within the distance it has to go unt
 and leave rotation and friction out. Arguments broadcast; forces push the wall outwards, and are positive.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Generic

@@ -1,8 +1,6 @@
 """Types of the command line's options: numbers in ASCII digits within bounds, folders with a name, texts that are not
 empty. Anything else is wrong input, which the message of the option names."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -5,8 +5,6 @@ how: "auto"; "lines", from time to time a line also where standard error is no t
 meanwhile follow it.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import threading

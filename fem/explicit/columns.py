@@ -5,8 +5,6 @@ The compiled record of an instant has a field for each of the program's own colu
 out from that record and the state, in Python, once a recorded row.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

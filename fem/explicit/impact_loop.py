@@ -1,7 +1,5 @@
 """The time loop of a whole impact: the step of `time_loop`, with a wall that only pushes in place of the corner."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

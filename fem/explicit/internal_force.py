@@ -24,8 +24,6 @@ moment. A mode that grows at less than c/2 by itself decays, whatever its freque
 None, and the code is compiled out.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

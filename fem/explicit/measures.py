@@ -5,8 +5,6 @@ m v_before . v_after / 2 and works by the trapezoidal rule, central differences 
 to rounding, so that what the energy balance shows is the model's error and not the bookkeeping's.
 """
 
-from __future__ import annotations
-
 import math
 
 from fem.explicit.columns import Measures

@@ -6,8 +6,6 @@ thread, and then sleep, so that a core that another program wants is left to it.
 the threads, so that a run repeats to the bit on the same number of threads.
 """
 
-from __future__ import annotations
-
 import ctypes
 import threading
 from typing import Any, NamedTuple

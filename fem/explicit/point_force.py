@@ -13,8 +13,6 @@ Rows of the first node hold its values, rows of the others the difference from i
 lost far from the origin.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ State between steps: positions at instant n, velocities at n - 1/2, and what has
 forces at n, then velocities to n + 1/2, then positions to n + 1.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

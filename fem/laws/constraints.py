@@ -15,8 +15,6 @@ The constrained corner is a two-sided slider on the wall; compiled.
 The law of a scene without friction is None, and is compiled to nothing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

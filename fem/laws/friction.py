@@ -4,8 +4,6 @@ A law gives the tangential force R [N] from the normal force N [N], negative whe
 stopping force that would end the step with the corner at rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

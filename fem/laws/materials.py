@@ -6,8 +6,6 @@ element's nodes. All materials are linear elastic at small strain. `stress` and 
 material, as the compiled loops call them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

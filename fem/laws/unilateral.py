@@ -8,8 +8,6 @@ that end, point by point, so that
 none bounds the time step: with (M + dt^2 K_c/2) in place of M the plate alone does.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

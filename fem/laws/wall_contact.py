@@ -19,8 +19,6 @@ reaction    N across the tilted face, (-N slope, N) on the point, and R along th
             beside it, with the weights of the interpolation. So momentum is kept, and energy as the depth is measured.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -19,8 +19,6 @@ Beams bend, with shear and without, or stretch. The beam is the plate seen from 
 plane, thickness t out of it. It bends in the plane.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass

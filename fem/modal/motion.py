@@ -11,8 +11,6 @@ spring: Newton's matrix is that of a diagonal and a column, and is inverted by h
 of modes squared. The two stages part by the two conjugate eigenvalues of the rule; one complex solution serves both.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -9,8 +9,6 @@ mass-orthogonal to the rigid ones: shift-invert with the shift at zero. The thre
 they are known exactly.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The run of the constrained plate: from a model and a start to histories and the state at the tail-slap."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterable

@@ -1,7 +1,5 @@
 """The run of a whole impact: from a model and its first touch to histories of motion, energies and contact."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace

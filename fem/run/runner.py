@@ -7,8 +7,6 @@ takes back. How many rows are made at once changes no bit of them.
 Observers that any run may have: how far it is, whether it is over, states to look at again, checkpoints.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import time

@@ -19,8 +19,6 @@ The plate as it is deformed at an instant of the run: its highest frequency, and
 strain energy of the elements, from the positions of the nodes.
 """
 
-from __future__ import annotations
-
 import bisect
 import math
 from collections.abc import Callable

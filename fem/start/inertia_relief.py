@@ -9,8 +9,6 @@ the forces of the time loop itself, from the linear state, with the tangent stif
 material, which all materials have at small strain.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -30,8 +30,6 @@ f_2, f_3, and refinement ratios r_21, r_32, the order p solves (f_3 - f_2)/(f_2 
 and the grid convergence index is F_s |f_1 - f_2| / (|f_1| (r_21^p - 1)), with F_s = 1.25 for three grids.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

@@ -6,8 +6,6 @@ of the wall as fits beside it; a field has one scale of colours for all of them,
 changed.
 """
 
-from __future__ import annotations
-
 import ctypes
 import math
 import os

@@ -3,8 +3,6 @@
 On pages a history is thinned to the smallest and the largest value of each of 200 stretches of it: peaks survive.
 """
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence

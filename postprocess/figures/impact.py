@@ -3,8 +3,6 @@
 The impact as an animated GIF: the vehicle along the wall, and the force below it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Plates: verdicts over pairs of axes as small maps, and mode shapes over the plate at rest."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Charts of studies on logarithmic axes: error against run time, a small plot for 
 it in grey; sizes over the first frequency of a plate, stiff plates on the left.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -3,8 +3,6 @@
 The rigid solution of each row stands beside its FE result. A row without a result is left out of the curves.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Tables and sentences on a terminal, within its width; where standard output is none, within 80 columns.
 """
 
-from __future__ import annotations
-
 import csv
 import shutil
 import textwrap

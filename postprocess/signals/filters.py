@@ -19,8 +19,6 @@ free by w.
 Forces that railings are designed for, by test level, and what else is said of the same load. Data.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -13,8 +13,6 @@ Sources: EN 1317-1; AASHTO, Manual for Assessing Safety Hardware, by way of the 
 NI DIAdem (ChnASICalc, ChnTHIVCalc, ChnOIVCalc) and Oasys T/HIS (THIV and PHD).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

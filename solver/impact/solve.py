@@ -6,8 +6,6 @@ at twice the step, and where that is more than the tolerance, which doubles with
 Strikes are found in the sampled forces.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass

@@ -11,8 +11,6 @@ on at once, as F0 does at first touch, counts for its part of the step; an uprig
 for the end of the step. All of it is of second order.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

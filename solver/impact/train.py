@@ -3,8 +3,6 @@
 Signs are those of `solver.MotionState`; SI units and radians.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass

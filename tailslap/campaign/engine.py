@@ -7,8 +7,6 @@ end, with nothing else under way, so that one that kills its worker is known for
 Workers are processes of this machine, or those of a Dask scheduler; both are a pool that takes calls.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import fcntl

@@ -1,7 +1,5 @@
 """Down to which frequency a difference stays below a level, and whether it is a power of the frequency."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ Unlike other result folders that of a sweep is there from the start, belongs to 
 The last two lines are its result, with a manifest, which the command replaces as any other: tailslap/files/folder.py.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

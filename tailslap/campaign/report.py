@@ -1,7 +1,5 @@
 """Report of a sweep: page and summary beside its table, and what the terminal says."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

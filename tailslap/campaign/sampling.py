@@ -11,8 +11,6 @@ means over rows. That makes the bootstrap a product of two tables, where SciPy's
 and rows can be left out, where SciPy turns a NaN into an index of 0.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Steps, time and memory of a run by the scene alone, and whether this machine can carry it."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

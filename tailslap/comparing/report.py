@@ -1,7 +1,5 @@
 """Results side by side, each beside the first: comparison, page, summary, terminal."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace

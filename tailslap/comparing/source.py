@@ -4,8 +4,6 @@ Files of other programs and of tests are text with a line of names, separated by
 Units stand behind a name in brackets, "VY [m/s]" or "VY (m/s)", or in a line of their own below the names.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Mapping

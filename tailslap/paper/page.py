@@ -3,8 +3,6 @@
 How they are to be read stands in docs/paper.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -8,8 +8,6 @@ The numbers that they print stand first, in SI, each with its place in the paper
 `postprocess.comparison`, whose v_GY carries this program's sign, negative towards the wall.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Find and read scenes; remarks on values without a unit that are far from those of vehicles on roads."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import os
@@ -13,9 +11,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tailslap import errors
-from tailslap.scene.schema import Scene
+from tailslap.scene import schema, units
 from tailslap.scene.text import read_text
-from tailslap.scene.units import COMMA
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
 
 MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
@@ -38,7 +35,7 @@ def title(text: str) -> str:
     return text.splitlines()[0].lstrip("# ").rstrip()
 
 
-def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[Scene, Source]:
+def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, Source]:
     """Read and validate a scene.
 
     Parameters
@@ -78,7 +75,7 @@ def source_of_text(text: str, name: str = "SCENE") -> Source:
     try:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
-        hint = f"; {COMMA}" if DECIMAL_COMMA.search(text) else ""
+        hint = f"; {units.COMMA}" if DECIMAL_COMMA.search(text) else ""
         said = f"the parser says: {errors.shortened(str(error))}{hint}"
         raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), said) from None
     if depth_exceeds(given, MAX_DEPTH):

@@ -3,8 +3,6 @@
 Meaning of each key of a scene, in a line; unit, bounds and default are the schema's.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from types import MappingProxyType

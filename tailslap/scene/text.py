@@ -1,7 +1,5 @@
 """Text files that the user gives, scenes and histories."""
 
-from __future__ import annotations
-
 import codecs
 import os
 import stat

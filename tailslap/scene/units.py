@@ -8,8 +8,6 @@ A unit is a product of names, each with an integer power of up to 9:
 Pound, foot and pound-force are those of the international agreement of 1959 and of standard gravity.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Scenes as text: one as it was run, a new one with every key, and a table of all inputs."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Mapping

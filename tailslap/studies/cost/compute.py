@@ -5,8 +5,6 @@ The flexible one: how far from its own limit is a soft plate, whose flexibility 
 Of a whole impact only the second is asked, of the scene's own plate.
 """
 
-from __future__ import annotations
-
 import math
 import statistics
 import time

@@ -1,7 +1,5 @@
 """Page, summary and tables of the study of cost."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

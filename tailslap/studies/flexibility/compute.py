@@ -6,8 +6,6 @@ to rigid. A difference is known where its numerical error is small against it; t
 first frequency it stays below a level.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence

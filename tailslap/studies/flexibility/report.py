@@ -1,7 +1,5 @@
 """Page, summary and tables of the study of flexibility."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Page, summary and tables of the study of stability."""
 
-from __future__ import annotations
-
 from collections import Counter
 from itertools import combinations
 from typing import Any

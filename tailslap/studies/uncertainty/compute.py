@@ -6,8 +6,6 @@ is left of E beyond u_val is the model's. Nothing here is fitted to a row: all r
 own speed and angle are known it is these that are put in.
 """
 
-from __future__ import annotations
-
 import importlib
 import math
 import time

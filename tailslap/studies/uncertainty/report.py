@@ -1,7 +1,5 @@
 """Page, summary and tables of the study of uncertainty."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
