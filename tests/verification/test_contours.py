@@ -12,18 +12,6 @@ import pyvista
 from matplotlib.image import imread
 
 from postprocess.fields import contours
-from postprocess.fields.contours import (
-    SIZE,
-    WALL,
-    WALL_EDGE,
-    ContourField,
-    Sheet,
-    Situation,
-    colour_scale,
-    draw_contours,
-    round_between,
-    view_of_plate,
-)
 from postprocess.svg.marks import viridis
 
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
@@ -47,7 +35,7 @@ def velocities(points):
     return np.column_stack([SPEED[0] - OMEGA * arm[:, 1], SPEED[1] + OMEGA * arm[:, 0]])
 
 
-PLATE = Situation((POINTS, QUADS), corner=(SLIDE, 0.0), centroid=CENTROID)
+PLATE = contours.Situation((POINTS, QUADS), corner=(SLIDE, 0.0), centroid=CENTROID)
 WITH_WALL = replace(PLATE, wall=(WALL_POINTS, WALL_QUADS))
 
 
@@ -55,24 +43,24 @@ def fields():
     v = velocities(POINTS)
     rounding = OMEGA * (1.0 + 1e-15 * np.random.default_rng(3).normal(size=len(POINTS)))
     return [
-        ContourField("v_gx", "v_GX: nodal velocity along X", "m/s", v[:, 0]),
-        ContourField("v_gy", "v_GY: nodal velocity along Y", "m/s", v[:, 1]),
-        ContourField("omega", "ω: nodal angular velocity", "rad/s", rounding),
+        contours.ContourField("v_gx", "v_GX: nodal velocity along X", "m/s", v[:, 0]),
+        contours.ContourField("v_gy", "v_GY: nodal velocity along Y", "m/s", v[:, 1]),
+        contours.ContourField("omega", "ω: nodal angular velocity", "rad/s", rounding),
     ]
 
 
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory):
     out = tmp_path_factory.mktemp("pictures")
-    paths = draw_contours(WITH_WALL, fields(), out)
+    paths = contours.draw_contours(WITH_WALL, fields(), out)
     assert [path.name for path in paths] == ["contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"]
     return {path.stem: np.rint(imread(path)[..., :3] * 255).astype(np.uint8) for path in paths}
 
 
 def pixels(picture, points):
     """Colours at points (k, 2) [m]; shape (k, 3)."""
-    column, row = np.floor(view_of_plate(POINTS).pixel(points)).astype(int).T
-    return picture[SIZE[1] - 1 - row, column]
+    column, row = np.floor(contours.view_of_plate(POINTS).pixel(points)).astype(int).T
+    return picture[contours.SIZE[1] - 1 - row, column]
 
 
 def element_points(quads):
@@ -85,7 +73,7 @@ def test_colours_are_those_of_the_exact_velocities(pictures, name, component):
     at = element_points(list(range(0, len(QUADS), 3)))
     at = at[np.linalg.norm(at - CENTROID, axis=1) > 0.8]
     values, nodal = velocities(at)[:, component], velocities(POINTS)[:, component]
-    scale = colour_scale(nodal)
+    scale = contours.colour_scale(nodal)
     part = (values - scale.low) / (scale.high - scale.low)
     inside = np.abs(part * scale.bands - np.rint(part * scale.bands)) > 0.08
     assert inside.sum() > 20
@@ -108,7 +96,9 @@ def test_a_uniform_field_has_one_colour(pictures):
 
 
 def test_size_wall_and_background(pictures):
-    grey, edge = (np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (WALL, WALL_EDGE))
+    grey, edge = (
+        np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (contours.WALL, contours.WALL_EDGE)
+    )
     for picture in pictures.values():
         assert picture.shape == (700, 1600, 3)
         wall = pixels(picture, np.array([[-0.8, -0.13], [2.3, -0.3], [9.8, -0.13]]))
@@ -125,7 +115,7 @@ def test_corner_and_centroid_are_marked(pictures):
 
 
 def test_without_a_wall_mesh_there_is_a_line(tmp_path):
-    (path,) = draw_contours(Situation((POINTS, QUADS)), fields()[:1], tmp_path)
+    (path,) = contours.draw_contours(contours.Situation((POINTS, QUADS)), fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
     below = pixels(picture, np.array([[2.3, -0.3], [9.8, -0.13]]))
     np.testing.assert_array_equal(below, np.full((2, 3), 255))
@@ -134,21 +124,21 @@ def test_without_a_wall_mesh_there_is_a_line(tmp_path):
 
 def test_a_wall_out_of_sight_is_not_drawn(tmp_path):
     beyond = replace(WITH_WALL, wall=(WALL_POINTS + np.array([500.0, 0.0]), WALL_QUADS))
-    (path,) = draw_contours(beyond, fields()[:1], tmp_path)
+    (path,) = contours.draw_contours(beyond, fields()[:1], tmp_path)
     picture = np.rint(imread(path)[..., :3] * 255).astype(int)
     np.testing.assert_array_equal(pixels(picture, np.array([[2.3, -0.3]])), np.full((1, 3), 255))
 
 
 def test_words_in_the_picture(tmp_path, monkeypatch):
     words: list[str] = []
-    write = Sheet.write
+    write = contours.Sheet.write
 
     def remember(sheet, text, *rest, **named):
         words.append(text)
         write(sheet, text, *rest, **named)
 
-    monkeypatch.setattr(Sheet, "write", remember)
-    draw_contours(replace(PLATE, scene="a-scene", time=0.38395974), fields()[1:], tmp_path)
+    monkeypatch.setattr(contours.Sheet, "write", remember)
+    contours.draw_contours(replace(PLATE, scene="a-scene", time=0.38395974), fields()[1:], tmp_path)
     assert words.count("a-scene,  tail-slap at t = 0.384 s") == 1, "it stays for the second picture"
     titles = {"v_GY: nodal velocity along Y [m/s]", "ω: nodal angular velocity [rad/s]"}
     assert titles | {"P", "G: −3.275 m/s", "G: 0.655 rad/s", "Y [m]", "0.5", "0", "9"} <= {*words}
@@ -166,10 +156,10 @@ def test_every_plotter_is_closed_even_when_drawing_fails(tmp_path, monkeypatch):
         opened.append(self)
 
     monkeypatch.setattr(pyvista.Plotter, "__init__", remember)
-    draw_contours(PLATE, fields(), tmp_path)
+    contours.draw_contours(PLATE, fields(), tmp_path)
     assert len(opened) == 1, "one plotter for all pictures"
     with pytest.raises(ValueError, match="3 values"):
-        draw_contours(PLATE, [ContourField("bad", "too few", "m", np.zeros(3))], tmp_path)
+        contours.draw_contours(PLATE, [contours.ContourField("bad", "too few", "m", np.zeros(3))], tmp_path)
     assert len(opened) == 2
     assert all(plotter.render_window is None for plotter in opened)
     assert not (tmp_path / "contour_bad.png").exists()
@@ -178,7 +168,7 @@ def test_every_plotter_is_closed_even_when_drawing_fails(tmp_path, monkeypatch):
 def test_pictures_of_one_plotter_are_those_of_plotters_of_their_own(tmp_path, pictures):
     """Nothing of an earlier field is left in the next picture."""
     for field in fields():
-        (path,) = draw_contours(WITH_WALL, [field], tmp_path)
+        (path,) = contours.draw_contours(WITH_WALL, [field], tmp_path)
         alone = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
         np.testing.assert_array_equal(alone, pictures[path.stem])
 
@@ -206,7 +196,7 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch):
 ])  # fmt: skip
 def test_labels_differ_and_are_round(low, high):
     """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
-    scale = colour_scale(np.array([low, high]))
+    scale = contours.colour_scale(np.array([low, high]))
     assert not scale.uniform
     assert len(set(scale.labels)) == len(scale.labels)
     assert 4 <= len(scale.labels) <= 9
@@ -224,7 +214,7 @@ def test_labels_differ_and_are_round(low, high):
 def test_next_to_nothing_is_uniform_not_a_drama():
     """Rounding, and eight parts in a million: one colour in a range of a hundredth."""
     for spread in (1e-13, 4e-6):
-        scale = colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
+        scale = contours.colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
         assert scale.uniform
         assert scale.high - scale.low == pytest.approx(0.655e-2, rel=1e-4)
         assert (0.5 * (scale.high + scale.low), scale.bands % 2) == (pytest.approx(0.655, rel=1e-6), 1)
@@ -232,29 +222,29 @@ def test_next_to_nothing_is_uniform_not_a_drama():
 
 
 def test_uniform_threshold_is_1e_4():
-    assert colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
-    assert not colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
+    assert contours.colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
+    assert not contours.colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
 
 
 def test_zero_everywhere():
-    scale = colour_scale(np.zeros(4))
+    scale = contours.colour_scale(np.zeros(4))
     assert (scale.low, scale.high, scale.uniform) == (-5e-3, 5e-3, True)
 
 
 def test_a_zero_has_no_sign_and_others_a_true_minus():
-    scale = colour_scale(np.array([-6.5, -1e-12]))
+    scale = contours.colour_scale(np.array([-6.5, -1e-12]))
     assert (scale.high, scale.labels[-1]) == (0.0, "0.0")
     assert scale.labels[0] == "−7.0"
 
 
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="not finite"):
-        colour_scale(np.array([1.0, np.nan]))
+        contours.colour_scale(np.array([1.0, np.nan]))
 
 
 def test_the_view_holds_plate_and_wall_line():
     points = np.array([[-1.0, 0.0], [9.0, 0.0], [9.0, 2.4], [-1.0, 2.4]])
-    view = view_of_plate(points)
+    view = contours.view_of_plate(points)
     (left, bottom), (right, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
     assert (left, right) == pytest.approx((70.0, 1530.0))
     assert (top - bottom) / (right - left) == pytest.approx(0.24)
@@ -264,12 +254,12 @@ def test_the_view_holds_plate_and_wall_line():
 
 
 def test_the_view_reaches_down_to_the_wall_from_a_plate_above_it():
-    view = view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
+    view = contours.view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
     assert view.pixel([0.0, 0.0])[1] >= 120.0 - 1e-9
     assert view.pixel([0.0, 5.0])[1] <= 510.0 + 1e-9
 
 
 def test_round_positions():
-    assert round_between(-0.9, 3.2, 12) == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
-    assert round_between(0.0, 100.0, 12) == pytest.approx(np.arange(0.0, 101.0, 10.0))
-    assert round_between(3.0, 3.0, 12) == round_between(3.0, 2.0, 12) == []
+    assert contours.round_between(-0.9, 3.2, 12) == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+    assert contours.round_between(0.0, 100.0, 12) == pytest.approx(np.arange(0.0, 101.0, 10.0))
+    assert contours.round_between(3.0, 3.0, 12) == contours.round_between(3.0, 2.0, 12) == []

@@ -21,7 +21,6 @@ from tailslap.campaign import levels
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
-from tailslap.cli import CHECK_FAILED, _status
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility import compute
@@ -504,7 +503,7 @@ def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
         "study", "flexibility", "paper-abaqus", "--set", "plate.elements=[8,4]", "--out",
         str(tmp_path / "out"),
     ]  # fmt: skip
-    assert _status(given) == CHECK_FAILED
+    assert cli._status(given) == cli.CHECK_FAILED
     assert "no run passed its checks" in " ".join(capsys.readouterr().out.split())
     assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
 

@@ -9,11 +9,10 @@ import pytest
 
 from postprocess.comparison.quantities import STRIKES
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
+from tailslap import case, errors
 from tailslap.campaign import report
 from tailslap.campaign.definition import compute_row, make_definition, table_schema
 from tailslap.campaign.perform import perform
-from tailslap.case import case_of
-from tailslap.errors import InputError
 from tailslap.files.load import read_columns
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
@@ -35,7 +34,7 @@ def scene_file(folder, text):
 def test_a_row_is_what_the_rigid_vehicle_gives():
     source = source_of_text(RIGID, "rigid")
     row = compute_row(3, source, {"contact.stiffness": 3e6})
-    plan = case_of(*vary(source, {"contact.stiffness": 3e6}))
+    plan = case.case_of(*vary(source, {"contact.stiffness": 3e6}))
     first, second = plan.motion.strikes[:2]
     assert (row["run"], row["status"], row["rigid.strike_2.corner"]) == (3, "passed", "rear")
     assert row["rigid.strike_1.impulse"] == first.impulse
@@ -71,7 +70,7 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
     least = found["rigid.strike_1.mean_50ms"].min() / 4448.2216152605
     assert f"{least:.5g}" in shown
     assert perform(definition, tmp_path / "sweep").effort.runs == 0
-    with pytest.raises(InputError, match=r"contact\.restitution"):
+    with pytest.raises(errors.InputError, match=r"contact\.restitution"):
         make_definition(scene_file(tmp_path, RIGID), (), varied, None, 1)
 
 
@@ -89,7 +88,7 @@ def test_columns_of_both_calculations(tmp_path):
 
 
 def test_a_corner_without_a_plate_is_no_sweep():
-    with pytest.raises(InputError, match="plate"):
+    with pytest.raises(errors.InputError, match="plate"):
         make_definition("paper-table-3", ("plate=",), ("corner.friction=0,1",), None, 1)
 
 

@@ -11,9 +11,8 @@ import pytest
 import tailslap.studies
 from postprocess.report.page import Column, Page, Section, Table
 from postprocess.report.report import Report
+from tailslap import cli, studies
 from tailslap.case.case import CORNER, WHOLE_IMPACT
-from tailslap.cli import _status
-from tailslap.studies import register, study_names
 from tailslap.studies.study import Study
 
 TRUCK = "mash-tl4-sut"
@@ -42,10 +41,10 @@ def registry(monkeypatch):
 
 
 def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypatch, capsys):
-    register(TOY)
+    studies.register(TOY)
     monkeypatch.chdir(tmp_path)
-    assert "toy" in study_names()
-    assert _status(["study", "toy", TRUCK, "--set", "vehicle.mass=10 t", "--factor", "3"]) == 0
+    assert "toy" in studies.study_names()
+    assert cli._status(["study", "toy", TRUCK, "--set", "vehicle.mass=10 t", "--factor", "3"]) == 0
     folder = Path("results") / f"{TRUCK}-toy"
     said = capsys.readouterr().out
     assert "30000" in said
@@ -57,10 +56,10 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
 
 
 def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
-    register(Study("toy", "", lambda case, place: [], masses_report, needs_plate=True))
-    assert _status(["study", "toy", TRUCK, "--out", str(tmp_path / "out")]) == 1
-    assert _status(["study", "toy", TRUCK, "--set", "plate=", "--out", str(tmp_path / "none")]) == 2
-    assert _status(["study", "toy", "nowhere"]) == 2
+    studies.register(Study("toy", "", lambda case, place: [], masses_report, needs_plate=True))
+    assert cli._status(["study", "toy", TRUCK, "--out", str(tmp_path / "out")]) == 1
+    assert cli._status(["study", "toy", TRUCK, "--set", "plate=", "--out", str(tmp_path / "none")]) == 2
+    assert cli._status(["study", "toy", "nowhere"]) == 2
     assert not (tmp_path / "none").exists()
 
 
@@ -69,8 +68,8 @@ def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
     [(CORNER, f"impact-{TRUCK}", "without this table"), (WHOLE_IMPACT, TRUCK, "with this table")],
 )
 def test_a_study_of_the_other_kind_of_scene_is_refused(kind, scene, words, tmp_path, capsys):
-    register(replace(TOY, analyses=(kind,)))
-    assert _status(["study", "toy", scene, "--out", str(tmp_path / "out")]) == 2
+    studies.register(replace(TOY, analyses=(kind,)))
+    assert cli._status(["study", "toy", scene, "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr().err
     assert "contact: given" in said
     assert words in said
@@ -78,11 +77,11 @@ def test_a_study_of_the_other_kind_of_scene_is_refused(kind, scene, words, tmp_p
 
 
 def test_a_name_is_taken_once():
-    register(TOY)
+    studies.register(TOY)
     with pytest.raises(ValueError, match="toy"):
-        register(TOY)
+        studies.register(TOY)
     with pytest.raises(ValueError, match="cost"):
-        register(Study("cost", "", heavier, masses_report))
+        studies.register(Study("cost", "", heavier, masses_report))
 
 
 def test_a_study_is_found_by_its_folder(tmp_path, monkeypatch, capsys):
@@ -90,5 +89,5 @@ def test_a_study_is_found_by_its_folder(tmp_path, monkeypatch, capsys):
     study = "STUDY = Study('demo', 'A demonstration.', 'json:loads', 'json:dumps')\n"
     (tmp_path / "demo" / "__init__.py").write_text(f"from tailslap.studies.study import Study\n{study}")
     monkeypatch.setattr(tailslap.studies, "__path__", [*tailslap.studies.__path__, str(tmp_path)])
-    assert _status(["study", "demo", "--help"]) == 0
+    assert cli._status(["study", "demo", "--help"]) == 0
     assert "A demonstration." in capsys.readouterr().out

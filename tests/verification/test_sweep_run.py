@@ -20,14 +20,13 @@ from typing import NamedTuple
 import pytest
 
 import tailslap
+from tailslap import cli, errors
 from tailslap.campaign import engine, records
 from tailslap.campaign.definition import CIRCUMSTANCES, compute_row, make_definition, write_table
 from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
 from tailslap.case import cost
 from tailslap.case.corner.case import CornerCase
-from tailslap.cli import _status
-from tailslap.errors import InputError
 from tailslap.files.folder import commit, fresh, result_folder
 from tailslap.files.load import read_columns
 from tailslap.files.manifest import NAME as MANIFEST
@@ -144,7 +143,7 @@ def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
     """Rows are those of runs made here; the same command makes none again."""
     place, varied = tmp_path / "sweep", ("corner.friction=0.1,0.9",)
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
-    assert _status(arguments) == 0
+    assert cli._status(arguments) == 0
     rows, definition = table(place), definition_of(scene, varied)
     runs = [CornerCase(*vary(definition.source, definition.changes_of(n))).run() for n in range(2)]
     for row, outcome in zip(rows, runs, strict=True):
@@ -152,7 +151,7 @@ def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
         assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
     kept = (place / RECORDS).read_bytes()
     capsys.readouterr()
-    assert (_status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, kept, rows)
+    assert (cli._status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, kept, rows)
 
 
 @pytest.mark.long
@@ -403,7 +402,7 @@ def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(engine, "ANSWER_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
         arguments = ["--cluster", address, "--out", str(tmp_path / "sweep")]
-        assert _status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2
+        assert cli._status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2
         said = capsys.readouterr().err
         assert said.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler answers there')
         assert not (tmp_path / "sweep").exists()
@@ -414,7 +413,7 @@ def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
     with pytest.raises(engine.OtherProgramError):
         engine.run_batch("0.0.0", compute_row, [])
     monkeypatch.setattr(engine, "program", lambda: "9.9.9")
-    with pytest.raises(InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
+    with pytest.raises(errors.InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
         perform(definition_of(scene), tmp_path / "sweep", cluster)
     assert not (tmp_path / "sweep").exists()
 
@@ -466,7 +465,7 @@ def small_sweep(friction="0:0.5:6"):
 
 
 def refused(message, opened, *arguments):
-    with pytest.raises(InputError, match=message), opened(*arguments):
+    with pytest.raises(errors.InputError, match=message), opened(*arguments):
         pass
 
 

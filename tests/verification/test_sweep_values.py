@@ -15,6 +15,7 @@ from postprocess.comparison.quantities import KEYS
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
 from postprocess.report.page import write_page
 from postprocess.units import SI
+from tailslap.campaign import engine, report
 from tailslap.campaign.definition import (
     Definition,
     FinishedSweep,
@@ -25,8 +26,6 @@ from tailslap.campaign.definition import (
     parse_varied,
     split_outside,
 )
-from tailslap.campaign.engine import CampaignEffort
-from tailslap.campaign.report import MAX_LISTED, shown, spreads, sweep_page, sweep_text, values_words
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.progress import clock, counted
@@ -304,14 +303,14 @@ def sweep_of(some):
     varied = [Variation(v.key, v.unit, tuple(v.values.tolist()), v.logarithmic) for v in some.varied]
     definition = Definition("a<b", "name = 1", (), Source(), (), tuple(varied), len(some.status), 307)
     statuses = {name: int((some.status == name).sum()) for name in ("passed", "failed", "refused", "error")}
-    return FinishedSweep(definition, statuses, CampaignEffort())
+    return FinishedSweep(definition, statuses, engine.CampaignEffort())
 
 
 def test_the_page_holds_what_it_is_given(tmp_path):
     some = rows(key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10))
     some.status[:] = ["refused", "passed", "failed", "passed"]
     reasons = np.array(["beyond <theory>", "", "energy <balance>", ""], dtype=object)
-    page = write_page(tmp_path / "report.html", sweep_page(sweep_of(some), some, reasons)).read_text()
+    page = write_page(tmp_path / "report.html", report.sweep_page(sweep_of(some), some, reasons)).read_text()
     plain = page.replace("\N{NO-BREAK SPACE}", " ")
     statuses = "2 passed all checks, 1 failed a check, 1 refused"
     for text in ("a&lt;b", statuses, "name = 1", "+1.00×10⁻³", "1, 10"):
@@ -325,32 +324,32 @@ def test_the_page_holds_what_it_is_given(tmp_path):
 
 def test_a_page_of_runs_that_were_all_refused(tmp_path):
     """No plots, no results; the first rows, and how many there are."""
-    count = MAX_LISTED + 5
+    count = report.MAX_LISTED + 5
     some = rows(key("a.x", *range(count)), status="refused")
     nothing = replace(some, difference={k: np.full(count, np.nan) for k in KEYS})
-    page = sweep_page(sweep_of(nothing), nothing, np.full(count, "no", dtype=object))
+    page = report.sweep_page(sweep_of(nothing), nothing, np.full(count, "no", dtype=object))
     text = write_page(tmp_path / "e.html", page).read_text()
     assert "<svg" not in text
-    assert f"The first {MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert f"The first {report.MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
     assert "At the tail-slap" not in text
     assert "did not pass" not in write_page(tmp_path / "p.html", all_passed()).read_text()
 
 
 def all_passed():
     some = rows(key("a.x", 1, 2, 3))
-    return sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
+    return report.sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
 
 
 def test_the_largest_differences():
     some = rows(key("a.x", 1, 2, 3))
     some.status[2] = "failed"
-    (time, *_) = spreads(some)
+    (time, *_) = report.spreads(some)
     assert (time["run"], time["difference"]) == (1, some.difference["t"][1])
     assert (time["least"], time["most"]) == (some.fe["t"][0], some.fe["t"][1])
 
 
 def test_what_the_terminal_says():
-    said = sweep_text(sweep_of(rows(key("a.x", 1, 2, 3))), Path("results/x")).splitlines()
+    said = report.sweep_text(sweep_of(rows(key("a.x", 1, 2, 3))), Path("results/x")).splitlines()
     assert said[0] == "a<b: 3 runs, 3 passed all checks"
     files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
     assert said[1:] == ["Cost:   nothing was left to run", *files]
@@ -358,17 +357,17 @@ def test_what_the_terminal_says():
 
 def test_words():
     angle = Variation("impact.angle", "rad", (math.radians(10), math.radians(15)), False)
-    assert SI.rendered(values_words(angle)) == "10 deg, 15 deg"
+    assert SI.rendered(report.values_words(angle)) == "10 deg, 15 deg"
     modulus = Variation("e", "Pa", (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
-    assert SI.rendered(values_words(modulus)) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
-    assert (shown("quad4", ""), SI.rendered(shown(0.25, ""))) == ("quad4", "0.25")
+    assert SI.rendered(report.values_words(modulus)) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
+    assert (report.shown("quad4", ""), SI.rendered(report.shown(0.25, ""))) == ("quad4", "0.25")
 
 
 def test_rate_and_overhead_by_hand():
     """Two threads for 10 s are 20 s; 100 runs of 0.15 s leave 5 s, 0.05 s a run."""
-    effort = CampaignEffort(100, 2, 10.0, 15.0)
+    effort = engine.CampaignEffort(100, 2, 10.0, 15.0)
     assert (effort.rate, effort.overhead_s) == (10.0, pytest.approx(0.05))
-    assert (CampaignEffort().rate, CampaignEffort().overhead_s) == (0.0, 0.0)
+    assert (engine.CampaignEffort().rate, engine.CampaignEffort().overhead_s) == (0.0, 0.0)
     assert [clock(seconds) for seconds in (0.4, 59.6, 61, 3725)] == ["0:00", "1:00", "1:01", "1:02:05"]
 
 

@@ -18,16 +18,13 @@ from scipy import stats
 from postprocess.report.report import printed, write_report
 from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
+from tailslap import cli, errors, studies
 from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.impact.answers import COLUMNS, both_strikes, filtered, peaks_within
-from tailslap.case.impact.case import ImpactCase
-from tailslap.cli import _status
-from tailslap.errors import InputError
+from tailslap.case.impact import answers, case
 from tailslap.files.manifest import NAME as MANIFEST
 from tailslap.paper.tables import ForceRow
 from tailslap.scene.read import read_scene
-from tailslap.studies import study_names
 from tailslap.studies.uncertainty import compute
 from tailslap.studies.uncertainty.report import report
 
@@ -66,7 +63,7 @@ def impacts():
 
 
 def impact_of(*changes, name=IMPACT):
-    return ImpactCase(*read_scene(name, changes))
+    return case.ImpactCase(*read_scene(name, changes))
 
 
 def indices(spread, name):
@@ -228,7 +225,7 @@ def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
     phi = math.radians(15.0) + math.atan2(2.438, 10.0)
     limit, out = 1.0 / math.tan(phi), tmp_path / "out"
     arguments = ["--fix", "impact.angle", "--range", f"impact.friction=0:{2.0 * limit}", "--samples", "20000"]
-    assert _status(["study", "uncertainty", TRUCK, *arguments, "--out", str(out)]) == 0
+    assert cli._status(["study", "uncertainty", TRUCK, *arguments, "--out", str(out)]) == 0
     summary = json.loads((out / "summary.json").read_text())
     with (out / "samples.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -250,7 +247,7 @@ def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
 def test_a_study_of_which_nothing_is_left_is_refused(tmp_path, capsys):
     out = tmp_path / "out"
     arguments = ["study", "uncertainty", TRUCK, "--range", "impact.friction=2.5:3", "--out", str(out)]
-    assert _status(arguments) == 2
+    assert cli._status(arguments) == 2
     assert "refuses nearly all of them, like impact.friction: given 2." in capsys.readouterr().err
     assert not out.exists()
 
@@ -259,7 +256,7 @@ def test_the_same_call_gives_the_same_files(tmp_path):
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
         given = ["mash-tl3-car", "--samples", "2000", "--out", str(folder)]
-        assert _status(["study", "uncertainty", *given]) == 0
+        assert cli._status(["study", "uncertainty", *given]) == 0
         files = {"report.html", "samples.csv", "summary.json", "histogram.svg", "sensitivity.svg", MANIFEST}
         assert {path.name for path in folder.iterdir()} == files
     for name in ("report.html", "samples.csv"):
@@ -271,7 +268,7 @@ def test_the_same_call_gives_the_same_files(tmp_path):
 
 def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert _status(["study", "uncertainty", TRUCK, "--samples", "1000"]) == 0
+    assert cli._status(["study", "uncertainty", TRUCK, "--samples", "1000"]) == 0
     assert [path.name for path in (tmp_path / "results").iterdir()] == [f"{TRUCK}-uncertainty"]
     page = (tmp_path / "results" / f"{TRUCK}-uncertainty" / "report.html").read_text()
     assert page.count("<svg") == 2
@@ -330,7 +327,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("ranges", "fixed", "key", "message"), WRONG)
 def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(errors.InputError) as caught:
         compute.corner_ranges(plan_of(TRUCK), ranges, fixed)
     assert caught.value.key == key
     assert message in caught.value.allowed
@@ -338,14 +335,14 @@ def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
 
 def test_a_default_range_that_does_not_fit_says_whose_it_is():
     message = r"impact\.angle: given .* by default .*1\.5 deg, MASH.*--range gives"
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(errors.InputError, match=message):
         compute.corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
 
 
 def test_a_force_that_does_not_change_has_no_indices():
     """[start] gives the state after the impact, so that the speed, forced to vary here, has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
-    with pytest.raises(InputError, match="the same all over"):
+    with pytest.raises(errors.InputError, match="the same all over"):
         compute.spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 
 
@@ -381,12 +378,12 @@ def test_more_rows_come_closer(complete):
 
 
 def test_an_unknown_study_lists_the_known_ones(capsys):
-    assert _status(["study", "certainty", TRUCK]) == 2
+    assert cli._status(["study", "certainty", TRUCK]) == 2
     message = capsys.readouterr().err
     assert 'NAME: given "certainty"' in message
-    assert all(name in message for name in study_names())
-    assert _status(["study", "uncertainty", "nowhere"]) == 2
-    assert _status(["study", "uncertainty", TRUCK, "--samples", "10"]) == 2
+    assert all(name in message for name in studies.study_names())
+    assert cli._status(["study", "uncertainty", "nowhere"]) == 2
+    assert cli._status(["study", "uncertainty", TRUCK, "--samples", "10"]) == 2
 
 
 def test_what_is_held_and_how_the_scene_s_own_force_compares(complete):
@@ -423,11 +420,11 @@ def test_many_impacts_are_the_single_one():
     """Against the one at a smaller step, with yaw inertia and centre of mass of their own."""
     vehicle = ("vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2")
     plan = impact_of(*vehicle, "contact.initial_force=20 kN")
-    exact = both_strikes(plan.answer)
+    exact = answers.both_strikes(plan.answer)
     many = compute.solved(plan, {"impact.speed": np.array([25.034, 25.034])})
     plan_speed = plan.scene.impact.speed if plan.scene.impact else 0.0
     assert plan_speed == pytest.approx(25.034, rel=1e-4)
-    for name in COLUMNS:
+    for name in answers.COLUMNS:
         assert many[name] == pytest.approx(exact[name], rel=1e-3), name
 
 
@@ -453,10 +450,10 @@ def test_filtered_peaks_are_those_in_the_strike():
     """A rectangle of 80 ms and 1 N, and 10 ms later one of 2 N: the mean of the first does not know the second."""
     force = np.zeros(400)
     force[100:180], force[190:300] = 1.0, 2.0
-    curves = filtered(force, 1e-3)
-    assert peaks_within(curves, 1e-3, 0.1, 0.18)["mean_50ms"] == pytest.approx(1.0, rel=1e-12)
-    assert peaks_within(curves, 1e-3, 0.19, 0.3)["mean_50ms"] == pytest.approx(2.0, rel=1e-12)
-    assert all(map(math.isnan, peaks_within(curves, 1e-3, math.nan, math.nan).values()))
+    curves = answers.filtered(force, 1e-3)
+    assert answers.peaks_within(curves, 1e-3, 0.1, 0.18)["mean_50ms"] == pytest.approx(1.0, rel=1e-12)
+    assert answers.peaks_within(curves, 1e-3, 0.19, 0.3)["mean_50ms"] == pytest.approx(2.0, rel=1e-12)
+    assert all(map(math.isnan, answers.peaks_within(curves, 1e-3, math.nan, math.nan).values()))
 
 
 def test_stiffness_alone_has_all_of_the_variance():
@@ -475,7 +472,7 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
         assert sum(row["total"] for row in sources) > 0.8, name  # at least 1, but for the few rows
         assert all(row["total"] > -0.02 for row in sources)
     assert impacts.sources_of("strike_2.raw")[0]["key"] == "contact.stiffness"
-    for name in COLUMNS:
+    for name in answers.COLUMNS:
         low, middle, high = impacts.band(name).percentiles
         assert low < middle < high
         assert low < impacts.own[name] < high
@@ -530,12 +527,12 @@ def test_contacts_that_the_study_cannot_vary_are_refused(refused, changes, key):
 def test_ranges_that_make_no_impact_are_refused(tmp_path):
     for given in ("impact.angle=0 deg:20 deg", "strike.duration=0.1:0.2", "contact.restitution=0.5:1.5"):
         arguments = ["study", "uncertainty", IMPACT, "--range", given, "--out", str(tmp_path / "out")]
-        assert _status(arguments) == 2
+        assert cli._status(arguments) == 2
     assert not (tmp_path / "out").exists()
 
 
 def test_the_study_of_strikes_says_where_it_went(capsys):
-    assert _status(["study", "strike", IMPACT]) == 2
+    assert cli._status(["study", "strike", IMPACT]) == 2
     said = capsys.readouterr().err
     assert "study uncertainty" in said
     assert "study flexibility" in said

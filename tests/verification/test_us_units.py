@@ -15,12 +15,10 @@ from postprocess.report.report import Report, in_units
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure
+from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import report, rigid
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.report import RISK
-from tailslap.cli import _status
-from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
 from tailslap.studies.flexibility.report import STIFF
@@ -53,7 +51,7 @@ def test_scenes_take_american_units(change, value):
     "change", ["plate.youngs_modulus=29000 kip", "vehicle.mass=22 kip", "plate.density=490 lbf/ft^3"]
 )
 def test_a_force_is_no_mass_and_no_stress(change):
-    with pytest.raises(InputError, match="the unit does not fit"):
+    with pytest.raises(errors.InputError, match="the unit does not fit"):
         read_scene("mash-tl4-sut", (change,))
 
 
@@ -80,7 +78,7 @@ def test_what_is_shown():
 
 
 def test_rigid_prints_american_units_and_labels_them(capsys):
-    assert _status(["rigid", "mash-tl4-sut", "--units", "us"]) == 0
+    assert cli._status(["rigid", "mash-tl4-sut", "--units", "us"]) == 0
     text = capsys.readouterr().out
     answer = CornerCase(*read_scene("mash-tl4-sut")).rigid_numbers()
     lines = [line.split() for line in text.splitlines()]
@@ -164,7 +162,7 @@ def test_a_report_is_in_american_units_everywhere():
 def test_records_that_name_their_unit_are_in_american_units():
     """Occupant risk, and the moduli of the study of flexibility."""
     row = {"name": "THIV", "value": 9.144, "unit": "m/s", "time": 0.1, "lacks": ""}
-    risk = Table(RISK, [row]).in_units(US)
+    risk = Table(report.RISK, [row]).in_units(US)
     assert [column.text(risk.rows[0]) for column in risk.columns[1:3]] == ["30", "ft/s"]
     stiff = Table(STIFF, [{"youngs_modulus": 200e9, "damping": 1.0}]).in_units(US)
     assert (stiff.columns[0].heading, stiff.columns[0].text(stiff.rows[0])) == ("E [ksi]", "2.90e+04")
@@ -197,14 +195,14 @@ def test_si_stays_the_default():
 
 
 def test_json_is_si_always(capsys):
-    assert _status(["rigid", "mash-tl4-sut", "--json", "--units", "us"]) == 2
+    assert cli._status(["rigid", "mash-tl4-sut", "--json", "--units", "us"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert '--units: given "us"' in err
-    assert _status(["rigid", "mash-tl4-sut", "--json", "--units", "si"]) == 0
+    assert cli._status(["rigid", "mash-tl4-sut", "--json", "--units", "si"]) == 0
     force = json.loads(capsys.readouterr().out)["stage3"]["peak_force"]
     assert force == CornerCase(*read_scene("mash-tl4-sut")).force.peak_force
-    assert _status(["rigid", "mash-tl4-sut", "--units", "uk"]) == 2
+    assert cli._status(["rigid", "mash-tl4-sut", "--units", "uk"]) == 2
 
 
 def test_rigid_imports_neither_statistics_nor_plots(python):
@@ -286,9 +284,9 @@ def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, m
     monkeypatch.setattr(draw, lambda *_, units, **__: given.append(units.name))
     tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
     assert given == ["us"]
-    with pytest.raises(InputError, match="files of csv are in SI always"):
+    with pytest.raises(errors.InputError, match="files of csv are in SI always"):
         tailslap.export(result, "csv", tmp_path / "b", units="us")
-    with pytest.raises(InputError, match="allowed is one of si, us"):
+    with pytest.raises(errors.InputError, match="allowed is one of si, us"):
         tailslap.export(result, "png", tmp_path / "c", units="uk")
 
 
@@ -324,16 +322,16 @@ def _html(place):
 
 def test_modes_say_the_beam_in_feet(tmp_path, capsys):
     arguments = ["modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8,2]", "--units", "us"]
-    assert _status([*arguments, "--out", str(tmp_path / "a")]) == 0
+    assert cli._status([*arguments, "--out", str(tmp_path / "a")]) == 0
     text = page_text(tmp_path / "a")
     assert "free beam of length 32.8 ft and depth 7.999 ft" in text
     assert not re.search(r"\d (m|m/s)\b", text)
 
 
 def test_a_modal_run_says_feet_and_json_stays_si(capsys):
-    assert _status(["modal", "paper-table-3", "--units", "us"]) == 0
+    assert cli._status(["modal", "paper-table-3", "--units", "us"]) == 0
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert _status(["modal", "paper-table-3", "--units", "us", "--json"]) == 0
+    assert cli._status(["modal", "paper-table-3", "--units", "us", "--json"]) == 0
     values = json.loads(capsys.readouterr().out)["modal"]
     for symbol, key in (("v_GX", "v_gx"), ("s", "slide")):
         (row,) = (line for line in lines if line[:1] == [symbol])
@@ -344,7 +342,7 @@ def test_a_modal_run_says_feet_and_json_stays_si(capsys):
 def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
     for units in ("us", "si"):
         given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
-        assert _status(given) == 0
+        assert cli._status(given) == 0
     us, si = page_text(tmp_path / "us"), page_text(tmp_path / "si")
     force = ("N [kip]", "N [kN]"), ("difference of R [kip]", "difference of R [kN]")
     for unit, other in (("s [ft]", "s [m]"), *force):
@@ -367,5 +365,5 @@ def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch
     monkeypatch.setattr("postprocess.fields.contours.draw_contours", draw)
     for units in ("us", "si"):
         place = ["--quiet", "--out", str(tmp_path / units)]
-        assert _status(["run", "paper-table-3", "--units", units, *place]) == 0
+        assert cli._status(["run", "paper-table-3", "--units", units, *place]) == 0
     assert given == ["us", "si"]
