@@ -67,13 +67,7 @@ class Units:
 
 
 SI = Units(
-    "si",
-    {
-        "N": (1e-3, "kN"),
-        "N s": (1e-3, "kN s"),
-        "J": (1e-3, "kJ"),
-        "rad": (180.0 / math.pi, "deg"),
-    },
+    "si", {"N": (1e-3, "kN"), "N s": (1e-3, "kN s"), "J": (1e-3, "kJ"), "rad": (180.0 / math.pi, "deg")}
 )
 US = Units(
     "us",

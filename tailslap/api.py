@@ -57,11 +57,7 @@ _OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
 
 
 def run(
-    scene: Scene,
-    changes: Changes | None = None,
-    *,
-    tolerance: float | None = None,
-    allow_large: bool = False,
+    scene: Scene, changes: Changes | None = None, *, tolerance: float | None = None, allow_large: bool = False
 ) -> result.Result:
     """Run a scene: rigid solution, mesh, FE run, comparison, checks. Nothing is written.
 

@@ -269,10 +269,7 @@ def modulus_for(mesh: meshio.Mesh, plate: kinds.PlateProperties, first_frequency
 
 
 def _corner(
-    d: kinds.Discretisation,
-    masses: np.ndarray,
-    plate: kinds.PlateProperties,
-    corner: kinds.CornerProperties,
+    d: kinds.Discretisation, masses: np.ndarray, plate: kinds.PlateProperties, corner: kinds.CornerProperties
 ) -> CornerConstraint:
     nodes, weights = corner_weights(d, corner.patch_length)
     mobility = float((weights**2 / masses[nodes]).sum())

@@ -24,11 +24,7 @@ if TYPE_CHECKING:
 FILE = "fields.npz"
 """Name of the file in a result folder."""
 
-NODES = {
-    "displacement": "m",
-    "elastic_displacement": "m",
-    "velocity": "m/s",
-}
+NODES = {"displacement": "m", "elastic_displacement": "m", "velocity": "m/s"}
 """Fields of the nodes, two components, along the wall and across it, and their units."""
 
 ELEMENTS = {

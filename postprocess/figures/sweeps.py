@@ -163,13 +163,7 @@ def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Va
 
 
 def _draw_map(
-    name: str,
-    title: str,
-    colours: Values,
-    said: Values,
-    keys: Sequence[Swatch],
-    across: Varied,
-    up: Varied,
+    name: str, title: str, colours: Values, said: Values, keys: Sequence[Swatch], across: Varied, up: Varied
 ) -> Chart:
     """Cells of a complete grid in these colours, or small boxes; the keys stand above."""
     x, y, shown = across.values, up.values, colours != ""

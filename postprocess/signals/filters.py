@@ -257,10 +257,7 @@ MASH = (
         where="rails of 36 in. or higher",
     ),
     DesignForce(
-        "TL-4",
-        "MASH, 4.5 g",
-        22.05 * 4.5,
-        "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g",
+        "TL-4", "MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"
     ),
 )
 

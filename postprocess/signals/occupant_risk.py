@@ -169,10 +169,7 @@ def head_measures(motion: VehicleMotion) -> tuple[RiskMeasure, RiskMeasure]:
     contact = head_contact(motion)
     time, speed = (contact.time, contact.speed) if contact else (None, None)
     resultant = np.hypot(motion.ax, motion.ay)
-    return (
-        RiskMeasure("THIV", speed, "m/s", time, HEAD),
-        _after("PHD", HEAD, motion, contact, resultant),
-    )
+    return (RiskMeasure("THIV", speed, "m/s", time, HEAD), _after("PHD", HEAD, motion, contact, resultant))
 
 
 def flail_measures(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:

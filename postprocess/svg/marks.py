@@ -372,10 +372,7 @@ class Layer(Mark):
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
         back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
-        name, edge = (
-            named(self.label, self.high - self.low),
-            path(np.concatenate([forth, back])),
-        )
+        name, edge = (named(self.label, self.high - self.low), path(np.concatenate([forth, back])))
         return coloured(f'<path {name}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour)
 
     def key(self) -> str:

@@ -121,12 +121,7 @@ def _make_missing(
         return engine.CampaignEffort()
 
     def died(run: Any) -> dict[str, Any]:
-        return {
-            "run": run,
-            **definition.inputs_of(run),
-            "status": ERROR,
-            "reason": KILLS,
-        }
+        return {"run": run, **definition.inputs_of(run), "status": ERROR, "reason": KILLS}
 
     def arguments(run: Any) -> tuple[Any, ...]:
         return run, definition.source, definition.changes_of(run)
