@@ -17,19 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver import rules
-from solver.rules import (
-    REACTIONS,
-    Array,
-    Gate,
-    MotionState,
-    Number,
-    RectangularBody,
-    RigidBodyError,
-    choose,
-    functions,
-    holds,
-    number,
-)
+from solver.rules import Array, Gate, MotionState, Number, RectangularBody, functions, number
 
 MU_SIGN = {"drag": 1.0, "none": 0.0, "signed": -1.0}  # of the coefficient in Eqs 66-67
 COARSE, FINE = 12, 20  # Gauss points; the answer is the fine rule's, its distance to the coarse one the check
@@ -130,7 +118,7 @@ def scaled_time(path: Path) -> Any:
     """tau at theta = 0; NaN where it cannot be had to TOLERANCE. Floats, or arrays of one shape."""
     fine, coarse = _panel(path, 0.0 * path.theta_0, path.theta_0)
     done = abs(fine - coarse) <= TOLERANCE * fine
-    if holds(done):
+    if rules.holds(done):
         return fine
     arrays = Path(*(np.ravel(value) for value in path))
     tau = _bisected(arrays, np.ravel(fine)).reshape(np.shape(fine))
@@ -240,7 +228,7 @@ def admit_inputs(gate: Gate, start: Start, friction: Any, reaction: str) -> None
 
 def admit_path(gate: Gate, path: Path, friction: Any, reaction: str) -> None:
     """The condition for one solution, and not two or none, all along the path."""
-    if reaction == "none" or holds(friction < CRITICAL_FRICTION):
+    if reaction == "none" or rules.holds(friction < CRITICAL_FRICTION):
         return
     phi, phi_0 = path.gamma, path.gamma + path.theta_0
     least, limit = least_denominator(phi, phi_0, friction), largest_friction(phi, phi_0)
@@ -263,7 +251,7 @@ def admit_strike(gate: Gate, start: Start, strike: MotionState[Any]) -> None:
     gate.demand(rules.GROWTH, strike.t == strike.t, abs(mu))
     gate.demand(rules.RANGE, finite(strike.kinetic_energy) & finite(strike.slide), start.omega_0)
     sliding = (mu == 0.0) | (strike.v_p >= 0.0)
-    details = {} if gate.fill or holds(sliding) else _stop(start, sliding)
+    details = {} if gate.fill or rules.holds(sliding) else _stop(start, sliding)
     gate.demand(rules.STOP, sliding, start.v_p0, **details)
 
 
@@ -297,7 +285,8 @@ def gather(
     body: RectangularBody[Any], angle: Any, omega: Any, corner_speed: Any, friction: Any, reaction: str
 ) -> tuple[Start, Any]:
     """The start, and the friction coefficient without its model's sign."""
-    sign, mu = MU_SIGN[choose("reaction", reaction, REACTIONS)], number("friction", friction)
+    sign = MU_SIGN[rules.choose("reaction", reaction, rules.REACTIONS)]
+    mu = number("friction", friction)
     given = number("angle", angle), number("omega", omega), number("corner_speed", corner_speed)
     values: Any = (body.corner_angle, given[0], sign * mu, body.mass, body.corner_radius, *given[1:], mu)
     if not all(isinstance(value, float) for value in values):
@@ -311,5 +300,6 @@ def gather_one(
     """The start of one motion, and its friction coefficient; raises RigidBodyError for arrays."""
     start, mu = gather(body, angle, omega, corner_speed, friction, reaction)
     if not isinstance(mu, float):
-        raise RigidBodyError("shape", mu.shape, "this is one motion", "(), numbers; `tail_slap` takes arrays")
+        allowed = "(), numbers; `tail_slap` takes arrays"
+        raise rules.RigidBodyError("shape", mu.shape, "this is one motion", allowed)
     return start, mu

@@ -3,19 +3,18 @@
 The free modes of a scene's plate, the kind of each, beam theory's answer, and their page.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import repeat
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import tailslap
 from fem.modal import model as modal
+from fem.modal.model import ModalMotion
 from fem.model.plate_model import PlateModel
 from fem.plate import elastic
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
@@ -28,10 +27,6 @@ from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.model import plate_density
 from tailslap.case.report import study_page
 from tailslap.errors import InputError
-
-if TYPE_CHECKING:
-    from fem.modal.model import ModalMotion
-
 
 MODES, STEPS, TOLERANCE = 4, 100, 1e-5
 """Elastic modes, time steps to the tail-slap, and relative error allowed, unless the caller says otherwise."""

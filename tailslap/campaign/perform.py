@@ -18,18 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from tailslap import progress
+from tailslap.campaign import definition as sweeps
 from tailslap.campaign import engine, records, report
-from tailslap.campaign.definition import (
-    ERROR,
-    FAILED,
-    KILLS,
-    STATUSES,
-    TABLE,
-    Definition,
-    FinishedSweep,
-    compute_row,
-    write_table,
-)
 from tailslap.case import cost
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.files import folder, manifest
@@ -37,7 +27,7 @@ from tailslap.files import folder, manifest
 LOST, INTERRUPTED = 3, 130
 
 DEFINITION, RECORDS = "sweep.json", "records.sqlite"
-RESULTS = (TABLE, report.REPORT, report.SUMMARY)
+RESULTS = (sweeps.TABLE, report.REPORT, report.SUMMARY)
 """Files that are written anew each time the sweep is resumed, and refused if the user has added or changed them."""
 
 
@@ -51,14 +41,14 @@ class StoppedError(Exception):
 
 
 def perform(
-    definition: Definition,
+    definition: sweeps.Definition,
     place: Path,
     cluster: str | None = None,
     workers: int | None = None,
-    compute: Callable[..., dict[str, Any]] = compute_row,
+    compute: Callable[..., dict[str, Any]] = sweeps.compute_row,
     units: str = "si",
     force: bool = False,
-) -> FinishedSweep:
+) -> sweeps.FinishedSweep:
     """Make the runs that are missing in the folder `place`, and write what belongs there.
 
     cluster: address of a Dask scheduler; None: `workers` processes here. compute: the row of a run;
@@ -74,18 +64,18 @@ def perform(
                 try:
                     effort = _make_missing(definition, rows, cluster, workers, compute)
                     new = folder.fresh(place)
-                    write_table(new, definition, rows)
-                    statuses = {name: rows.statuses[name] for name in STATUSES}
+                    sweeps.write_table(new, definition, rows)
+                    statuses = {name: rows.statuses[name] for name in sweeps.STATUSES}
                 finally:
                     kept = len(rows)
-            done = FinishedSweep(definition, statuses, effort)
+            done = sweeps.FinishedSweep(definition, statuses, effort)
             report.write_sweep(done, new, units)
         except (KeyboardInterrupt, OSError) as error:
             why, status = _reason(error)
             if kept:
                 with contextlib.suppress(OSError):  # on a full disk the rows alone are kept
                     with open_records(place, definition) as rows:
-                        write_table(folder.fresh(place), definition, rows)
+                        sweeps.write_table(folder.fresh(place), definition, rows)
                     folder.commit(place, origin)
             raise StoppedError(why, kept, definition.runs, status) from None
         folder.commit(place, origin)
@@ -103,13 +93,13 @@ def _reason(error: BaseException) -> tuple[str, int]:
     raise error
 
 
-def open_records(place: Path, definition: Definition) -> contextlib.closing[records.Records]:
+def open_records(place: Path, definition: sweeps.Definition) -> contextlib.closing[records.Records]:
     """Open the rows of this sweep in its folder, by run."""
     return contextlib.closing(records.Records(place / RECORDS, definition.as_written()))
 
 
 def _make_missing(
-    definition: Definition,
+    definition: sweeps.Definition,
     rows: records.Records,
     cluster: str | None,
     workers: int | None,
@@ -121,14 +111,14 @@ def _make_missing(
         return engine.CampaignEffort()
 
     def died(run: Any) -> dict[str, Any]:
-        return {"run": run, **definition.inputs_of(run), "status": ERROR, "reason": KILLS}
+        return {"run": run, **definition.inputs_of(run), "status": sweeps.ERROR, "reason": sweeps.KILLS}
 
     def arguments(run: Any) -> tuple[Any, ...]:
         return run, definition.source, definition.changes_of(run)
 
     def look(threads: int) -> None:
         idle = "" if threads else "; no worker is there, waiting for one"
-        failed = rows.statuses[FAILED] + rows.statuses[ERROR]
+        failed = rows.statuses[sweeps.FAILED] + rows.statuses[sweeps.ERROR]
         show(len(rows), f", {failed} failed{idle}")
 
     count = cost.worker_count(workers, len(missing))
@@ -140,7 +130,7 @@ def _make_missing(
 
 
 @contextlib.contextmanager
-def sweep_folder(place: Path, definition: Definition, force: bool = False) -> Iterator[Path]:
+def sweep_folder(place: Path, definition: sweeps.Definition, force: bool = False) -> Iterator[Path]:
     """The folder, locked, with the definition in it. What was new is removed again if it ends without any row.
 
     force: also where there is a result of another command, which goes when the table is there.
@@ -159,7 +149,7 @@ def sweep_folder(place: Path, definition: Definition, force: bool = False) -> It
                 (place / DEFINITION).unlink(missing_ok=True)
 
 
-def _write_definition(place: Path, definition: Definition) -> None:
+def _write_definition(place: Path, definition: sweeps.Definition) -> None:
     try:
         partial = folder.fresh(place) / DEFINITION
         text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
@@ -170,7 +160,7 @@ def _write_definition(place: Path, definition: Definition) -> None:
         raise place_error(place, "the folder cannot be written", error) from None
 
 
-def _is_known(place: Path, definition: Definition, force: bool) -> bool:
+def _is_known(place: Path, definition: sweeps.Definition, force: bool) -> bool:
     """True where the folder is this sweep's, False where it may become so. Raises InputError for all others."""
     if DEFINITION not in folder.users(place):
         folder.demand_result(place, force, manifest.Origin("sweep", definition.scene))

@@ -13,16 +13,8 @@ from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from postprocess.report.page import Column, Page, Section, Table, write_page, write_summary
 from postprocess.report.report import page_in_units, place_line, printed
 from postprocess.units import SYSTEMS, Units, measure
-from tailslap.campaign.definition import (
-    ERROR,
-    FAILED,
-    PASSED,
-    REFUSED,
-    TABLE,
-    Definition,
-    FinishedSweep,
-    Variation,
-)
+from tailslap.campaign import definition as sweeps
+from tailslap.campaign.definition import ERROR, FAILED, PASSED, REFUSED, TABLE
 from tailslap.case.report import footer
 from tailslap.files.load import read_columns
 from tailslap.progress import clock
@@ -53,7 +45,7 @@ NOT_PASSED = (
 )
 
 
-def write_sweep(sweep: FinishedSweep, folder: Path, units: str = "si") -> None:
+def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") -> None:
     """Write `report.html` and its charts, in these units, and `summary.json` from the table in the folder."""
     rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
@@ -64,7 +56,7 @@ def write_sweep(sweep: FinishedSweep, folder: Path, units: str = "si") -> None:
     write_summary(folder / SUMMARY, summary(sweep, rows))
 
 
-def sweep_text(sweep: FinishedSweep, place: Path) -> str:
+def sweep_text(sweep: sweeps.FinishedSweep, place: Path) -> str:
     """Numbers of rows by status, what the runs took, and where the files are."""
     effort, cost = sweep.effort, "nothing was left to run"
     if effort.runs:
@@ -78,7 +70,7 @@ def sweep_text(sweep: FinishedSweep, place: Path) -> str:
     )
 
 
-def sweep_page(sweep: FinishedSweep, rows: SweepRows, reasons: np.ndarray) -> Page:
+def sweep_page(sweep: sweeps.FinishedSweep, rows: SweepRows, reasons: np.ndarray) -> Page:
     """The page; reasons: of each row that did not pass, shape (rows,)."""
     definition, curves = sweep.definition, draw_sweep(rows)
     spread, where = SPREAD if rows.fe else RIGID_SPREAD, rows.compared.where.capitalize()
@@ -109,7 +101,7 @@ def sweep_page(sweep: FinishedSweep, rows: SweepRows, reasons: np.ndarray) -> Pa
     )
 
 
-def summary(sweep: FinishedSweep, rows: SweepRows) -> dict[str, Any]:
+def summary(sweep: sweeps.FinishedSweep, rows: SweepRows) -> dict[str, Any]:
     """The numbers of the sweep, SI; `effort` is that of the last call, which may have had few runs left to make."""
     definition, effort = sweep.definition.as_written(), sweep.effort
     return {
@@ -145,7 +137,7 @@ def _spread(rows: SweepRows, quantity: ComparedQuantity) -> dict[str, Any]:
     return {**found, "difference": float(difference[worst]), "run": int(passed[worst])}
 
 
-def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
+def _not_passed(definition: sweeps.Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
     """The first rows that did not pass: those that failed or broke down before those that were refused."""
     runs = sorted(np.flatnonzero(rows.status != PASSED), key=lambda run: (rows.status[run] == REFUSED, run))
     units = {item.key: item.unit for item in definition.variations}
@@ -165,7 +157,7 @@ def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) ->
     return Table(NOT_PASSED, listed, notes=more, marks=marks)
 
 
-def _rows(definition: Definition, table: Path, units: Units) -> SweepRows:
+def _rows(definition: sweeps.Definition, table: Path, units: Units) -> SweepRows:
     compared, keys = definition.compared, [item.key for item in definition.variations]
     groups = {
         group: {key: f"{group}.{key}" for key in compared.quantities if f"{group}.{key}" in definition.kinds}
@@ -184,18 +176,18 @@ def _rows(definition: Definition, table: Path, units: Units) -> SweepRows:
     return SweepRows(varied, columns["status"], fe, rigid, difference, compared)
 
 
-def _varied(item: Variation, values: np.ndarray, units: Units) -> Varied:
+def _varied(item: sweeps.Variation, values: np.ndarray, units: Units) -> Varied:
     """The key as people read it."""
     factor, unit = units.of(item.unit) if item.unit else (1.0, "")
     return Varied(item.key, unit, values if factor == 1.0 else factor * values, item.logarithmic)
 
 
-def counts(sweep: FinishedSweep) -> str:
+def counts(sweep: sweeps.FinishedSweep) -> str:
     """Numbers of rows by status; those that none has are omitted."""
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 
-def headline(sweep: FinishedSweep, rows: SweepRows) -> str:
+def headline(sweep: sweeps.FinishedSweep, rows: SweepRows) -> str:
     """The result in two sentences."""
     said = f"{sweep.definition.runs} runs: {counts(sweep)}."
     good = rows.worst[(rows.status == PASSED) & np.isfinite(rows.worst)]
@@ -207,7 +199,7 @@ def headline(sweep: FinishedSweep, rows: SweepRows) -> str:
     )
 
 
-def _sentences(sweep: FinishedSweep) -> list[str]:
+def _sentences(sweep: sweeps.FinishedSweep) -> list[str]:
     """Sentences that a reader needs beside the numbers."""
     definition = sweep.definition
     latin = (
@@ -228,7 +220,7 @@ def _sentences(sweep: FinishedSweep) -> list[str]:
     return said
 
 
-def values_words(item: Variation) -> str:
+def values_words(item: sweeps.Variation) -> str:
     """The values of a key: all of a short list, else the ends and how they lie between."""
     values = list(dict.fromkeys(item.values))
     if not item.numeric or len(values) <= 4:

@@ -13,21 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import solver
 from postprocess.comparison.quantities import PAPER_TABLE_3
-from solver import (
-    CONVENTIONS,
-    ImpulseResult,
-    MotionState,
-    PlaneMotion,
-    RectangularBody,
-    corner_impulse,
-    hirsch_force,
-    olson_force,
-    plane_motion,
-    ritter_force,
-    strike_force,
-    tail_slap,
-)
 from solver.impact import CrushLaw, ImpactMotion, ImpactVehicle, WallContact, first_touch, solve_impact
 from tailslap.case.impact.answers import rigid_answer
 
@@ -125,7 +112,7 @@ ROW_B_SPEED, ROW_B_ANGLE, ROW_B_GIVEN = 57.4 * MPH, math.radians(15.4), "57.4 mp
 Cell = dict[str, float]
 Numbers = dict[str, Any]
 
-TRUCK = RectangularBody(LENGTH, WIDTH, MASS)
+TRUCK = solver.RectangularBody(LENGTH, WIDTH, MASS)
 IMPACT_TRUCK = ImpactVehicle(LENGTH, WIDTH, MASS)
 
 MASH_SPEED = 56.0 * MPH
@@ -151,8 +138,8 @@ INTERVAL = 2e-4
 class Stages(NamedTuple):
     """Stages 1 to 3 of one impact; peak_force of the tail-slap [N] for a triangular pulse."""
 
-    stage1: ImpulseResult[float]
-    strike: MotionState[float]
+    stage1: solver.ImpulseResult[float]
+    strike: solver.MotionState[float]
     peak_force: float
 
 
@@ -194,15 +181,15 @@ def stages(
     speed [m/s]; angle [rad]; duration of the pulse [s]; start_angle: that which Stage 2 starts from [rad], if it is not
     the impact's own.
     """
-    stage1 = corner_impulse(TRUCK, speed, angle, FRICTION, restitution, convention)
+    stage1 = solver.corner_impulse(TRUCK, speed, angle, FRICTION, restitution, convention)
     theta_0 = angle if start_angle is None else start_angle
-    strike = tail_slap(TRUCK, theta_0, stage1.omega, stage1.corner_speed, FRICTION)
-    return Stages(stage1, strike, strike_force(MASS, strike.v_gy, duration).peak_force)
+    strike = solver.tail_slap(TRUCK, theta_0, stage1.omega, stage1.corner_speed, FRICTION)
+    return Stages(stage1, strike, solver.strike_force(MASS, strike.v_gy, duration).peak_force)
 
 
-def printed_motion(reaction: str = "drag", corner_speed: float = START["corner_speed"]) -> PlaneMotion:
+def printed_motion(reaction: str = "drag", corner_speed: float = START["corner_speed"]) -> solver.PlaneMotion:
     """Stage 2 from the start that the paper prints; corner_speed [m/s]."""
-    return plane_motion(TRUCK, START["angle"], START["omega"], corner_speed, FRICTION, reaction)
+    return solver.plane_motion(TRUCK, START["angle"], START["omega"], corner_speed, FRICTION, reaction)
 
 
 def table_1() -> Numbers:
@@ -258,7 +245,7 @@ def table_3() -> Numbers:
         name: {key: beside(value, getattr(state, key)) for key, value in printed.items()}
         for name, (printed, state) in columns.items()
     }
-    forces = (strike_force(MASS, v, PULSE).peak_force for v in (ANALYTICAL["v_gy"], drag.strike.v_gy))
+    forces = (solver.strike_force(MASS, v, PULSE).peak_force for v in (ANALYTICAL["v_gy"], drag.strike.v_gy))
     return cells | {
         "reading": reading,
         "slide_at_printed_time": float(none.at(ABAQUS["t"]).slide),
@@ -268,16 +255,14 @@ def table_3() -> Numbers:
     }
 
 
-def instant(motion: PlaneMotion, name: str, value: float) -> float:
+def instant(motion: solver.PlaneMotion, name: str, value: float) -> float:
     """The instant [s] at which a quantity that changes one way throughout has this value; by bisection."""
     low, high = 0.0, motion.strike.t
     rising = getattr(motion.strike, name) > float(getattr(motion.at(0.0), name))
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if (float(getattr(motion.at(middle), name)) < value) == rising:
-            low = middle
-        else:
-            high = middle
+        before = (float(getattr(motion.at(middle), name)) < value) == rising
+        low, high = (middle, high) if before else (low, middle)
     return 0.5 * (low + high)
 
 
@@ -353,15 +338,15 @@ def earlier_methods() -> Numbers:
         "half_width": WIDTH / 2.0,
         "deflection": 0.0,
     }
-    olson = olson_force(MASS, *inputs.values())
+    olson = solver.olson_force(MASS, *inputs.values())
     average = olson.average_force
     return inputs | {
         "travel": olson.travel,
         "time": olson.time,
         "olson": average,
         "olson_first_member": 0.5 * average,
-        "hirsch": hirsch_force(average),
-        "ritter": ritter_force(MASS, *inputs.values()).peak_force,
+        "hirsch": solver.hirsch_force(average),
+        "ritter": solver.ritter_force(MASS, *inputs.values()).peak_force,
         "paper": stages().peak_force,
     }
 
@@ -382,7 +367,8 @@ def restitutions() -> dict[str, Numbers]:
     corner_recoil: the corner's velocity across the wall after Stage 1 [m/s], negative into the wall, v_Py =
     F sin(beta)/m - v_0 sin(theta) + omega_1 r cos(phi), Eq 21; change: of the peak force against the paper's sign.
     """
-    cases = {name: stages(convention=name) for name in CONVENTIONS} | {"e = 0": stages(restitution=0.0)}
+    cases = {name: stages(convention=name) for name in solver.CONVENTIONS}
+    cases["e = 0"] = stages(restitution=0.0)
     found = {}
     for name, (stage1, _, peak_force) in cases.items():
         normal = stage1.impulse * math.sin(math.atan2(1.0, FRICTION)) / MASS

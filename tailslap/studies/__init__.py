@@ -4,18 +4,12 @@ A study is a package in this folder with a `Study` called STUDY, or one that ano
 computes, what it reports (`study.py`). What the studies share stands beside them.
 """
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
-from typing import TYPE_CHECKING
 
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
 from tailslap.studies.study import Study
-
-if TYPE_CHECKING:
-    from tailslap.case.corner.case import CornerCase
-
 
 _registered: dict[str, Study] = {}
 
