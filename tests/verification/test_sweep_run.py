@@ -568,7 +568,7 @@ def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones
         records.count(path)
         try:
             found = Records(path, {})
-        except InputError:
+        except errors.InputError:
             ends.add("refused")
             continue
         kept = dict(found)
