@@ -17,7 +17,7 @@ from fem.laws.friction import Drag, Signed
 from fem.model.plate_model import PlateModel, build_model
 from fem.plate.kinds import ELEMENT_KINDS, CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
-from tailslap.case.corner import case, run
+from tailslap.case import case_of
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
@@ -39,8 +39,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @functools.cache
-def _outcome(name: str, changes: tuple[str, ...]) -> run.CornerOutcome:
-    return case.CornerCase(*read_scene(name, changes)).run()
+def _outcome(name: str, changes: tuple[str, ...]) -> Any:
+    return case_of(*read_scene(name, changes)).run()
 
 
 @pytest.fixture(scope="session")

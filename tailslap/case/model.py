@@ -193,12 +193,3 @@ def second_plates(plate: Plate) -> tuple[Plate, Plate]:
     factors = (1.0, 2.0) if few and higher else (2.0, 0.5) if few else (0.5, 2.0)
     first, second = (refined(plate, factor, higher or plate.element) for factor in factors)
     return first, second
-
-
-def higher_order_plates(plate: Plate) -> list[Plate]:
-    """Plates by which a whole impact judges the mesh, to try in turn: elements of twice the order, half as many each
-    way where that can be; else twice as many."""
-    higher = kinds.ELEMENT_KINDS[plate.element].higher_order
-    if not higher:
-        return [refined(plate)]
-    return [refined(plate, 0.5 if min(plate.counts) > 3 else 1.0, higher), refined(plate)]

@@ -194,7 +194,7 @@ def run_page(
     """The page of a run; its cost, with that of pictures, what was left out and its inputs come after the sections."""
     fe_plan = outcome.fe_plan
     scene, source = fe_plan.case.scene, fe_plan.case.source
-    chosen = frozenset(decision.key for decision in fe_plan.decisions)
+    chosen = {decision.key: decision.value for decision in fe_plan.decisions}
     inputs = write.resolved_inputs(scene, source, fe_plan.plate, chosen)
     spent = {**run_cost(outcome), **(drawn or {})}
     spent_text = {COST[name][0]: COST[name][1](value) for name, value in spent.items() if name in COST}

@@ -143,16 +143,21 @@ def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, 
 
 
 def resolved_inputs(
-    scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: frozenset[str] = frozenset()
+    scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: Mapping[str, Any] | None = None
 ) -> tuple[SceneInput, ...]:
-    """Rows of `scene_inputs` with the plate's resolved modulus; chosen: keys that the program filled in."""
+    """Rows of `scene_inputs` with the plate's resolved modulus; chosen: values that the program filled in, by key."""
+    chosen = chosen or {}
     rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
+    numbers = {key: value for key, value in chosen.items() if isinstance(value, int | float)}
     origin = "from plate.first_frequency"
     known = scene.plate is not None and scene.plate.youngs_modulus is not None
     origins = dict.fromkeys(chosen, "chosen by the program")
     if not known:
         origins["plate.youngs_modulus"] = origin
-    return tuple(replace(row, origin=origins.get(row.key, row.origin)) for row in rows)
+    return tuple(
+        replace(row, value=numbers.get(row.key, row.value), origin=origins.get(row.key, row.origin))
+        for row in rows
+    )
 
 
 def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], prefix: str) -> list[SceneInput]:

@@ -1,7 +1,8 @@
 """Whole impacts by the FE plate against the rigid vehicle: limits, conservation, filters, bad input, the
-commands; checks of a whole impact: a force on a node of a soft plate has no limit; a vibration's phase.
+commands; the numerical error that a run states.
 """
 
+import dataclasses
 import functools
 import json
 import math
@@ -12,11 +13,10 @@ import numpy as np
 import pytest
 
 from tailslap import cli, errors
-from tailslap.case.case import evaluated
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.impact import answers, checks, report, rigid, run
+from tailslap.case.impact import answers, checks, error, report, rigid, run
+from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.checks import CHECKS, FLOOR, FRACTION, MODAL_FRACTION, WEDGE, unknown_by_vibration
 from tailslap.scene.read import read_scene
 
 SCENE = "impact-mash-tl4-sut"
@@ -175,17 +175,18 @@ def test_without_companions_no_error_is_stated():
     case = planned("verify.companion=false")
     outcome = case.run()
     assert outcome.fe.strikes == whole().fe.strikes
-    assert {check.name for check in whole().checks} - {check.name for check in outcome.checks} >= {"mesh"}
+    assert {check.name for check in whole().checks} - {check.name for check in outcome.checks} == ERRORS
     assert outcome.passed
     assert math.isnan(case.row(outcome)["numerical_error"])
     assert "not stated" in report.headline(outcome)
+    assert not report.errors_table(outcome).rows
     with pytest.raises(errors.InputError, match=r"leave verify\.companion out"):
         case.run(1e-2)
 
 
 def test_a_run_leaves_what_the_contract_names(tmp_path, capsys):
     assert (
-        cli._status(["run", SCENE, "--no-pictures", "--out", str(tmp_path / "out"), "--tolerance", "2e-3"])
+        cli._status(["run", SCENE, "--no-pictures", "--out", str(tmp_path / "out"), "--tolerance", "1e-2"])
         == 0
     )
     summary: dict[str, Any] = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -218,30 +219,197 @@ def test_hops_of_a_plate_leave_the_impulse_of_a_strike_whole():
     assert impulses[0] == pytest.approx(ran(*stiff).rigid.strikes[1].impulse, rel=0.03)
 
 
-def judged(impulse, duration, error):
-    """What the checks of the mesh say of so large differences from the rigid vehicle, and errors."""
-    difference = {"strike_1.impulse": impulse, "strike_2.duration": duration}
-    scene = SimpleNamespace(verify=SimpleNamespace(companion=True))
-    fe_plan = SimpleNamespace(case=SimpleNamespace(scene=scene))
-    outcome = SimpleNamespace(difference=difference, mesh_error=error, fe_plan=fe_plan)
-    kinds = [kind for kind in checks.CHECKS if kind.name in checks.MESH_CHECKS[:2]]
-    return {check.name: check.passed for check in evaluated(kinds, outcome)}
+ERRORS = set(checks.MESH_CHECKS.values())
+INTERVAL = 1e-4
+
+
+def answer(impulse=1.0, duration=0.02, corner="rear", blip=0.0, force=0.0):
+    """An impact of a front strike of one N s and another one, with a blip between them; peaks are as impulses."""
+    given = [("front", 0.0, 0.02, 1.0), ("front", 0.1, 0.001, blip), (corner, 0.2, duration, impulse)]
+    strikes = (
+        SimpleNamespace(corner=c, start=t, end=t + d, duration=d, impulse=j, peak_force=j)
+        for c, t, d, j in given
+    )
+    t = INTERVAL * np.arange(3001.0)
+    return ImpactAnswer(tuple(strikes), {"t": t, "force_normal": np.full_like(t, 1.0 + force)})
+
+
+def stated(own, *sequence):
+    """What is stated of the second strike's impulse."""
+    return error.estimate(answer(own), [answer(each) for each in sequence])["strike_2.impulse"]
+
+
+def test_two_meshes_tell_an_error_with_a_factor_of_three():
+    """q + h^p of meshes h = 2 and 1 in units of 0.01: three times what the finer one is off; of another run its
+    distance from the finer one comes on top."""
+    coarse, fine = (1.0 + 0.01 * h**error.ORDER for h in (2.0, 1.0))
+    assert stated(fine, coarse, fine) * fine == pytest.approx(0.03, rel=1e-12)
+    assert stated(1.05, coarse, fine) * 1.05 == pytest.approx(1.05 - fine + 0.03, rel=1e-12)
+    assert stated(coarse, coarse, fine) * coarse == pytest.approx(coarse - fine + 0.03, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [0.6, 1.0, error.ORDER])
+def test_three_meshes_tell_an_error_of_any_order_with_a_factor_of_less(order):
+    sequence = [1.0 + 0.01 * h**order for h in (4.0, 2.0, 1.0)]
+    assert stated(sequence[-1], *sequence) * sequence[-1] == pytest.approx(0.0125, rel=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("impulse", "duration", "error", "fails"),
+    "sequence",
     [
-        (0.0, 0.0, {"strike_1.impulse": 0.0019, "strike_1.duration": 0.0019}, set()),
-        (0.0, 0.0, {"strike_2.peak_force": -0.0021, "strike_1.duration": 0.0}, {"mesh"}),
-        (0.1, 0.1, {"strike_1.impulse": 0.0119, "strike_2.duration": -0.0119}, set()),
-        (0.1, 9.0, {"strike_1.impulse": 0.0121, "strike_2.duration": 0.05}, {"mesh"}),  # no excuse
-        (9.0, 0.1, {"strike_1.impulse": 0.0519, "strike_2.duration": 0.0121}, {"mesh for durations"}),
-        (9.0, 9.0, {"strike_1.impulse": 0.0521, "strike_2.duration": 0.0521}, {"mesh", "mesh for durations"}),
-        (0.1, 0.1, {}, {"mesh", "mesh for durations"}),
+        (1.03, 1.02, 1.012),  # too slowly
+        (1.03, 1.01, 1.02),  # to and fro
+        (1.02, 1.02, 1.01),  # not at first
+        (1.025, 1.02, 1.01),  # ever faster away
     ],
+)
+def test_three_meshes_that_do_not_converge_tell_no_order(sequence):
+    *_, before, last = sequence
+    assert stated(last, *sequence) * last == pytest.approx(3.0 * abs(before - last), rel=1e-9)
+
+
+def test_luck_counts_as_the_assumed_order():
+    """A last step that is small by chance: of order 10."""
+    sequence = (1.0, 1.1024, 1.1025)
+    assert error.safety(1024.0) == pytest.approx(1.25 / (2.0**error.ORDER - 1.0))
+    assert stated(1.1025, *sequence) == error.RESOLVED
+
+
+def test_no_error_is_stated_below_what_is_resolved():
+    assert stated(1.0, 1.0, 1.0) == error.RESOLVED
+    assert stated(1.0, 1.0 + 2.0e-4, 1.0) == error.RESOLVED
+    assert stated(1.0, 1.0 + 6.0e-4, 1.0) == pytest.approx(3.0 * 6e-4 / (2.0**error.ORDER - 1.0))
+
+
+def test_half_a_row_is_unknown_of_a_duration():
+    found = error.estimate(answer(duration=0.01), [answer(duration=0.01)] * 2)
+    assert found["strike_2.duration"] == pytest.approx(error.RESOLVED + 0.5 * INTERVAL / 0.01)
+    assert found["strike_1.duration"] == pytest.approx(error.RESOLVED + 0.5 * INTERVAL / 0.02)
+
+
+def test_a_strike_without_weight_is_none():
+    """Of 4 % of the largest impulse; of 6 % it is the second one."""
+    light, heavy = (error.weighed(answer(blip=blip).strikes) for blip in (0.04, 0.06))
+    assert [strike.corner for strike in light] == ["front", "rear"]
+    assert [strike.corner for strike in heavy] == ["front", "front"]
+    assert set(error.estimate(answer(blip=0.04), [answer()] * 2)) == {
+        f"strike_{k}.{name}" for k in (1, 2) for name in error.QUANTITIES
+    }
+
+
+@pytest.mark.parametrize("other", [answer(corner="rear left"), answer(force=math.nan)])
+def test_other_corners_or_a_run_that_diverged_bound_nothing(other):
+    found = error.estimate(answer(), [answer(), other])
+    assert set(found.values()) == {math.inf}
+    assert error.percent(math.inf) == "unknown"
+
+
+def test_meshes_that_judge():
+    """Quadratic ones by half as many, and where there is no half by twice as many; linear ones by quadratic ones."""
+
+    def meshes(element, *counts):
+        plate = planned().scene.plate.model_copy(update={"element": element, "elements": counts})
+        (coarse, fine), *_ = error.companions(plate)
+        return (coarse.element, coarse.counts), (fine.element, fine.counts)
+
+    assert meshes("quad9", 10, 4) == (("quad9", (5, 2)), ("quad9", (10, 4)))
+    assert meshes("quad9", 10, 3) == (("quad9", (10, 3)), ("quad9", (20, 6)))
+    assert meshes("quad4", 20, 6) == (("quad9", (7, 2)), ("quad9", (14, 4)))
+    assert meshes("tri3", 4, 1) == (("tri6", (1, 1)), ("tri6", (2, 2)))
+
+
+def with_stated(limit, **errors):
+    """The shipped impact as if it stated these errors of its second strike."""
+    scene = planned(f"verify.mesh={limit}").scene
+    case = SimpleNamespace(**{**vars(whole().fe_plan.case), "scene": scene})
+    found = dict.fromkeys(whole().mesh_error, 1e-3) | {
+        f"strike_2.{name}": each for name, each in errors.items()
+    }
+    return dataclasses.replace(
+        whole(), mesh_error=found, fe_plan=dataclasses.replace(whole().fe_plan, case=case)
+    )
+
+
+def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
+    """What fails says which quantity, by how much, and that the others stand."""
+    unsure = with_stated(0.02, duration=0.0312, impulse=0.0199)
+    found = {check.name: check for check in checks.impact_checks(unsure)}
+    assert [name for name, check in found.items() if not check.passed] == ["error of duration"]
+    assert (found["error of duration"].value, found["error of duration"].limit) == (0.0312, 0.02)
+    said = report.headline(dataclasses.replace(unsure, checks=tuple(found.values())))
+    assert said == (
+        "The mesh may change the duration by up to 3.12 %, where 2 % is allowed; peak force and impulse and 50 ms mean "
+        "stand, with an error of at most 1.99 %."
+    )
+    assert "contact.patch_length" in checks.advice("error of duration")
+    relaxed = checks.impact_checks(with_stated(0.04, duration=0.0312, impulse=0.0199))
+    assert all(check.passed for check in relaxed)
+
+
+def test_errors_are_reported_of_each_quantity():
+    outcome = whole()
+    assert set(outcome.mesh_error) == {f"strike_{k}.{name}" for k in (1, 2) for name in error.QUANTITIES}
+    assert report.summary(outcome, False)["numerical_error"]["mesh"] == outcome.mesh_error
+    table = report.errors_table(outcome)
+    assert [row["strike"] for row in table.rows] == ["1 front", "2 rear"]
+    assert [column.text(table.rows[1]) for column in table.columns[1:]] == [
+        error.percent(outcome.mesh_error[f"strike_2.{name}"]) for name in error.QUANTITIES
+    ]
+    assert error.percent(max(outcome.mesh_error.values())) in report.headline(outcome)
+
+
+PICKUP = (
+    "vehicle.mass=2222 kg", "contact.stiffness=0.775 MN/m", "contact.initial_force=92 kN", "contact.restitution=0.13",
+    "contact.friction=0.156", "impact.speed=11.9 m/s", "impact.angle=10.4 deg",
 )  # fmt: skip
-def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(impulse, duration, error, fails):
-    assert {name for name, passed in judged(impulse, duration, error).items() if not passed} == fails
+TRUCK = (
+    "vehicle.mass=9360 kg", "contact.stiffness=3.17 MN/m", "contact.initial_force=159 kN", "contact.friction=0.114",
+    "impact.speed=25.7 m/s", "impact.angle=27.5 deg",
+)  # fmt: skip
+TRACTOR = (
+    "vehicle.length=16.5 m", "vehicle.mass=39000 kg", "contact.stiffness=2.48 MN/m", "contact.initial_force=323 kN",
+    "contact.friction=0.53", "impact.speed=12.9 m/s", "impact.angle=14.9 deg",
+)  # fmt: skip
+OPEN = ("plate.elements=",)
+
+
+@pytest.mark.parametrize("mesh", [(), OPEN], ids=["own mesh", "chosen mesh"])
+@pytest.mark.parametrize(("scene", "changes"), [("impact-mash-tl2-pickup", PICKUP), (SCENE, TRUCK)])
+def test_sound_impacts_pass(scene, changes, mesh):
+    """They failed limits of 0.2 to 0.3 %, right to 0.4 %."""
+    outcome = planned(*changes, *mesh, scene=scene).run()
+    assert outcome.passed
+    assert error.largest(outcome.mesh_error) < 0.02
+
+
+def test_an_unsure_impact_fails():
+    """With a restitution of 0.1 finer meshes of both kinds move the second strike's impulse by 2.2 and 2.4 %."""
+    outcome = planned(*TRACTOR, "contact.restitution=0.1", scene="impact-mash-tl5-tractor-van").run()
+    assert {check.name for check in outcome.checks if not check.passed} <= ERRORS
+    assert not outcome.passed
+    assert outcome.mesh_error["strike_2.impulse"] > 0.0218
+
+
+def test_what_is_stated_bounds_what_a_fine_mesh_finds():
+    """The pickup on six linear elements across, against 24."""
+    coarse, fine = (
+        planned(*PICKUP, f"plate.elements=[{3 * n},{n}]", scene="impact-mash-tl2-pickup") for n in (6, 24)
+    )
+    outcome = coarse.run()
+    found = error.changes(outcome.fe, run.attempt(fine).fe)
+    assert 5e-3 < max(map(abs, found.values())) < 1.2e-2
+    assert {name for name, each in found.items() if abs(each) > outcome.mesh_error[name]} == set()
+
+
+def test_a_mesh_left_open_is_of_quadratic_elements_and_takes_smaller_steps():
+    made = planned(*OPEN).plan()
+    assert {decision.key: decision.value for decision in made.decisions} == {
+        "plate.elements": (16, 4), "plate.element": "quad9", "time.safety_factor": 0.7,
+    }  # fmt: skip
+    assert made.model.loop.time_step <= 0.7 * made.model.stable_time_step
+    given = planned(*OPEN, "time.safety_factor=0.9").plan()
+    assert "time.safety_factor" not in {decision.key for decision in given.decisions}
+    assert given.model.loop.time_step > 1.2 * made.model.loop.time_step
 
 
 @pytest.mark.long
@@ -254,7 +422,7 @@ def test_the_mesh_may_change_a_tenth_of_what_flexibility_does(impulse, duration,
 def test_a_contact_too_stiff_for_the_plate_is_caught(changes):
     """Quadratic elements change the impulse by 5 to 30 %."""
     failed = {check.name for check in planned(*changes).run().checks if not check.passed}
-    assert failed & {"mesh", "point contact"}
+    assert failed & set(checks.MESH_CHECKS.values())
 
 
 def test_the_papers_method_stands_beside():
@@ -292,104 +460,3 @@ def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused(refused):
         assert refused(planned, *(f"{name}={value}" for name, value in WALL.items() if name != key)) == key
     with pytest.raises(errors.InputError, match="belongs to a whole impact"):
         read_scene("mash-tl4-sut", ("wall.height=1 m",))
-
-
-MASS, LENGTH = 9979.0, 10.0
-
-
-def point_outcome(modulus, patch=None, stiffness=2e6, off=0.0):
-    contact = SimpleNamespace(stiffness=stiffness, patch_length=patch)
-    plan = SimpleNamespace(scene=SimpleNamespace(needed_contact=contact))
-    plate = SimpleNamespace(modulus=modulus, thickness=0.05)
-    fe_plan = SimpleNamespace(case=plan, plate=plate)
-    return SimpleNamespace(fe_plan=fe_plan, difference={"strike_1.impulse": off})
-
-
-def point_contact(made):
-    (check,) = evaluated([kind for kind in CHECKS if kind.name == "point contact"], made)
-    return check
-
-
-def test_the_wedge_s_constant():
-    """Half the sum of both components' constants of a right-angled wedge, each 2/(pi/2 +- 1)."""
-    along, across = 2.0 / (0.5 * math.pi + 1.0), 2.0 / (0.5 * math.pi - 1.0)
-    assert pytest.approx(0.5 * (along + across), rel=1e-15) == WEDGE
-
-
-def test_a_point_on_a_soft_plate_fails():
-    """E t = 1e7 N/m against k = 2e6 N/m: 0.2 WEDGE log 2 = 0.297."""
-    check = point_contact(point_outcome(2e8))
-    assert check.value == pytest.approx(0.2 * WEDGE * math.log(2.0), rel=1e-12)
-    assert (check.limit, check.passed) == (FLOOR, False)
-    assert point_contact(point_outcome(2e8, off=0.2)).limit == pytest.approx(FLOOR + 0.2 * FRACTION)
-
-
-def test_what_has_a_limit_passes():
-    assert point_contact(point_outcome(2e11)).passed
-    assert point_contact(point_outcome(2e8, patch=1.0)).value == 0.0
-    assert point_contact(point_outcome(2e8, stiffness=None)).value == 0.0
-
-
-def outcome(speed, frequency, flight, lasts, error, corner="rear"):
-    """A plate whose ends move at this speed, that flies towards the wall at 8 m/s and turns by 0.4 rad/s, so that its
-    rear corner comes at 10 m/s and its front corner at 6."""
-    t = np.linspace(0.0, flight + 0.3, 400)
-    energy = 0.5 * MODAL_FRACTION * MASS * speed**2 * np.cos(40.0 * t) ** 2
-    still = {"t": t, "v_gy": np.full_like(t, -8.0), "omega": np.full_like(t, 0.4), "theta": np.zeros_like(t)}
-    strikes = [SimpleNamespace(corner="front", start=0.0, end=0.1, duration=0.1)]
-    strikes.append(
-        SimpleNamespace(corner=corner, start=0.1 + flight, end=0.1 + flight + lasts, duration=lasts)
-    )
-    plan = SimpleNamespace(vehicle=SimpleNamespace(front_distance=5.0, length=LENGTH))
-    return SimpleNamespace(
-        fe=SimpleNamespace(strikes=strikes),
-        run=SimpleNamespace(history={**still, "strain_energy": energy}),
-        fe_plan=SimpleNamespace(case=plan, model=SimpleNamespace(mass=MASS), first_frequency=frequency),
-        frequency_error=error,
-    )
-
-
-def test_modal_mass_of_a_free_beam():
-    """Its first mode, scaled to 1 at the ends: the mean of its square is 1/4 (cosh a cos a = 1)."""
-    a = 4.730040744862704
-    x = np.linspace(0.0, 1.0, 20001) * a
-    ratio = (math.cosh(a) - math.cos(a)) / (math.sinh(a) - math.sin(a))
-    shape = np.cosh(x) + np.cos(x) - ratio * (np.sinh(x) + np.sin(x))
-    mean = np.trapezoid(shape**2, x) / a / shape[0] ** 2
-    assert mean == pytest.approx(MODAL_FRACTION, rel=1e-6)
-
-
-@pytest.mark.parametrize("lasts", [1e-4, 0.02, 0.1, 0.37])
-def test_no_phase_moves_the_mean_velocity_of_a_strike_by_more(lasts):
-    """Of a velocity of 0.5 m/s at 8 Hz beside an approach at 10 m/s."""
-    phases = np.linspace(0.0, 2.0 * math.pi, 721)
-    t = np.linspace(0.0, lasts, 2001)
-    means = [abs(np.trapezoid(0.5 * np.cos(16.0 * math.pi * t + phase), t) / lasts) for phase in phases]
-    found = unknown_by_vibration(outcome(0.5, 8.0, 2.0, lasts, 1.0))
-    assert max(means) / 10.0 <= found * (1.0 + 1e-3)
-    assert found <= 0.05 * (1.0 + 1e-3)
-    assert found == pytest.approx(0.05 * min(1.0, 1.0 / (math.pi * 8.0 * lasts)), rel=1e-3)
-
-
-def test_a_mesh_that_tells_the_phase_leaves_little():
-    """16 cycles at a frequency 1e-4 off: a phase of 0.01 rad."""
-    known, unknown = (unknown_by_vibration(outcome(0.5, 8.0, 2.0, 0.01, error)) for error in (1e-4, -1.0))
-    assert known / unknown == pytest.approx(2.0 * math.pi * 16.0 * 1e-4)
-
-
-def test_it_is_of_the_corner_that_strikes():
-    struck = (outcome(0.5, 8.0, 2.0, 0.01, 1.0, corner) for corner in ("rear", "front"))
-    rear, front = map(unknown_by_vibration, struck)
-    assert front / rear == pytest.approx(10.0 / 6.0)
-
-
-def test_without_flight_or_second_strike_there_is_none():
-    assert unknown_by_vibration(outcome(0.5, 8.0, 0.0, 0.01, 1.0)) == 0.0
-    single = outcome(0.5, 8.0, 2.0, 0.01, 1.0)
-    single.fe.strikes.pop()
-    assert unknown_by_vibration(single) == 0.0
-
-
-def test_without_a_second_mesh_no_phase_is_known():
-    none, unknown = (unknown_by_vibration(outcome(0.5, 8.0, 2.0, 0.01, error)) for error in (math.nan, 1.0))
-    assert none == unknown

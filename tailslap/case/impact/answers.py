@@ -112,6 +112,13 @@ def strike_numbers(strike: Strike) -> dict[str, Any]:
     return {name: getattr(strike, name) for name in STRIKE} | rest
 
 
+def mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
+    """Largest 50 ms mean of the lateral force [N] about an instant of the strike."""
+    t, mean = answer.history["t"][1:], answer.lateral["mean_50ms"]
+    during = (t >= strike.start) & (t - answer.interval <= strike.end)
+    return float(mean[during].max())
+
+
 def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
     """FE/rigid - 1 of the first two strikes; none where the corners do not strike in the same order."""
     found = {}

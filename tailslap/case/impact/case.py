@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from solver.impact import Strike
 from tailslap.case.impact import answers, rigid
 
 if TYPE_CHECKING:
@@ -50,8 +49,10 @@ class ImpactCase(rigid.RigidImpact):
 
     @staticmethod
     def stated_error(outcome: ImpactOutcome) -> float:
-        """Largest change of impulse, peak and duration of the first two strikes by higher-order elements."""
-        return max(map(abs, outcome.mesh_error.values()), default=float("nan"))
+        """The largest of the errors of both strikes' quantities."""
+        from tailslap.case.impact import error
+
+        return error.largest(outcome.mesh_error)
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
@@ -92,14 +93,7 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
     row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes)}
     for k, strike in zip(STRIKES, answer.strikes, strict=False):
         row[f"{model}.strike_{k}.corner"] = strike.corner
-        values = {"mean_50ms": _mean_peak(answer, strike), **answers.strike_numbers(strike)}
+        values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}
         row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
     row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
-
-
-def _mean_peak(answer: answers.ImpactAnswer, strike: Strike) -> float:
-    """Largest 50 ms mean of the lateral force [N] about an instant of the strike."""
-    t, mean = answer.history["t"][1:], answer.lateral["mean_50ms"]
-    during = (t >= strike.start) & (t - answer.interval <= strike.end)
-    return float(mean[during].max())

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 
-from solver.impact import Strike
 from tailslap.case import case
 from tailslap.case.case import FINER, STEP, CheckKind, Evaluation
+from tailslap.case.impact import error
 from tailslap.case.impact.run import ImpactOutcome
 
 STORED = (
@@ -22,20 +21,6 @@ STORED = (
     "wall_energy",
 )
 """Columns of the energy that the model holds, or has taken for good."""
-
-MODAL_FRACTION = 0.25
-"""Mass that a free beam's first mode moves as its ends do, over the beam's."""
-
-FLOOR, FRACTION, MOST = 2e-3, 0.1, 0.05
-"""Mesh error that every run may have, the fraction of the difference from the rigid vehicle that comes on top, and how
-much that is at most."""
-
-FORCES, DURATIONS = ("impulse", "peak_force"), ("duration",)
-"""Quantities of a strike whose mesh error is judged together."""
-
-WEDGE = 1.0 / (0.5 * math.pi + 1.0) + 1.0 / (0.5 * math.pi - 1.0)
-"""Displacement of a force on the corner of a plate, at 45 deg to its sides, times E t over force and logarithm of the
-distance (Timoshenko and Goodier, Theory of Elasticity, on a force at the point of a wedge)."""
 
 LOSS = 2e-2
 """Energy, over the initial, that exact contact may take: what its nodes bring on touching."""
@@ -103,86 +88,27 @@ def _strikes(outcome: ImpactOutcome) -> Evaluation:
     return Evaluation(missing, 0, "of the rigid vehicle's first two, those that the plate lacks")
 
 
-def _mesh(what: str, quantities: tuple[str, ...], outcome: ImpactOutcome) -> Evaluation | None:
-    if not outcome.fe_plan.case.scene.verify.companion:
+def _stated(quantity: str, outcome: ImpactOutcome) -> Evaluation | None:
+    verify = outcome.fe_plan.case.scene.verify
+    if not verify.companion:
         return None
     meaning = (
-        f"what richer elements change in {what} of the first two strikes: {FLOOR:g} and {100 * FRACTION:g} % of what "
-        f"flexibility changes, {MOST:g} at most, are allowed; refine plate.elements"
+        f"stated numerical error of the {error.QUANTITIES[quantity]} of the first two strikes of weight, the larger; "
+        "verify.mesh says how large it may be"
     )
-    worst = _largest(outcome.mesh_error, quantities, math.nan)
-    return Evaluation(worst, _allowed(outcome, quantities), meaning)
-
-
-def _allowed(outcome: ImpactOutcome, quantities: tuple[str, ...]) -> float:
-    return FLOOR + min(FRACTION * _largest(outcome.difference, quantities, 1.0), MOST)
-
-
-def _largest(found: Mapping[str, float], quantities: tuple[str, ...], without: float) -> float:
-    return max((abs(value) for name, value in found.items() if name.endswith(quantities)), default=without)
-
-
-def _point(outcome: ImpactOutcome) -> Evaluation:
-    plan, plate = outcome.fe_plan.case, outcome.fe_plan.plate
-    contact = plan.scene.needed_contact
-    stiffness = 0.0 if contact.patch_length else contact.stiffness or 0.0
-    softened = stiffness * WEDGE * math.log(2.0) / (plate.modulus * plate.thickness)
-    meaning = (
-        "what elements half as large take off the stiffness of crush and plate; a corner's force acts on a point, "
-        "whose compliance has no limit; give contact.patch_length"
-    )
-    return Evaluation(softened, _allowed(outcome, FORCES), meaning)
-
-
-def _vibration(outcome: ImpactOutcome) -> Evaluation | None:
-    if not outcome.fe_plan.case.scene.verify.companion:
-        return None
-    meaning = (
-        "change of the second strike's impulse by the vibration that the first one leaves, as far as the mesh does not "
-        "tell its phase; refine plate.elements, or let it die away by damping.rate"
-    )
-    return Evaluation(unknown_by_vibration(outcome), _allowed(outcome, FORCES), meaning)
+    return Evaluation(error.largest(outcome.mesh_error, quantity), verify.mesh, meaning)
 
 
 def _sampling(outcome: ImpactOutcome) -> Evaluation:
-    shortest = min((strike.duration for strike in outcome.fe.strikes[:2]), default=math.nan)
-    meaning = "time between rows over the shorter of the first two strikes"
+    shortest = min((strike.duration for strike in error.weighed(outcome.fe.strikes)), default=math.nan)
+    meaning = "time between rows over the shorter of the first two strikes of weight"
     return Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
 
-def unknown_by_vibration(outcome: ImpactOutcome) -> float:
-    """Largest relative change of the second strike's impulse by the vibration's phase, as far as it is not known.
+MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.QUANTITIES.items()}
+"""Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
-    The end of the plate moves with v cos(2 pi f t + phase); over a strike of duration T such a velocity is in the mean
-    at most v/(pi f T) and at most v. Over n cycles between the strikes the phase is off by 2 pi n times the relative
-    error of the frequency; without a second mesh it is unknown. 0 without a second strike, or a flight between the two.
-    """
-    strikes, frequency = outcome.fe.strikes, outcome.fe_plan.first_frequency
-    if len(strikes) < 2 or strikes[1].start <= strikes[0].end:
-        return 0.0
-    first, second = strikes[:2]
-    cycles = frequency * (second.start - first.end)
-    phase = min(1.0, 2.0 * math.pi * cycles * abs(outcome.frequency_error))  # NaN: 1
-    mean = min(1.0, 1.0 / (math.pi * frequency * second.duration))
-    return _velocity(outcome, first, second) / _approach(outcome, second) * mean * phase
-
-
-def _velocity(outcome: ImpactOutcome, first: Strike, second: Strike) -> float:
-    """Velocity of an end, from the energy of the plate in flight, all of it in the first mode [m/s]."""
-    h = outcome.run.history
-    free = (h["t"] > first.end) & (h["t"] < second.start)
-    energy = float(h["strain_energy"][free].max(initial=0.0))
-    return math.sqrt(2.0 * energy / (MODAL_FRACTION * outcome.fe_plan.model.mass))
-
-
-def _approach(outcome: ImpactOutcome, second: Strike) -> float:
-    """Speed towards the wall of the corner that strikes, as of a rigid vehicle [m/s]."""
-    h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
-    k = int(np.searchsorted(h["t"], second.start)) - 1
-    ahead = vehicle.front_distance - (vehicle.length if second.corner.startswith("rear") else 0.0)
-    return abs(float(h["v_gy"][k] + h["omega"][k] * ahead * math.cos(h["theta"][k])))
-
-
+CLOSER = f"{FINER}; or spread a corner's force by contact.patch_length; or allow more by verify.mesh"
 FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (
@@ -195,15 +121,9 @@ CHECKS = (
     CheckKind("no pull", _pull, FAULT),
     CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
     CheckKind("sampling", _sampling, SHORT),
-    CheckKind("mesh", partial(_mesh, "impulse and peak", FORCES), FINER),
-    CheckKind("mesh for durations", partial(_mesh, "duration", DURATIONS), FINER),
-    CheckKind("point contact", _point, "give contact.patch_length"),
-    CheckKind("vibration", _vibration, FINER),
+    *(CheckKind(name, partial(_stated, quantity), CLOSER) for quantity, name in MESH_CHECKS.items()),
 )
 """In the order in which they are listed."""
-
-MESH_CHECKS = ("mesh", "mesh for durations", "vibration")
-"""Checks of the mesh error; a run that has none, for others tell it, fails them."""
 
 
 def impact_checks(outcome: ImpactOutcome) -> tuple[case.Check, ...]:
@@ -214,7 +134,7 @@ def impact_checks(outcome: ImpactOutcome) -> tuple[case.Check, ...]:
 def failed_but_mesh(outcome: ImpactOutcome) -> tuple[str, ...]:
     """Names of the checks that fail, those of the mesh apart: where others tell its error."""
     failed = case.failed_names(outcome.checks or impact_checks(outcome))
-    return tuple(name for name in failed if name not in MESH_CHECKS)
+    return tuple(name for name in failed if name not in MESH_CHECKS.values())
 
 
 def advice(name: str) -> str:

@@ -15,9 +15,9 @@ from postprocess.report.report import Report
 from postprocess.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.case import failed_names
-from tailslap.case.impact import figures
+from tailslap.case.impact import error, figures
 from tailslap.case.impact.answers import ImpactAnswer
-from tailslap.case.impact.checks import advice, energy_error
+from tailslap.case.impact.checks import MESH_CHECKS, advice, energy_error
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
 from tailslap.case.impact.run import ImpactOutcome
@@ -48,6 +48,10 @@ RISK = (
     Column("time", "At", "s", form=".3f"),
     Column("lacks", "What it lacks"),
 )
+ERRORS = (
+    Column("strike", "Stated error"),
+    *(Column(name, words.capitalize(), form=error.percent) for name, words in error.QUANTITIES.items()),
+)
 DURATIONS_NOTE = (
     "The paper takes the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
     "and the force of a triangular pulse from it; here it is computed. A mean over 50 ms lengthens a strike that "
@@ -66,7 +70,7 @@ def run_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Unit
     moving, verdict = [figures.animation(outcome, folder, units)] if pictures else [], headline(outcome)
     omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
     page = report.run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
-    tables = (peak_table(outcome), report.short(_design(outcome)), _strikes(outcome))
+    tables = (peak_table(outcome), report.short(_design(outcome)), _strikes(outcome), errors_table(outcome))
     said = report.terminal_text(outcome, verdict, tables, advice)
     return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
 
@@ -74,19 +78,44 @@ def run_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Unit
 def headline(outcome: ImpactOutcome) -> str:
     """Verdict on the numbers, and on what flexibility changes in them."""
     failed = failed_names(outcome.checks)
+    if failed and outcome.mesh_error and set(failed) <= set(MESH_CHECKS.values()):
+        return _unsure(outcome)
     if failed:
         return f"Not to be relied on: failed {', '.join(failed)}."
     impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
     if not impulses:
         return "The checks hold; plate and rigid vehicle do not strike in the same order."
     of_wall = " and the wall's" if outcome.fe_plan.case.scene.wall else ""
-    error = "the mesh error is not stated, for verify.companion is false"
+    known = "the numerical error is not stated, for verify.companion is false"
     if outcome.mesh_error:
-        error = f"mesh error at most {100 * max(map(abs, outcome.mesh_error.values())):.2g} %"
+        known = f"numerical error at most {error.percent(error.largest(outcome.mesh_error))}"
     return (
         f"The plate's{of_wall} flexibility moves the impulses of the rigid vehicle by up to "
-        f"{100 * max(impulses):.2g} %; {error}."
+        f"{100 * max(impulses):.2g} %; {known}."
     )
+
+
+def _unsure(outcome: ImpactOutcome) -> str:
+    """The quantities whose error is above what was asked for, how large it is, and that of the others, which stand."""
+    limit = outcome.fe_plan.case.scene.verify.mesh
+    found = {words: error.largest(outcome.mesh_error, name) for name, words in error.QUANTITIES.items()}
+    above = [f"{words} by up to {error.percent(each)}" for words, each in found.items() if not each <= limit]
+    others = {words: each for words, each in found.items() if each <= limit}
+    said = f"The mesh may change the {', the '.join(above)}, where {100 * limit:g} % is allowed"
+    if not others:
+        return f"{said}."
+    return f"{said}; {' and '.join(others)} stand, with an error of at most {error.percent(max(others.values()))}."
+
+
+def errors_table(outcome: ImpactOutcome) -> Table:
+    """The stated error of the first two strikes of weight; empty where none is stated."""
+    strikes = error.weighed(outcome.fe.strikes) if outcome.mesh_error else []
+    rows = [
+        {"strike": f"{number} {strike.corner}"}
+        | {name: outcome.mesh_error[f"strike_{number}.{name}"] for name in error.QUANTITIES}
+        for number, strike in enumerate(strikes, 1)
+    ]
+    return Table(ERRORS, rows)
 
 
 def peak_table(outcome: ImpactOutcome) -> Table:
@@ -134,7 +163,7 @@ def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
-        Section("Strikes", tables=[_strikes(outcome)]),
+        Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
         report.failed_section(outcome.checks, advice, report.chosen_sentences(outcome.fe_plan)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
@@ -215,7 +244,7 @@ def summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
         "fe": outcome.fe.numbers(),
         "paper_method": outcome.paper_method,
         "difference": outcome.difference,
-        "numerical_error": {"mesh": outcome.mesh_error, "first_frequency": outcome.frequency_error},
+        "numerical_error": {"mesh": outcome.mesh_error},
         "occupant_risk": list(map(asdict, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))),
         "wall": wall_numbers(outcome),
         "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
@@ -303,5 +332,5 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
     contact = [f"points       {points} may touch the wall; their force does not bound the time step"]
     steps = f", {rows} rows"
     if case.scene.verify.companion:
-        steps += "; as many again on richer elements, to tell the mesh's error"
+        steps += "; and as many again or more on other meshes, to tell the numerical error"
     return lines + report.fe_text(fe_plan, rows, "", contact, steps)

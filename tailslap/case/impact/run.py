@@ -1,25 +1,25 @@
-"""A run of a whole impact: the FE plate, the rigid vehicle at the same instants, and the same with other elements."""
+"""A run of a whole impact: the FE plate, the rigid vehicle at the same instants, and the same on other meshes."""
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tailslap.case.case import Outcome
-from tailslap.case.impact import answers, plan
+from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
-from tailslap.case.model import higher_order_plates, refusal
+from tailslap.case.model import refusal
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
 
 if TYPE_CHECKING:
     from fem.run.impact import ImpactRun
+    from tailslap.scene.schema import Plate
 
 BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
@@ -34,9 +34,8 @@ class ImpactOutcome(Outcome):
     rigid, fe : ImpactAnswer
         What both models answer, at the same instants.
     mesh_error : dict of float
-        What higher-order elements change in `difference`, by `strike_1.impulse` and so on; empty where there were none.
-    frequency_error : float
-        First frequency over that of higher-order elements, less 1; NaN where there were none.
+        Numerical error of each quantity of the first two strikes of weight, relative, by `strike_1.impulse` and so on;
+        empty where none is stated.
     """
 
     fe_plan: ImpactPlan
@@ -44,7 +43,6 @@ class ImpactOutcome(Outcome):
     rigid: ImpactAnswer
     fe: ImpactAnswer
     mesh_error: dict[str, float] = field(default_factory=dict)
-    frequency_error: float = math.nan
 
     @cached_property
     def paper_method(self) -> dict[str, Any] | None:
@@ -105,8 +103,8 @@ def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
                 snapshots,
                 until if end is None else end,
             )
-    except ModelError as error:
-        raise refusal(scene, fe_plan.plate, error) from None
+    except ModelError as refused:
+        raise refusal(scene, fe_plan.plate, refused) from None
 
 
 def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
@@ -115,18 +113,29 @@ def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
 
 
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
-    """The outcome with what higher-order or finer elements change; without, where they make no model."""
-    fe_plan = outcome.fe_plan
-    for plate in higher_order_plates(fe_plan.plate):
+    """The outcome with its error by two other meshes, and by a third where two do not suffice; without, where they make
+    no model."""
+    limit = outcome.fe_plan.case.scene.verify.mesh
+    for coarse, fine in error.companions(outcome.fe_plan.plate):
         try:
-            model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
+            sequence = [_on(outcome, plate) for plate in (coarse, fine)]
         except InputError:
             continue
-        from fem.run import impact
-
-        impact.compile_impact_loop(model, on_compile=compiling)
-        finer = replace(fe_plan, model=model, plate=plate)
-        error = answers.differences(outcome.fe, _answer(fe_plan, simulated(finer)))
-        frequency = fe_plan.first_frequency / finer.first_frequency - 1.0
-        return replace(outcome, mesh_error=error, frequency_error=frequency)
+        found = error.estimate(outcome.fe, sequence)
+        if not error.largest(found) <= limit and (finest := error.third(fine)):
+            found = error.estimate(outcome.fe, [*sequence, _on(outcome, finest)])
+        return replace(outcome, mesh_error=found)
     return outcome
+
+
+def _on(outcome: ImpactOutcome, plate: Plate) -> ImpactAnswer:
+    """The impact on another mesh, or the run's own. Raises InputError for one that makes no model."""
+    from fem.run import impact
+
+    fe_plan = outcome.fe_plan
+    if plate == fe_plan.plate:
+        return outcome.fe
+    model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
+    impact.compile_impact_loop(model, on_compile=compiling)
+    other = replace(fe_plan, model=model, plate=plate)
+    return _answer(other, simulated(other))

@@ -1,0 +1,276 @@
+"""Random ordinary whole impacts: what fails and how far off it is, whether what is stated bounds the error, the time.
+
+    .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
+        [--references] [--keep FILE] [--beside CHECKOUT]
+
+Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
+200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
+Below a restitution of 0.1 a strike ends so suddenly that no mesh tells when.
+
+--meshes       "default", or a kind of element and the number across the vehicle, which are square
+--references   each impact also on finer meshes of two kinds of element. The true error of a quantity is the distance
+               from the nearer of the two, which both confirm
+--keep         records of the runs, a line each; those that are there are not made again
+--beside       the same scenes by the sources of another checkout, for the time
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+SCENE = "impact-mash-tl4-sut"
+VEHICLES = (
+    {
+        "length": (3.8, 5.0),
+        "width": (1.6, 1.9),
+        "mass": (1e3, 1.9e3),
+        "crush": (0.7, 1.3),
+        "force": (50, 100),
+    },
+    {
+        "length": (5.0, 6.2),
+        "width": (1.8, 2.1),
+        "mass": (1.8e3, 3.5e3),
+        "crush": (0.69, 1.2),
+        "force": (80, 120),
+    },
+    {"length": (7.0, 11.0), "width": (2.3, 2.6), "mass": (6e3, 14e3), "crush": (1.0, 3.3), "force": (0, 170)},
+    {
+        "length": (14.0, 21.0),
+        "width": (2.4, 2.6),
+        "mass": (20e3, 40e3),
+        "crush": (1.0, 3.3),
+        "force": (0, 330),
+    },
+)
+"""Ranges of each kind: m, kg, MN/m, kN."""
+REFERENCES = ("quad9:12", "quad4:24")
+CHOSEN = ("quad4:4", "quad4:6", "quad4:12", "quad9:3")
+Record = dict[str, Any]
+
+
+def changes(seed: int, number: int) -> tuple[dict[str, float], float]:
+    """The keys of a random impact, and its length over its width."""
+    random, own = np.random.default_rng((seed, number)), VEHICLES[number % len(VEHICLES)]
+    length, width, mass, crush, force = (random.uniform(*bounds) for bounds in own.values())
+    keys = {
+        "vehicle.length": length,
+        "vehicle.width": width,
+        "vehicle.mass": mass,
+        "contact.stiffness": 1e6 * crush,
+        "contact.initial_force": 1e3 * force,
+        "contact.restitution": random.uniform(0.1, 0.4),
+        "contact.friction": random.uniform(0.05, 0.6),
+        "impact.speed": random.uniform(8.0, 30.0),
+        "impact.angle": math.radians(random.uniform(5.0, 28.0)),
+        "plate.thickness": mass / (7800.0 * length * width) * 2.0 ** random.uniform(-1.0, 1.0),
+    }
+    return keys, length / width
+
+
+def case_of(seed: int, number: int, mesh: str, *more: str) -> Any:
+    """The impact on a mesh."""
+    from tailslap.case.impact.case import ImpactCase
+    from tailslap.scene.read import read_scene
+
+    keys, slenderness = changes(seed, number)
+    given = [f"{key}={value!r}" for key, value in keys.items()]
+    kind, _, across = mesh.partition(":")
+    if across:
+        along = max(2, round(int(across) * slenderness))
+        given += [f"plate.elements=[{along},{across}]", f"plate.element={kind}"]
+    else:
+        given += ["plate.elements="]
+    return ImpactCase(*read_scene(SCENE, (*given, "impact.test_level=", *more)))
+
+
+def read(answer: Any) -> Record:
+    """The quantities of the first two strikes of weight."""
+    from tailslap.case.impact import error
+
+    strikes = error.weighed(answer.strikes)
+    return {
+        f"strike_{k}.{name}": error.value(answer, strike, name)
+        for k, strike in enumerate(strikes, 1)
+        for name in error.QUANTITIES
+    } | {"corners": [strike.corner for strike in strikes]}
+
+
+def judged(seed: int, number: int, mesh: str) -> Record:
+    """The impact as the program runs it."""
+    began, case = time.process_time(), case_of(seed, number, mesh)
+    outcome = case.run()
+    return {
+        "seconds": time.process_time() - began,
+        "failed": [check.name for check in outcome.checks if not check.passed],
+        "stated": outcome.mesh_error,
+        "values": read(outcome.fe),
+    }
+
+
+def reference(seed: int, number: int, mesh: str) -> Record:
+    """The impact on a mesh that others are held against, with half the usual time step."""
+    from tailslap.case.impact.run import attempt
+
+    return {"values": read(attempt(case_of(seed, number, mesh, "time.safety_factor=0.5")).fe)}
+
+
+def timed(seed: int, runs: int, meshes: list[str]) -> Record:
+    """Processor time of the runs [s], by mesh; by any version of the program."""
+    found = {}
+    for mesh in meshes:
+        case_of(seed, 0, mesh).run()  # compiles
+        began = time.process_time()
+        for number in range(runs):
+            case_of(seed, number, mesh).run()
+        found[mesh] = time.process_time() - began
+    return found
+
+
+def beside(checkout: Path, arguments: list[str]) -> Record:
+    """The times of another checkout's sources, in a process of its own."""
+    own = {**os.environ, "PYTHONPATH": str(checkout.resolve())}
+    command = [sys.executable, __file__, *arguments, "--times"]
+    return dict(
+        json.loads(subprocess.run(command, env=own, check=True, capture_output=True, text=True).stdout)
+    )
+
+
+def made(
+    place: Path | None, seed: int, runs: int, meshes: list[str], references: bool
+) -> dict[tuple[int, str], Record]:
+    """Records of all runs by number and mesh; those that the file has are read."""
+    found = {}
+    if place and place.exists():
+        for line in place.read_text().splitlines():
+            record = json.loads(line)
+            found[record["number"], record["mesh"]] = record
+    for number in range(runs):
+        wanted = [(mesh, judged) for mesh in meshes] + [
+            (f"reference {mesh}", reference) for mesh in REFERENCES
+        ] * references
+        for mesh, make in wanted:
+            if (number, mesh) in found:
+                continue
+            record = {"number": number, "mesh": mesh, **make(seed, number, mesh.removeprefix("reference "))}
+            found[number, mesh] = record
+            if place:
+                with place.open("a") as file:
+                    print(json.dumps(record), file=file)
+    return found
+
+
+def true_errors(record: Record, references: list[Record]) -> dict[str, float]:
+    """Distance of each quantity from the nearer reference, relative; infinite where other corners strike."""
+    own, others = record["values"], [each["values"] for each in references]
+    alike = [other for other in others if other["corners"] == own["corners"]]
+    names = [name for name in own if name != "corners"]
+    return {
+        name: min((abs(own[name] / other[name] - 1.0) for other in alike), default=math.inf) for name in names
+    }
+
+
+def row(what: str, asked: str, measured: str) -> None:
+    """A line of the table."""
+    print(f"{what:<62} {asked:<24} {measured}", flush=True)
+
+
+def tell(mesh: str, records: dict[tuple[int, str], Record], references: bool) -> None:
+    """What fails on a mesh, and how the stated errors compare with the true ones."""
+    own = {number: record for (number, its), record in records.items() if its == mesh}
+    failed = {number: record for number, record in own.items() if record["failed"]}
+    row(
+        f"{mesh}: {len(own)} impacts; failed",
+        "1 %",
+        f"{len(failed)} ({100.0 * len(failed) / len(own):.1f} %)",
+    )
+    for number, record in failed.items():
+        said = max(record["stated"].values(), default=math.nan)
+        print(f"    {number}: {', '.join(record['failed'])}; stated {said:.2%}")
+    stated = [
+        max(record["stated"].values(), default=math.nan) for record in own.values() if not record["failed"]
+    ]
+    row(
+        "  largest error stated by one that passes: median, most",
+        "2 %",
+        f"{np.median(stated):.2%}, {max(stated):.2%}",
+    )
+    if not references:
+        return
+    true = {
+        n: true_errors(r, [records[n, f"reference {each}"] for each in REFERENCES]) for n, r in own.items()
+    }
+    far = {number: max(true[number].values()) for number in failed}
+    row(
+        "  how far off those are that fail",
+        "each more than 1 %",
+        ", ".join(f"{n}: {f:.2%}" for n, f in far.items()),
+    )
+    pairs = [
+        (true[n][name], record["stated"].get(name, 0.0), n, name)
+        for n, record in own.items()
+        if not record["failed"]
+        for name in true[n]
+    ]
+    bounded = sum(found <= said for found, said, *_ in pairs)
+    row(
+        "  true over stated of those that pass: at most 1",
+        "99 %",
+        f"{100.0 * bounded / len(pairs):.2f} % of {len(pairs)}",
+    )
+    beyond = [(found / said, found, said, *which) for found, said, *which in pairs if found > 1e-3]
+    row(
+        "  the largest, where the true error is beyond 1e-3",
+        "1.5",
+        f"{max(beyond)[0]:.2f}" if beyond else "none is",
+    )
+    for ratio, found, said, number, name in sorted(beyond, reverse=True):
+        if ratio > 1.0:
+            print(f"    {number} {name}: {found:.2%}, stated {said:.2%}")
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--meshes", nargs="+", default=["default", *CHOSEN])
+    parser.add_argument("--references", action="store_true")
+    parser.add_argument("--keep", type=Path)
+    parser.add_argument("--beside", type=Path)
+    parser.add_argument("--times", action="store_true", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.times:
+        print(json.dumps(timed(given.seed, given.runs, given.meshes)))
+        return
+    if given.beside:
+        arguments = ["--runs", str(given.runs), "--seed", str(given.seed), "--meshes", *given.meshes]
+        its, own = beside(given.beside, arguments), beside(Path(__file__).parents[1], arguments)
+        for mesh, seconds in own.items():
+            row(
+                f"{mesh}: processor time of {given.runs} runs over the other's",
+                "1.5",
+                f"{seconds / its[mesh]:.2f}: {seconds:.1f} s",
+            )
+        return
+    records = made(given.keep, given.seed, given.runs, given.meshes, given.references)
+    for mesh in given.meshes:
+        tell(mesh, records, given.references)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""The numerical error of a whole impact: the same vehicle on other meshes, judged as ASME V&V 20 judges them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from fem.plate import kinds
+from solver.impact import Strike
+from tailslap.case.impact.answers import ImpactAnswer, mean_peak
+from tailslap.case.model import refined
+from tailslap.scene.schema import Plate
+
+QUANTITIES = {
+    "peak_force": "peak force",
+    "impulse": "impulse",
+    "mean_50ms": "50 ms mean",
+    "duration": "duration",
+}
+"""Quantities of a strike whose error is stated, in words."""
+
+WEIGHT = 0.05
+"""Impulse of a strike of weight over the largest of its impact."""
+
+RESOLVED = 1e-3
+"""Error below which none is stated: what time steps and rows make of it."""
+
+TWO_MESHES, THREE_MESHES = 3.0, 1.25
+"""Factors of safety on an error that so many meshes tell (Roache 1994; ASME V&V 20)."""
+
+ORDER = 4.0 / 3.0
+"""Order that is assumed of two meshes, and of three at most: below that of the elements, for a corner's force acts on a
+point."""
+
+THIRD_UP_TO = 1000
+"""Elements that a third mesh has at most."""
+
+
+def weighed(strikes: Sequence[Strike]) -> list[Strike]:
+    """The first two strikes of weight."""
+    largest = max((strike.impulse for strike in strikes), default=0.0)
+    return [strike for strike in strikes if strike.impulse >= WEIGHT * largest][:2]
+
+
+def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
+    """A mesh of quadratic elements and one twice as fine, to try in turn; the plate's own is one of them where it can.
+
+    Linear elements are judged by quadratic ones, with nodes a little closer: an error that two meshes of theirs share,
+    of a plate too stiff in bending, has another size on those.
+    """
+    if higher := kinds.ELEMENT_KINDS[plate.element].higher_order:
+        plate = plate.model_copy(update={"lumping": "exact"})  # row sums give the corners of tri6 no mass
+        for part in (1.0 / 3.0, 0.5, 1.0):
+            coarse = refined(plate, part, higher, whole=round)
+            yield coarse, refined(coarse)
+        return
+    if min(plate.counts) > 3 and not any(count % 2 for count in plate.counts):
+        yield refined(plate, 0.5), plate
+    yield plate, refined(plate)
+
+
+def third(finer: Plate) -> Plate | None:
+    """The next mesh of the sequence, twice as fine; None where that is too large."""
+    finest = refined(finer)
+    return finest if math.prod(finest.counts) <= THIRD_UP_TO else None
+
+
+def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:
+    """What lies between two impacts, over the first one, by `strike_1.impulse` and so on; infinite where their corners
+    are others, or one diverged."""
+    strikes, its = weighed(one.strikes), weighed(other.strikes)
+    same = [strike.corner for strike in strikes] == [strike.corner for strike in its]
+    same = same and all(np.isfinite(each.history["force_normal"]).all() for each in (one, other))
+    found = {}
+    for k, strike in enumerate(strikes):
+        for name in QUANTITIES:
+            moved = value(other, its[k], name) / value(one, strike, name) - 1.0 if same else math.inf
+            found[f"strike_{k + 1}.{name}"] = moved
+    return found
+
+
+def value(answer: ImpactAnswer, strike: Strike, name: str) -> float:
+    """A quantity of `QUANTITIES` of a strike [SI]."""
+    return mean_peak(answer, strike) if name == "mean_50ms" else float(getattr(strike, name))
+
+
+def estimate(own: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, float]:
+    """Error of each quantity of the first two strikes of weight.
+
+    Parameters
+    ----------
+    own : ImpactAnswer
+        Whose error it is.
+    sequence : sequence of ImpactAnswer
+        Of two or three meshes, each twice as fine as the one before.
+
+    Returns
+    -------
+    dict of float
+        By `strike_1.impulse` and so on, relative: the distance from the finest mesh, and what that lacks.
+    """
+    apart = [changes(own, answer) for answer in sequence]
+    found = {key: _judged([each[key] for each in apart]) for key in apart[0]}
+    for k, strike in enumerate(weighed(own.strikes), 1):
+        found[f"strike_{k}.duration"] += 0.5 * own.interval / strike.duration  # of a row, in which it ends
+    return found
+
+
+def _judged(apart: Sequence[float]) -> float:
+    """The error from the distances of the meshes, the finest last."""
+    if not all(map(math.isfinite, apart)):
+        return math.inf
+    *before, last = (later - earlier for earlier, later in pairwise(apart))
+    factor = safety(before[0] / last if last else math.inf) if before else TWO_MESHES / (2.0**ORDER - 1.0)
+    return max(RESOLVED, abs(apart[-1]) + factor * abs(last))
+
+
+def safety(ratio: float) -> float:
+    """Multiple of the last step between three meshes that is stated as the error of the finest; ratio: of the step
+    before to it. Without an order, that of two meshes of first order."""
+    if ratio <= 1.0:
+        return TWO_MESHES
+    return min(TWO_MESHES, THREE_MESHES / (2.0 ** min(ORDER, math.log2(ratio)) - 1.0))
+
+
+def largest(errors: Mapping[str, float], quantity: str = "") -> float:
+    """The largest error of a quantity in both strikes, or of all; NaN where none is stated."""
+    return max((error for name, error in errors.items() if name.endswith(quantity)), default=math.nan)
+
+
+def percent(error: float) -> str:
+    """An error in words, rounded to the safe side."""
+    return f"{math.ceil(1e4 * error - 1e-6) / 100:g} %" if math.isfinite(error) else "unknown"
