@@ -545,7 +545,7 @@ def test_what_a_plate_s_run_records(monkeypatch, impact):
     """The mesh's check is left to the reaches; what is not compared is not a number; a refusal is its reason."""
 
     def run(case):
-        checks = [SimpleNamespace(name=name, passed=False) for name in ("mesh", "energy balance")]
+        checks = [SimpleNamespace(name=name, passed=False) for name in ("error of impulse", "energy balance")]
         return SimpleNamespace(difference={compute.NAMES[0]: 0.5}, mesh_error={}, checks=checks)
 
     monkeypatch.setattr(ImpactCase, "run", run)

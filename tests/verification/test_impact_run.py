@@ -383,21 +383,21 @@ def test_sound_impacts_pass(scene, changes, mesh):
 
 
 def test_an_unsure_impact_fails():
-    """With a restitution of 0.1 finer meshes of both kinds move the second strike's impulse by 2.2 and 2.4 %."""
-    outcome = planned(*TRACTOR, "contact.restitution=0.1", scene="impact-mash-tl5-tractor-van").run()
-    assert {check.name for check in outcome.checks if not check.passed} <= ERRORS
-    assert not outcome.passed
-    assert outcome.mesh_error["strike_2.impulse"] > 0.0218
+    """With a restitution of 0.1 three times as fine meshes move the second strike's impulse by 2.4 %."""
+    changes = (*TRACTOR, "contact.restitution=0.1", "plate.elements=[26,4]")
+    outcome = planned(*changes, scene="impact-mash-tl5-tractor-van").run()
+    assert {check.name for check in outcome.checks if not check.passed} == {"error of impulse"}
+    assert 0.024 < outcome.mesh_error["strike_2.impulse"] < 0.03
 
 
 def test_what_is_stated_bounds_what_a_fine_mesh_finds():
-    """The pickup on six linear elements across, against 24."""
+    """The pickup on six linear elements across, against 16."""
     coarse, fine = (
-        planned(*PICKUP, f"plate.elements=[{3 * n},{n}]", scene="impact-mash-tl2-pickup") for n in (6, 24)
+        planned(*PICKUP, f"plate.elements=[{3 * n},{n}]", scene="impact-mash-tl2-pickup") for n in (6, 16)
     )
     outcome = coarse.run()
     found = error.changes(outcome.fe, run.attempt(fine).fe)
-    assert 5e-3 < max(map(abs, found.values())) < 1.2e-2
+    assert 5e-3 < max(map(abs, found.values())) < 1e-2
     assert {name for name, each in found.items() if abs(each) > outcome.mesh_error[name]} == set()
 
 

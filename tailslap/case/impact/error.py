@@ -69,8 +69,8 @@ def third(finer: Plate) -> Plate | None:
 
 
 def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:
-    """What lies between two impacts, over the first one, by `strike_1.impulse` and so on; infinite where their corners
-    are others, or one diverged."""
+    """Relative changes from one impact to another by `strike_1.impulse` and so on; infinite where other corners strike,
+    or where one diverged."""
     strikes, its = weighed(one.strikes), weighed(other.strikes)
     same = [strike.corner for strike in strikes] == [strike.corner for strike in its]
     same = same and all(np.isfinite(each.history["force_normal"]).all() for each in (one, other))

@@ -67,10 +67,6 @@ UNKNOWN |= {"reference_model": "", "steps": 0, "seconds": 0.0, "reference_second
 # Fraction of a difference that refinement may change for it to count as the plate's own.
 SURVIVES = 0.5
 
-# Multiples of the error that a run of a whole impact claims by which a refined model may differ from it,
-# beside the tolerance.
-CLAIMED = 3.0
-
 # Checks that a refined model may fail and still confirm the five quantities: if it is corrupted, it
 # disagrees.
 BESIDE_THE_POINT = {"reaction against rigid", "friction by ringing"}
@@ -329,7 +325,7 @@ def _confirmed(outcome: Any, found: float, tolerance: float) -> Row:
     """Flexible if the difference survives refinement, else wrong. A constrained corner tries until a refined model
     confirms it, a whole impact the first that comes to a result."""
     its_verdict = verdict(WRONG, reason="no refined model came to a result", difference=found)
-    impact, allowed = is_impact(outcome), tolerance + CLAIMED * claimed_error(outcome)
+    impact, allowed = is_impact(outcome), tolerance + claimed_error(outcome)
     case = outcome.fe_plan.case if impact else outcome.fe_plan.asked
     for name, changes in refinements(case.scene, outcome.fe_plan.plate).items():
         began, refined = time.perf_counter(), refined_run(case, changes)
