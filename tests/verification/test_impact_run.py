@@ -338,8 +338,8 @@ def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
     assert (found["error of duration"].value, found["error of duration"].limit) == (0.0312, 0.02)
     said = report.headline(dataclasses.replace(unsure, checks=tuple(found.values())))
     assert said == (
-        "The mesh may change the duration by up to 3.12 %, where 2 % is allowed; peak force and impulse and 50 ms mean "
-        "stand, with an error of at most 1.99 %."
+        "The mesh may change the duration by up to 3.12 %, where 2 % is allowed. What stands, with an error of at most "
+        "1.99 %: peak force, impulse, 50 ms mean."
     )
     assert "contact.patch_length" in checks.advice("error of duration")
     relaxed = checks.impact_checks(with_stated(0.04, duration=0.0312, impulse=0.0199))

@@ -181,7 +181,7 @@ IMPACTS = [
 
 @pytest.mark.parametrize(("own", "refined", "kind"), IMPACTS)
 def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
-    """Right near the rigid vehicle; beyond, the refined model decides, within the tolerance and the error that the run states."""
+    """Right near the rigid vehicle; beyond, the refined model decides, within the tolerance and the stated error."""
     monkeypatch.setattr(study, "refined_run", lambda case, changes: refined)
     assert study.against_rigid(own, 1e-2)["kind"] == kind
 

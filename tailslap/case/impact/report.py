@@ -104,7 +104,7 @@ def _unsure(outcome: ImpactOutcome) -> str:
     said = f"The mesh may change the {', the '.join(above)}, where {100 * limit:g} % is allowed"
     if not others:
         return f"{said}."
-    return f"{said}; {' and '.join(others)} stand, with an error of at most {error.percent(max(others.values()))}."
+    return f"{said}. What stands, with an error of at most {error.percent(max(others.values()))}: {', '.join(others)}."
 
 
 def errors_table(outcome: ImpactOutcome) -> Table:
