@@ -2,19 +2,27 @@
 
     .venv/bin/python benchmarks/damage.py PART [COUNT [SEED]]
 
-PART is what is damaged: `caches`, the compiled code. Each damage is followed by what reads it, in a process of its own;
-it ends right, or with the one message that it should. A wrong number, a signal, a process that hangs or a "fault of the
+PART is what is damaged: `caches`, the compiled code; `results`, folders of a run, a whole impact, a sweep and a study;
+`checkpoints`, of a run and of a whole impact. Each damage is followed by what reads it, in a process of its own; it
+ends right, or with the one message that it should. A wrong number, a signal, a process that hangs or a "fault of the
 program" is printed with the number of the damage, and the status is 1.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
+import json
+import math
 import os
 import random
+import shutil
 import signal
+import subprocess
 import sys
 import tempfile
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -107,21 +115,231 @@ def caches(count: int, seed: int) -> Judged:
 
     chance = random.Random(seed)
     for _ in range(count):
-        which = chance.randrange(len(CALLS))
-        content, how = bytearray(whole[which]), chance.choice(("flipped", "cut", "grown", "swapped"))
-        if how == "flipped":
-            for _ in range(chance.randint(1, 8)):
-                content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
-        elif how == "swapped":
-            content = bytearray(whole[chance.randrange(len(CALLS))])
-        else:
-            content = content[: chance.randrange(len(content))] if how == "cut" else content + b"\0\n"
-        files[which].write_bytes(content)
+        which, how = chance.randrange(len(CALLS)), chance.choice(("flipped", "cut", "grown", "swapped"))
+        files[which].write_bytes(damaged(whole[which], how, chance.choice(whole), chance))
         yield how, in_child(lambda which=which: call(which))  # type: ignore[misc]
         files[which].write_bytes(whole[which])
 
 
-PARTS: dict[str, Callable[[int, int], Judged]] = {"caches": caches}
+WRONG = (
+    *(
+        "",
+        "{",
+        "[]",
+        "null",
+        "3",
+        '"a"',
+        "{}",
+        "[" * 100_000,
+        '{"files": 3, "program": "tailslap"}',
+        "t,v_gy\n0,1\n2\n",
+    ),
+    '{"scene": 1, "passed": "x", "verdict": {}, "fe": {"t": "1"}, "rigid": [], "checks": {}}',
+    '{"scene": "a", "passed": 1, "fe": {"strikes": [1]}, "rigid": {"strikes": "b"}, "checks": [3]}',
+)
+"""Texts of wrong types."""
+HOWS = ("flipped", "cut", "grown", "swapped", "of wrong types", "missing")
+
+
+def damaged(content: bytes, how: str, other: bytes, chance: random.Random) -> bytes:
+    """The content with such a damage; other: that of another file."""
+    found = bytearray(content)
+    if how == "flipped":
+        for _ in range(chance.randint(1, 8)):
+            found[chance.randrange(len(found))] ^= 1 << chance.randrange(8)
+    elif how == "cut":
+        del found[chance.randrange(len(found)) :]
+    elif how == "grown":
+        found += b"\0\n"
+    else:
+        found = bytearray(other if how == "swapped" else chance.choice(WRONG).encode())
+    return bytes(found)
+
+
+def damage(path: Path, how: str, other: Path, chance: random.Random) -> None:
+    """Damage a file."""
+    content = path.read_bytes()
+    path.unlink()
+    if how != "missing":
+        path.write_bytes(damaged(content, how, other.read_bytes(), chance))
+
+
+def said_by(*words: object) -> tuple[int, str, str]:
+    """Exit status, output and messages of a command."""
+    from tailslap.cli import _status
+
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as told:
+        status = _status([str(word) for word in words])
+    return status, out.getvalue(), told.getvalue()
+
+
+def judged(status: int, told: str, is_right: Callable[[], bool], forced: bool = False) -> str:
+    """What came of a command, from its status and messages; by force other numbers come with a remark."""
+    if "fault" in told or status not in (0, 1, 2):
+        return f"BAD status {status}: {told}"
+    if status == 2:
+        lines = [line for line in told.splitlines() if ": remark: " not in line]
+        return "refused" if len(lines) == 1 else f"BAD message: {told}"
+    if forced and ": remark: " in told:
+        return "read with a remark"
+    return "the same" if is_right() else f"BAD numbers with status {status}: {told}"
+
+
+SMALL = ("--set", "plate.elements=[6,2]")
+SWEEP = ("sweep", "paper-table-3", *SMALL, "--vary", "corner.friction=0.1:0.4:3", "--workers", "1")
+MADE = {
+    "run": ("run", "paper-table-3", *SMALL, "--set", "output.fields=3", "--no-pictures"),
+    "other": ("run", "paper-table-3", *SMALL, "--set", "corner.friction=0.2", "--no-pictures"),
+    "impact": ("run", "impact-mash-tl4-sut", *SMALL, "--set", "time.end=0.1 s", "--no-pictures"),
+    "sweep": SWEEP,
+    "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000"),
+}
+"""Commands whose results are damaged."""
+
+
+def results(count: int, seed: int) -> Judged:
+    """Files of results, then read by load, compare and export, also by force; and by the sweep, which goes on."""
+    folder = Path(tempfile.mkdtemp())
+    for kind, words in MADE.items():
+        assert said_by(*words, "--out", folder / kind)[0] in (0, 1), kind
+    whole, at_work = shutil.copytree(folder, folder.with_name(f"{folder.name}-whole")), folder / "out"
+    files = sorted(path.relative_to(whole) for path in whole.rglob("*") if path.is_file())
+    read = [name for name in files if name.suffix not in (".svg", ".html", ".png", ".gif")]
+
+    def load(kind: str, forced: bool) -> str:
+        def numbers(place: Path) -> str:
+            found = __import__("tailslap").load(place, force=forced)
+            arrays = {label: {n: c.tolist() for n, c in h.items()} for label, h in found.histories.items()}
+            fields = vars(found.fields) if found.make_fields else {}
+            return repr((found.command, found.scene, found.passed, found.summary, arrays, fields))
+
+        def told() -> tuple[int, str]:
+            with warnings.catch_warnings(record=True) as remarks:
+                warnings.simplefilter("always")
+                try:
+                    shown.append(numbers(folder / kind))
+                except InputError as error:
+                    return 2, str(error).replace("\n", " ")
+            return 0, "".join(f": remark: {each.message}\n" for each in remarks)
+
+        from tailslap import InputError
+
+        shown: list[str] = []
+        with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+            return judged(*told(), lambda: shown[0] == numbers(whole / kind), forced)
+
+    def command(words: tuple[str, ...], kind: str, forced: bool) -> str:
+        def made(place: Path, out: Path) -> tuple[int, str, str]:
+            given = [str(place / word.strip("@")) if "@" in word else word for word in words]
+            return said_by(*given, "--out", out, *["--force"] * forced)
+
+        status, shown, told = made(folder, at_work)
+        if status == 2 and at_work.exists():
+            return "BAD refused, and something written"
+
+        def is_right() -> bool:
+            _, expected, _ = made(whole, folder / "expected")
+            return shown.replace(str(at_work), "") == expected.replace(str(folder / "expected"), "") and all(
+                path.read_bytes() == (at_work / path.name).read_bytes()
+                for path in (folder / "expected").iterdir()
+                if path.suffix in (".csv", ".json") and path.name[0] != "."
+            )
+
+        return judged(status, told, is_right, forced)
+
+    def go_on() -> str:
+        line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", folder / "sweep"]
+        given = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+        done = subprocess.run(line, env=given, capture_output=True, text=True, check=False)
+        return judged(done.returncode, done.stderr, lambda: rows(folder / "sweep") == rows(whole / "sweep"))
+
+    chance = random.Random(seed)
+    for _ in range(count):
+        name, how, forced = chance.choice(read), chance.choice(HOWS), chance.random() < 0.3
+        kind, other = name.parts[0], whole / chance.choice([n for n in read if n != name])
+        damage(folder / name, how, other, chance)
+        readers = {
+            "load": lambda kind=kind, forced=forced: load(kind, forced),
+            "compare": lambda kind=kind, forced=forced: command(
+                ("compare", "@other", f"@{kind}", "--json"), kind, forced
+            ),
+            "export": lambda kind=kind, forced=forced: command(
+                ("export", f"@{kind}", "--to", "csv"), kind, forced
+            ),
+        }
+        reader = chance.choice([*readers, *["go on"] * (2 * (kind == "sweep"))])
+        yield (
+            f"{kind}, {reader}{' by force' * (forced and reader in readers)}, {how}",
+            in_child(readers.get(reader, go_on)),
+        )
+        for place in (folder / kind, at_work, folder / "expected"):
+            shutil.rmtree(place, ignore_errors=True)
+        shutil.copytree(whole / kind, folder / kind)
+
+
+def rows(place: Path) -> list[str]:
+    """Rows of a sweep's table, without times and what a worker had from rows before."""
+    import pyarrow.parquet as parquet
+
+    from tailslap.campaign.definition import CIRCUMSTANCES
+
+    found = parquet.read_table(place / "sweep.parquet").to_pylist()
+    return [json.dumps({k: v for k, v in row.items() if k not in CIRCUMSTANCES}) for row in found]
+
+
+def checkpoints(count: int, seed: int) -> Judged:
+    """Checkpoints of interrupted runs, from which they go on: with the files of a run that was left alone."""
+    from tailslap.files import checkpoints as kept
+
+    folder = Path(tempfile.mkdtemp())
+    whole = folder / "whole"
+    kept.SAVE_S, kept.MAX_SHARE = 0.0, math.inf
+    save, left = kept.Checkpoints.save, math.inf
+
+    def save_or_stop(self: Any, arrays: Any) -> None:
+        nonlocal left
+        save(self, arrays)
+        left -= 1
+        if left == 0:
+            raise KeyboardInterrupt
+
+    kept.Checkpoints.save = save_or_stop  # type: ignore[method-assign]
+    made = {kind: MADE[kind] for kind in ("run", "other", "impact")}
+    for kind, words in made.items():
+        left = 10**9
+        assert said_by(*words, "--out", whole / kind)[0] in (0, 1), kind
+        left = {"run": 3, "other": 1, "impact": 2}[kind] * (10**9 - left) // 4
+        assert said_by(*words, "--out", folder / kind)[0] == 130, kind
+    left = math.inf
+    files = {path: path.read_bytes() for path in sorted(folder.glob(".*checkpoint-*"))}
+    print(f"{len(files)} checkpoints", file=sys.stderr)
+
+    def resumed(kind: str) -> str:
+        status, _, told = said_by(*made[kind], "--out", folder / kind, "--resume")
+        if "fault" in told or status == 2:
+            return f"BAD status {status}: {told}"
+        names = ("history.csv", "rigid.csv", *["fields.npz"] * (kind == "run"))
+        is_same = all((folder / kind / n).read_bytes() == (whole / kind / n).read_bytes() for n in names)
+        end = "made anew" if "damaged" in told or "no checkpoint" in told else "gone on from"
+        return end if is_same else f"BAD numbers, {end}: {told}"
+
+    chance = random.Random(seed)
+    for _ in range(count):
+        path, how = chance.choice([*files]), chance.choice(HOWS)
+        other = chance.choice([each for each in files if each != path])
+        damage(path, how, other, chance)
+        kind = path.name[1:].partition(".")[0]
+        yield f"{kind}, {how}", in_child(lambda kind=kind: resumed(kind))  # type: ignore[misc]
+        shutil.rmtree(folder / kind, ignore_errors=True)
+        for path, content in files.items():
+            path.write_bytes(content)
+
+
+PARTS: dict[str, Callable[[int, int], Judged]] = {
+    "caches": caches,
+    "results": results,
+    "checkpoints": checkpoints,
+}
 """What can be damaged, and what damages it so many times from a seed."""
 
 

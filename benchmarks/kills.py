@@ -1,16 +1,23 @@
-"""Kill runs, studies and sweeps at random instants, and look at what is left.
+"""Kill runs, studies and sweeps at random instants or at every call to the system, and look at what is left.
 
     .venv/bin/python benchmarks/kills.py [COUNT [SEED]]
+    .venv/bin/python benchmarks/kills.py calls [KIND...]
+    .venv/bin/python benchmarks/kills.py race [ROUNDS]
 
 Each time a command fills a folder that has an earlier result already; TERM, INT or KILL comes at an instant drawn
 evenly over the time that the command takes alone. After it the folder must hold the earlier result or the new one,
 whole; no process of the command may live on and no port be open; what a killed one leaves must be gone once the next
 command has looked at it. A sweep's folder must take the sweep up again and end with the rows of one left alone.
+
+`calls`: KILL comes by strace at each rename, link, unlink, mkdir, rmdir and sync in the folder, and at each write of
+manifest, log, lock and definition. `race`: eight processes fill one folder at once: one wins, seven end with status 2
+and a message, and the folder has the result of the one.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 import random
@@ -21,6 +28,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import psutil
@@ -29,7 +37,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tailslap.campaign.definition import CIRCUMSTANCES
 from tailslap.files.folder import locked, recover
-from tailslap.files.manifest import NAME, entry, read_manifest
+from tailslap.files.manifest import LOCK, LOG, NAME, entry, read_manifest
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SCENE, SMALL = ("paper-table-3", "--set", "plate.elements=[10,3]"), ("--set", "plate.elements=[6,2]")
@@ -43,9 +51,9 @@ GONE_S = 10.0
 """Time in which processes must be gone [s]."""
 
 
-def started(arguments: tuple[str, ...], out: Path) -> subprocess.Popen[bytes]:
-    """The command, in a group of processes of its own."""
-    line = [sys.executable, "-m", "tailslap", *arguments, "--out", str(out)]
+def started(arguments: tuple[str, ...], out: Path, tracer: str = "") -> subprocess.Popen[bytes]:
+    """The command, in a group of processes of its own; tracer: the words before it."""
+    line = [*tracer.split(), sys.executable, "-m", "tailslap", *arguments, "--out", str(out)]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     return subprocess.Popen(line, env=environment, cwd=out.parent, start_new_session=True, **quiet)  # type: ignore[call-overload]
@@ -109,8 +117,158 @@ def look(out: Path, added: str) -> list[str]:
     return found
 
 
+RACED = ("run", "paper-table-3", "--set", "plate.elements=[12,4]", "--no-pictures")
+EXACT = {
+    "run": ("run", "paper-table-3", *SMALL, "--no-pictures"),
+    "study": COMMANDS["study"],
+    "export": ("export", "{earlier}", "--to", "csv", "--force"),
+    "sweep": ("sweep", "paper-table-3", *SMALL, "--vary", "impact.friction=0.1:0.8:3", "--workers", "1"),
+}
+"""Commands that are killed at their calls; before them there is EARLIER, but of a sweep, the same sweep or nothing."""
+CALLS = (
+    "rename,renameat,renameat2,link,linkat,unlink,unlinkat,mkdir,mkdirat,rmdir,fsync,fdatasync,write,pwrite64"
+)
+WRITTEN = (NAME, LOG, LOCK, "sweep.json")
+
+
+def at_every_call(kinds: list[str]) -> None:
+    """Kill commands at their calls, and say what was wrong."""
+    wrong, total = 0, 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        assert started(EARLIER, folder / "earlier").wait() == 0
+        assert started(EXACT["sweep"], folder / "sweep").wait() == 0
+        for kind in kinds or [*EXACT, "sweep again"]:
+            arguments = tuple(w.format(earlier=folder / "earlier") for w in EXACT[kind.partition(" ")[0]])
+            before = {"sweep": None, "sweep again": folder / "sweep"}.get(kind, folder / "earlier")
+            points = _calls(arguments, _prepared(folder, before))
+            ends = Counter[str]()
+            for number, (call, nth) in enumerate(points):
+                found, end = _killed_at(
+                    folder, arguments, before, f"-e inject={call}:signal=SIGKILL:when={nth}"
+                )
+                ends[f"{kind}, {end}"] += 1
+                wrong += len(found)
+                print(*(f"\r{kind}, {call} {nth}: {fault}\n" for fault in found), sep="", end="", flush=True)
+                print(f"\r{kind}: {number + 1} of {len(points)}", end="", file=sys.stderr, flush=True)
+            total += len(points)
+            print(
+                *(f"\r  {end}: {times}\n" for end, times in sorted(ends.items())), sep="", end="", flush=True
+            )
+    print(f"{total} kills at calls: {wrong} faults")
+    sys.exit(bool(wrong))
+
+
+def _prepared(folder: Path, before: Path | None) -> Path:
+    """The place of a result, with an earlier one in it to which the user has added a file, alone in its folder."""
+    shutil.rmtree(folder / "at-work", ignore_errors=True)
+    out = folder / "at-work" / "out"
+    out.parent.mkdir()
+    if before:
+        shutil.copytree(before, out)
+        (out / "mine.txt").write_text("the user's")
+    return out
+
+
+def _calls(arguments: tuple[str, ...], out: Path) -> list[tuple[str, int]]:
+    """Calls of the command in its folder: the name, and how many of this name there were before and with it."""
+    trace = out.parent / "trace"
+    assert started(arguments, out, f"strace -y -o {trace} -e trace={CALLS}").wait() in (0, 1)
+    counts, found = Counter[str](), []
+    for line in trace.read_text().splitlines():
+        call = line.partition("(")[0]
+        counts[call] += 1
+        is_write = "write" in call and not any(f"/{name}>" in line for name in WRITTEN)
+        if str(out) in line and not is_write:
+            found.append((call, counts[call]))
+    return found
+
+
+def _killed_at(
+    folder: Path, arguments: tuple[str, ...], before: Path | None, inject: str
+) -> tuple[list[str], str]:
+    """Faults after a kill at a call, and what is in the folder then; the next command clears what is left."""
+    out = _prepared(folder, before)
+    status = started(arguments, out, f"strace -o /dev/null {inject}").wait()
+    ended = "killed" if status == -signal.SIGKILL else f"not killed, {status}"
+    if before and before.name == "earlier":
+        found = look(out, "the user's")
+        end = "the earlier result" if whole(out) == whole(before) else "a new result"
+        with locked(out):
+            pass
+    else:
+        found = look(out, "the user's") if before else []
+        if started(arguments, out).wait() != 0:
+            return [*found, "it does not go on"], "lost"
+        end = "gone on to the same rows"
+        if rows(out) != rows(folder / "sweep"):
+            found.append("its rows differ from those of a sweep left alone")
+    return found + _left(out.parent, out), f"{ended}: {end}"
+
+
+def race(rounds: int) -> None:
+    """Let eight processes fill one folder at once, so many times, and say what was wrong."""
+    from tailslap import cli, load
+
+    ends, wrong, slowest = Counter[str](), 0, 0.0
+
+    def contend(out: Path, k: int, start: int) -> None:
+        os.read(start, 1)
+        began = time.monotonic()
+        with redirect_stdout(io.StringIO()) as shown, redirect_stderr(io.StringIO()) as said:
+            status = cli._status(
+                [*RACED, "--json", "--set", f"impact.friction={0.1 + 0.05 * k}", "--out", str(out)]
+            )
+        text = said.getvalue()
+        if status == 0:
+            text = f"wins {json.loads(shown.getvalue())['fe']['v_gy']}"
+        elif status == 2 and text.count("another command is at work in it") == text.count("\n") == 1:
+            text = f"told {time.monotonic() - began}"
+        (out.parent / f"said-{k}").write_text(text)
+
+    with tempfile.TemporaryDirectory() as name:
+        out = Path(name) / "out"
+        assert cli._status([*RACED, "-q", "--out", str(out)]) == 0
+        (out / "mine.txt").write_text("the user's")
+        for number in range(rounds):
+            reading, writing = os.pipe()
+            children = []
+            for k in range(8):
+                if not (child := os.fork()):
+                    os.close(writing)
+                    contend(out, k, reading)
+                    os._exit(0)
+                children.append(child)
+            os.close(reading)
+            os.close(writing)  # at this they start
+            for child in children:
+                os.waitpid(child, 0)
+            files = [*Path(name).glob("said-*")]
+            said = [path.read_text() for path in files]
+            for path in files:
+                path.unlink()
+            winners = [float(text.split()[1]) for text in said if text.startswith("wins")]
+            told = [float(text.split()[1]) for text in said if text.startswith("told")]
+            slowest = max(slowest, *told)
+            found = look(out, "the user's") + _left(out.parent, out)
+            if (len(winners), len(told)) != (1, 7):
+                found.append(f"{len(winners)} won, {len(told)} were told: {said}")
+            elif winners[0] != load(out).summary["fe"]["v_gy"]:
+                found.append("the result is of another")
+            ends[f"{len(winners)} won, {len(told)} were told"] += 1
+            wrong += len(found)
+            print(*(f"\r{number}: {fault}\n" for fault in found), sep="", end="", flush=True)
+    print(*(f"{end}: {times}" for end, times in sorted(ends.items())), sep="\n")
+    print(f"{rounds} rounds of 8: {wrong} faults; the last was told after {slowest:.2f} s")
+    sys.exit(bool(wrong))
+
+
 def main() -> None:
     """Kill so many, and say what was wrong."""
+    if sys.argv[1:2] == ["calls"]:
+        at_every_call(sys.argv[2:])
+    if sys.argv[1:2] == ["race"]:
+        race(int(sys.argv[2]) if sys.argv[2:] else 200)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would have it ignored
     count, seed = (int(text) for text in (*sys.argv[1:], *("200", "1")[len(sys.argv) - 1 :]))
     dice, wrong, ends = random.Random(seed), [], Counter[str]()

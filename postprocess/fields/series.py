@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from postprocess.report.page import write_history
+from postprocess.report import page, report
 
 if TYPE_CHECKING:
     import pyvista
@@ -258,10 +258,13 @@ def _mesh(series: FieldSeries, **data: Any) -> Any:
 
 
 def write_csv(path: Path, table: Table) -> Path:
-    """Write a heading of names with units, and a line a row, 17 digits."""
+    """Write a heading of names with units, and a line a row, numbers with all their digits."""
     columns, units = table
     named = {f"{name} [{units[name]}]" if units.get(name) else name: v for name, v in columns.items()}
-    return write_history(path, named)
+    if all(np.asarray(values).dtype.kind in "biuf" for values in named.values()):
+        return page.write_history(path, named)
+    rows = [dict(zip(named, row, strict=True)) for row in zip(*named.values(), strict=True)]
+    return report.write_table(path, page.listed(rows))
 
 
 def write_parquet(path: Path, table: Table) -> Path:

@@ -207,6 +207,8 @@ def read_history(content: bytes) -> dict[str, NDArray[np.float64]]:
     """The columns of a file that `write_history` wrote, in its order: name -> values of shape (n,)."""
     header, _, body = content.decode().partition("\n")
     names = header.split(",")
+    if len({*names}) < len(names) or not all(map(_is_name, names)):
+        raise ValueError("its first line has no names of columns")
     rows = [line.split(",") for line in body.splitlines()]
     table = np.array([[entry or "nan" for entry in row] for row in rows], dtype=np.float64)
     table = table.reshape(-1, len(names))
@@ -217,9 +219,13 @@ def _column(name: str, values: ArrayLike) -> NDArray[np.float64]:
     column = np.asarray(values, dtype=np.float64)
     if column.ndim != 1:
         raise ValueError(f"history column {name!r} must have one dimension, it has {column.ndim}")
-    if "," in name or "\n" in name or name != name.strip() or not name:
+    if not _is_name(name):
         raise ValueError(f"history column name {name!r} does not fit a CSV header")
     return column
+
+
+def _is_name(text: str) -> bool:
+    return not re.search(r"[,\n]", text) and text == text.strip() != ""
 
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:

@@ -247,6 +247,22 @@ def test_a_sweep_is_compared_with_nothing(results, capsys):
     assert "no column of instants" in capsys.readouterr().err
 
 
+def test_a_sweep_is_exported_with_its_words(results):
+    assert _status(["export", str(results / "sweep"), "--to", "csv", "--out", str(results / "out")]) == 0
+    head, row = (line.split(",") for line in (results / "out" / "table.csv").read_text().splitlines())
+    found = dict(zip(head, row, strict=True))
+    assert (found["status"], found["run"], float(found["corner.friction"])) == ("passed", "0", 0.2)
+
+
+def test_by_force_a_history_without_names_of_columns_is_left_out(results):
+    (results / "run" / "history.csv").write_text('"a", "b"\n1,2\n')
+    with pytest.warns(UserWarning, match=r"history\.csv in it") as said:
+        assert set(tailslap.load(results / "run", force=True).histories) == {"rigid"}
+    assert [str(each.message).rpartition(", ")[2] for each in said] == [
+        *("or was changed since the program wrote it", "ValueError: its first line has no names of columns"),
+    ]
+
+
 def test_below_a_folder_that_may_not_be_searched(results, capsys):
     closed, user = results / "home", os.geteuid()
     closed.mkdir(0o000)
