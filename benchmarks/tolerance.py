@@ -1,11 +1,9 @@
-"""Whether `tailslap run --tolerance` keeps its word, over random scenes; and the constants of the error.
+"""Whether `tailslap run --tolerance` keeps its word, over random scenes.
 
     .venv/bin/python benchmarks/tolerance.py [--scenes 200] [--seed 2]
 
 Scenes differ in size, stiffness, thickness, speed, angle, friction, restitution and reaction; half have a corner
-patch. The error of each answer is measured against a far finer model of the flexible plate. `--sensitivity` prints
-error over give instead, from which the constants of `tailslap/case/corner/model.py` are taken (with another seed than
-the check).
+patch. The error of each answer is measured against a far finer model of the flexible plate.
 """
 
 from __future__ import annotations
@@ -112,21 +110,6 @@ def judge(seed: int, number: int) -> dict[str, Any]:
     }
 
 
-def sensitivity(seed: int, number: int) -> dict[str, Any]:
-    """Error over give of one scene on the program's usual mesh, calmed; NaN where a check fails."""
-    from tailslap.errors import InputError
-
-    changes, _ = draw(seed, number)
-    try:
-        outcome = run((*changes, "plate.elements=[20,6]", "damping.ratio=0.02"))
-    except InputError:
-        return {}
-    if not outcome.passed:
-        return {}
-    worst = max(map(abs, outcome.difference.values()))
-    return {"angle": outcome.fe_plan.case.start.angle, "ratio": worst / outcome.fe_plan.deflection_ratio}
-
-
 def all_of(function: Any, seed: int, scenes: int) -> list[dict[str, Any]]:
     """The function's answers for all scenes, on all cores."""
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
@@ -147,16 +130,6 @@ def print_word_kept(found: list[dict[str, Any]]) -> None:
             print({key: entry[key] for key in LISTED})
 
 
-def print_sensitivity(found: list[dict[str, Any]]) -> None:
-    """Largest error over give, by start angle."""
-    pairs = np.array([(entry["angle"], entry["ratio"]) for entry in found if entry])
-    print("start angle, deg    scenes  median error/give  largest")
-    for low in range(0, 40, 5):
-        inside = pairs[(np.degrees(pairs[:, 0]) >= low) & (np.degrees(pairs[:, 0]) < low + 5), 1]
-        if inside.size:
-            print(f"{low:>7} to {low + 5:<8}{inside.size:>6}{np.median(inside):>16.2f}{inside.max():>13.2f}")
-
-
 def main() -> None:
     """Run and print."""
     parser = argparse.ArgumentParser(
@@ -165,12 +138,9 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--seed", type=int, default=2)
     parser.add_argument("--only", type=int, nargs="*", help="numbers of single scenes")
-    parser.add_argument("--sensitivity", action="store_true")
     given = parser.parse_args()
     if given.only:
         print_word_kept([judge(given.seed, number) for number in given.only])
-    elif given.sensitivity:
-        print_sensitivity(all_of(sensitivity, given.seed, given.scenes))
     else:
         print_word_kept(all_of(judge, given.seed, given.scenes))
 

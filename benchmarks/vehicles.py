@@ -78,15 +78,10 @@ def wide_changes(seed: int, number: int) -> tuple[str, ...]:
 
 
 def beyond(outcome: Any) -> float:
-    """What the largest difference from the rigid motion has over what the plate's give explains."""
+    """Largest difference from the rigid motion beyond what companions show of the plate's flexibility."""
     from postprocess.comparison.quantities import largest
-    from tailslap.case.corner.model import sensitivity
 
-    fe_plan = outcome.fe_plan
-    explained = sensitivity(fe_plan.case.start.angle) * max(
-        fe_plan.deflection_ratio, fe_plan.other_deflection_ratio
-    )
-    return max(0.0, largest(outcome.difference) - explained) if outcome.fe else math.inf
+    return max(0.0, largest(outcome.difference) - outcome.error.flexibility) if outcome.fe else math.inf
 
 
 def judged(changes: tuple[str, ...]) -> Record:
@@ -121,8 +116,9 @@ def judged(changes: tuple[str, ...]) -> Record:
 
 def predicted(changes: tuple[str, ...]) -> Record:
     """What is foreseen, and whether the first run rings."""
+    from tailslap.case.corner.checks import rings
     from tailslap.case.corner.report import flutter_sentence
-    from tailslap.case.corner.run import attempt, rings
+    from tailslap.case.corner.run import attempt
     from tailslap.errors import InputError
 
     try:

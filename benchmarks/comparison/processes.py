@@ -56,10 +56,9 @@ def run_command(plate: Plate, settings: Sequence[str], distortion: float, limit:
         found = json.loads(Path(folder, "out", "summary.json").read_text(encoding="utf-8"))
     cost, values = found["cost"], tuple(found["fe"][name] for name in QUANTITIES)
     failed = ", ".join(check["name"] for check in found["checks"] if not check["passed"])
-    second = (found.get("numerical_error") or {}).get("second_run")
-    remark = f"{cost['steps']} steps" + (
-        " and a second run, for its numerical error" if second is not None else ""
-    )
+    remark = f"{cost['steps']} steps"
+    if found.get("companions"):
+        remark += " and a run on another mesh, for its numerical error"
     remark += f"; failed: {failed}" if failed else ""
     return Turn(whole, cost["setup_s"], cost["time_loop_s"], values, remark)
 

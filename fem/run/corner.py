@@ -2,8 +2,9 @@
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -53,8 +54,10 @@ class Run:
         Time steps taken.
     setup_s, time_loop_s : float
         Times that the state at the start and the steps took [s].
-    highest_frequency : float
-        The largest at a few instants of the run [rad/s].
+    model : PlateModel
+        The plate.
+    shapes : sequence of ndarray, shape (2, nodes)
+        Positions at a few instants of the run [m].
     snapshots : Snapshots or None
         Nodal positions and velocities at some instants, where they were asked for.
     """
@@ -64,8 +67,14 @@ class Run:
     steps: int
     setup_s: float
     time_loop_s: float
-    highest_frequency: float
+    model: PlateModel
+    shapes: Sequence[np.ndarray]
     snapshots: runner.Snapshots | None = None
+
+    @cached_property
+    def highest_frequency(self) -> float:
+        """The largest at these instants [rad/s]."""
+        return runner.highest_frequency(self.model, self.shapes)
 
 
 class Stepper(runner.PlateStepper):
@@ -155,8 +164,8 @@ def compile_loop(
     start: inertia_relief.RigidStart,
     threads: int = 1,
     on_compile: compiled.OnCompile = compiled.ignore_compiling,
-) -> None:
-    """Compile, or load from disk, all that a run of this model needs: one process of the machine at a time.
+) -> Stepper:
+    """The compiled loop of a model with all that a run needs compiled, or loaded from disk: one process at a time.
 
     on_compile: see `fem.machine_code.compiled.compile_once`.
     """
@@ -166,6 +175,7 @@ def compile_loop(
         *stepper.step_call,
         on_compile=on_compile,
     )
+    return stepper
 
 
 def simulate(
@@ -245,12 +255,12 @@ def simulate(
             values[-1] = strike.values[name]
     ended = time.perf_counter()
     last = shapes.last if strike else found.state.positions
-    frequency = runner.highest_frequency(model, [*shapes.seen[1 : runner.LOOKS], last])
+    looked = [*shapes.seen[1 : runner.LOOKS], last]
     snaps = None
     if snapshots:
         end = (strike.positions, strike.velocities) if strike else stepper.nodal(found.state)
         snaps = keeper.finished(history["t"], end)
-    return Run(history, strike, steps, began - entered, ended - began, frequency, snaps)
+    return Run(history, strike, steps, began - entered, ended - began, model, looked, snaps)
 
 
 def _named(values: Iterable[Any]) -> dict[str, Any]:

@@ -154,9 +154,6 @@ def step_properties(scene: Scene, longest: float) -> StepProperties:
 HIGHER_ORDER_UP_TO = 20_000
 """Elements above which statics judges the mesh by a coarser one, of at most so many."""
 
-FINER_UP_TO = 400
-"""Elements up to which a second run has the finer mesh; above, one of about as many nodes as the first."""
-
 
 def refined(
     plate: Plate,
@@ -184,12 +181,3 @@ def comparable_plate(plate: Plate) -> Plate:
         # Row sums give the corners of quadratic triangles no mass.
         return plate.model_copy(update={"element": higher, "lumping": "exact"})
     return refined(plate)
-
-
-def second_plates(plate: Plate) -> tuple[Plate, Plate]:
-    """Plates of a second run, to try in turn: quadratic elements where the run has linear ones, for a mesh that locks
-    may agree with one that locks a little less; else another number of elements."""
-    few, higher = math.prod(plate.counts) <= FINER_UP_TO, kinds.ELEMENT_KINDS[plate.element].higher_order
-    factors = (1.0, 2.0) if few and higher else (2.0, 0.5) if few else (0.5, 2.0)
-    first, second = (refined(plate, factor, higher or plate.element) for factor in factors)
-    return first, second

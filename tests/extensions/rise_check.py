@@ -3,10 +3,10 @@
 import numpy as np
 
 from tailslap.case.case import CheckKind, Evaluation
-from tailslap.case.corner.checks import CHECKS, Evidence
+from tailslap.case.corner.checks import CHECKS, CornerOutcome
 
 
-def rise(given: Evidence) -> Evaluation | None:
+def rise(given: CornerOutcome) -> Evaluation | None:
     if "height" not in given.history:
         return None
     risen = float(np.diff(given.history["height"]).max()) / given.fe_plan.case.body.width

@@ -128,7 +128,7 @@ def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome):
     assert damped.passed
     fe_plan = damped.fe_plan
     assert fe_plan.rang
-    told = error.numerical_error(replace(fe_plan, rang=False), damped.difference, 0.0, damped.second).damping
+    told = error.numerical_error(replace(fe_plan, rang=False), damped.difference, damped.companions).damping
     added = model.friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
     assert told == pytest.approx(damped.error.damping + added)
     assert added > 3e-4

@@ -123,12 +123,9 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
 
 def test_a_check_from_outside_can_fail(result):
     from tailslap.case.case import evaluated
-    from tailslap.case.corner.checks import Evidence
 
     history = result.run.history | {"height": -result.run.history["height"]}
-    run = replace(result.run, history=history)
-    evidence = Evidence(result.fe_plan, run, result.rigid_history, result.difference)
-    checks = evaluated(CHECKS.values(), evidence)
+    checks = evaluated(CHECKS.values(), replace(result, run=replace(result.run, history=history)))
     assert [check.name for check in checks if not check.passed] == ["rise"]
     assert advice(CHECKS, ["rise"]) == "less of everything"
 

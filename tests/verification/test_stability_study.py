@@ -97,7 +97,7 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch):
     soft_spring = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
     assert "its own numerical error" in soft_spring["reason"]
-    monkeypatch.setattr("tailslap.case.corner.checks.Evidence.error", NumericalError(*7 * [0.0]))
+    monkeypatch.setattr("tailslap.case.corner.checks.CornerOutcome.error", NumericalError(*5 * [0.0]))
     unaware = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert unaware["kind"] == "wrong"
     assert "changes it by" in unaware["reason"]
@@ -561,7 +561,9 @@ def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted():
     for energy in (1.0, 2.0):  # over that of the start: twice as much has come from friction
         swings = Check.at_most("oscillation", energy, 9.0, "made to pass")
         assert study.trustworthy(replace(outcome, checks=(swings,))) == (energy < 1.25)
-    assert not study.trustworthy(replace(outcome, error=replace(outcome.error, damping=0.1)))
+    swayed = replace(outcome)
+    vars(swayed)["error"] = replace(outcome.error, damping=0.1)
+    assert not study.trustworthy(swayed)
     assert not study.trustworthy(replace(outcome, difference={}))
 
 

@@ -8,11 +8,12 @@ import pytest
 
 from fem.plate.kinds import nodal_spin
 from postprocess.comparison.quantities import largest
+from tailslap.case.corner import decisions
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.checks import rings
 from tailslap.case.corner.error import CORRUPTED
-from tailslap.case.corner.model import sensitivity
-from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate, rings
-from tailslap.case.model import comparable_plate, refined, second_plates
+from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate
+from tailslap.case.model import comparable_plate, refined
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
@@ -28,9 +29,9 @@ def failed(result):
 
 def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome):
     """A spring of stiffness k moves the whole plate by N/k; the elastic part is that of the exact constraint."""
-    result, exact = outcome("paper-abaqus"), fe_plan("corner.constraint=exact")
-    (spring,) = (check for check in result.checks if check.name == "contact spring")
-    assert spring.value == pytest.approx(result.fe_plan.deflection_ratio - exact.deflection_ratio, rel=1e-4)
+    held, exact = outcome("paper-abaqus").fe_plan, fe_plan("corner.constraint=exact")
+    assert held.spring_ratio == pytest.approx(held.deflection_ratio - exact.deflection_ratio, rel=1e-4)
+    assert exact.spring_ratio == 0.0
 
 
 @pytest.mark.long
@@ -38,7 +39,7 @@ def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome):
     soft = ("plate.youngs_modulus=20 MPa", "plate.elements=[10,3]", "corner.reaction=none")
     assert failed(outcome("paper-table-3", *soft, "corner.penalty_scale=0.7")) == {"numerical error"}
     exact = outcome("paper-table-3", *soft, "corner.constraint=exact", "plate.element=quad9")
-    assert "contact spring" not in {check.name for check in exact.checks}
+    assert exact.error.contact_spring == 0.0
     assert failed(exact) == set()
 
 
@@ -50,11 +51,12 @@ def test_mesh_that_locks_is_caught(outcome):
 
 
 def test_give_of_a_patch_converges_to_that_of_richer_elements():
-    changes = ("corner.patch_length=1", "corner.constraint=exact")
     gaps = []
     for n in (20, 40, 80):
-        plan = fe_plan(*changes, f"plate.elements=[{n},{3 * n // 10}]")
-        gaps.append(abs(plan.deflection_ratio - plan.other_deflection_ratio) / plan.deflection_ratio)
+        changes = ("corner.patch_length=1", "corner.constraint=exact", f"plate.elements=[{n},{3 * n // 10}]")
+        case = case_of("paper-abaqus", *changes)
+        mesh = decisions.make_mesh(case, case.scene.needed_plate)
+        gaps.append(abs(mesh.deflection_ratio - mesh.other_deflection_ratio) / mesh.deflection_ratio)
     assert gaps[0] < 0.06
     assert np.all(np.diff(np.log2(gaps)) < -1.0)
 
@@ -107,21 +109,20 @@ def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome, element):
     assert spin == pytest.approx(np.full_like(spin, 0.7), rel=1e-12)
 
 
-def test_a_second_run_is_damped_where_the_scene_forbids_it(outcome):
-    """Linear elements run quietly to 2e-5; the quadratic ones flutter, and damping does not change what they tell."""
+def test_a_companion_is_damped_where_the_scene_forbids_it(outcome):
+    """The run is quiet; its companion of half the mesh size flutters, and damping does not change its answer."""
     vehicle = ("vehicle.length=14.4", "vehicle.width=3.6", "impact.speed=18", "impact.angle=0.085", "wall=")
-    mesh = ("plate.elements=[22, 11]", "plate.lumping=row-sum", "plate.distortion=0.04")
+    mesh = ("plate.elements=[10, 5]", "plate.lumping=row-sum", "plate.distortion=0.04")
     plate = (*mesh, "impact.friction=0.9")
-    soft = ("plate.youngs_modulus=", "plate.first_frequency=92 Hz", "corner.penalty_scale=0.2")
+    soft = ("plate.youngs_modulus=", "plate.first_frequency=92 Hz", "corner.penalty_scale=1")
     rest = ("corner.patch_length=3.6", "impact.restitution=0.19", "damping.kind=none")
     result = outcome("mash-tl4-sut", *vehicle, *plate, *soft, *rest)
-    other = on_plate(result.fe_plan, second_plates(result.fe_plan.plate)[0])
-    alike = attempt(damped_alike(other, result.fe_plan))
+    alike = attempt(damped_alike(on_plate(result.fe_plan, refined(result.fe_plan.plate)), result.fe_plan))
     assert result.fe_plan.model.loop.elastic_damping is None
     assert rings(alike)
     assert result.passed
-    assert 1e-5 < largest(result.difference) < 5e-5
-    assert largest(result.second.difference) < 1e-6
+    assert result.companions[0].mesh == "quad4, 20 x 10"
+    assert largest(result.companions[0].difference) < largest(result.difference) < 2e-4
 
 
 def test_only_the_kind_of_damping_is_left_open():
@@ -210,12 +211,6 @@ def test_a_run_without_a_result_does_not_meet_it():
     result = case_of("paper-table-3").run().with_tolerance(math.nan, 1e-4)
     assert not result.passed
     assert not check_of(result).passed
-
-
-def test_sensitivity_bounds_what_was_seen():
-    """Largest error over give at 5, 20 and 40 degrees: 0.45, 0.88 and 1.97 (benchmarks/tolerance.py --sensitivity)."""
-    for degrees, seen in ((5.0, 0.45), (20.0, 0.88), (40.0, 1.97)):
-        assert 1.3 * seen < sensitivity(math.radians(degrees)) < 3.0 * seen
 
 
 def test_command_says_whether_it_was_met(tmp_path):

@@ -11,8 +11,8 @@ from tailslap.case.corner.rigid import RigidStages
 if TYPE_CHECKING:
     from types import ModuleType
 
+    from tailslap.case.corner.checks import CornerOutcome
     from tailslap.case.corner.plan import CornerPlan
-    from tailslap.case.corner.run import CornerOutcome
     from tailslap.scene.schema import Scene
 
 

@@ -1,21 +1,21 @@
-"""Distance of a run from the plate that the scene describes: mesh, time step, contact spring, damping, ringing.
+"""Numerical error of a run by companions, the same vehicle on other meshes, judged in the manner of ASME V&V 20.
 
-After a start by inertia relief the plate follows its loads, and statics tells what each of these can do: the answer
-moves by `sensitivity` times what it moves the centre of mass at the start. An unstressed plate oscillates, and the
-phase of its oscillation counts; there, and where statics explains less than the difference from the rigid motion, or
-tells of an error that is not small beside it, a second run tells: on another mesh. Two oscillations may agree at one
-instant by chance, so that they are compared over the whole motion as well.
+Two meshes bound the distance to the limit of fine meshes by a safety factor and the order of the support, three by the
+order that they show. Companions have the damping and the constraint of the run, whose errors are added: both are in
+proportion to what the plate's flexibility changes. Two oscillations may agree at one instant by chance, so that runs
+are compared over the motion as well.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fem.plate import kinds
 from postprocess.comparison.quantities import largest
 from tailslap.case.corner import model
 from tailslap.case.corner.plan import CornerPlan
@@ -26,14 +26,11 @@ RINGING, CORRUPTED = 2e-3, 0.1
 FLOOR, FRACTION = 5e-4, 0.25
 """Numerical error that is allowed whatever the plate, and as a fraction of what its flexibility changes."""
 
-SHARP = 0.1
-"""Part of the difference from the rigid motion that its numerical error may be and still be told by statics."""
+SAFETY = 1.5
+"""Safety factor on the distance to the limit: between the 1.25 and 3 of ASME V&V 20, since the order is a lower one."""
 
-EXPLAINED = 2.0
-"""Multiples of the deflection ratio that a difference from the rigid motion may have: it is 0.3 to 2.0 of it."""
-
-LAG_EFFECT = 0.9
-"""Change of the result over the lag that damping leaves the plate with, see `benchmarks/damping.py`."""
+ORDERS = 0.5, 1.0, 2.0
+"""Order of convergence at a point support, which has no limit in theory, at a patch, and of smooth solutions."""
 
 LATE, LAST = 0.1, 9
 """Part of the motion over which two runs are compared, and number of the last such part."""
@@ -42,49 +39,46 @@ VELOCITIES = ("v_gx", "v_gy", "omega")
 
 Histories = tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]
 
-FACTOR = 4.0 / 3.0
-"""Error over the distance to the second run, of second order between linear elements and half as large ones."""
-
 
 @dataclass(frozen=True)
-class SecondRun:
-    """A run of the same plate on another mesh with the exact constraint.
+class Companion:
+    """A run of the same plate on another mesh.
 
     Attributes
     ----------
     mesh : str
         In words.
+    refinement : float
+        Elements along a side over those of the run [-], twice as many for elements of higher order.
     difference : dict of str to float
-        Its five quantities' from the rigid motion; empty where it came to no result.
-    late, apart : float
-        What lies between the velocities of the two runs over the last tenth of the motion, and if the plate oscillates
-        over any, as a fraction of the rigid ones at the tail-slap, see `distance_in_motion`.
+        Of its five quantities from the rigid motion; empty where it came to no result.
+    apart : float
+        Distance between the velocities of both runs, see `distance_in_motion`.
     """
 
     mesh: str
+    refinement: float
     difference: Mapping[str, float]
-    late: float = 0.0
     apart: float = 0.0
 
 
 @dataclass(frozen=True)
 class NumericalError:
-    """Relative errors of the five quantities, the largest of them, at most; `second_run` takes in the first three, NaN
-    where there was none. flexibility: what the plate's own flexibility changes."""
+    """Relative errors of the five quantities, the largest of them, at most; mesh is NaN without companions.
 
-    time_step: float
+    rounding: of the time step and of the sums over all steps. flexibility: what the plate's own flexibility changes.
+    """
+
     mesh: float
     contact_spring: float
     damping: float
-    ringing: float
-    second_run: float
+    rounding: float
     flexibility: float
 
     @property
     def total(self) -> float:
         """All of them together."""
-        by_statics = self.time_step + self.mesh + self.contact_spring
-        return self.damping + self.ringing + (by_statics if math.isnan(self.second_run) else self.second_run)
+        return self.mesh + self.contact_spring + self.damping + self.rounding
 
     @property
     def allowed(self) -> float:
@@ -92,37 +86,50 @@ class NumericalError:
         return FLOOR + FRACTION * self.flexibility
 
 
-def needs_second_run(fe_plan: CornerPlan, differences: Mapping[str, float], error: NumericalError) -> bool:
-    """True where statics does not tell, or not sharply, how far the run may be off."""
-    explained = largest(differences) <= FLOOR + EXPLAINED * fe_plan.deflection_ratio
-    sharp = error.total <= max(FLOOR, SHARP * largest(differences))
-    by_statics = fe_plan.plate.relieved and not kinds.LUMPINGS[fe_plan.plate.lumping].fault
-    return not (by_statics and explained and sharp)
-
-
 def numerical_error(
-    fe_plan: CornerPlan, differences: Mapping[str, float], ringing: float, second: SecondRun | None
+    fe_plan: CornerPlan, difference: Mapping[str, float], companions: Sequence[Companion]
 ) -> NumericalError:
-    """The estimate; differences: from the rigid motion, empty if there is no result; ringing: friction by ringing."""
-    factor, relieved = model.sensitivity(fe_plan.case.start.angle), fe_plan.plate.relieved
-    by_statics = factor * max(fe_plan.deflection_ratio, fe_plan.other_deflection_ratio)
+    """The error of a run with these five differences from the rigid motion, empty if it came to no result."""
+    deflection, steps = fe_plan.deflection_ratio, fe_plan.expected_steps
+    flexibility = max(deflection, *(largest(each.difference) for each in companions if each.difference), 0.0)
+    order = ORDERS[fe_plan.case.scene.corner.patch_length is not None]
     return NumericalError(
-        time_step=(1.0 / fe_plan.expected_steps) ** 2,
-        mesh=factor * abs(fe_plan.deflection_ratio - fe_plan.other_deflection_ratio),
-        contact_spring=factor * fe_plan.spring_ratio,
-        damping=factor * _lag_error(fe_plan) if relieved else _oscillation_lost(fe_plan),
-        ringing=ringing
-        if relieved
-        else 0.0,  # an unstressed plate rings by itself, and the second run tells how
-        second_run=_distance(differences, second) if second else math.nan,
-        flexibility=largest(second.difference) if second else by_statics,
+        mesh=mesh_error(difference, companions, order) if companions else math.nan,
+        contact_spring=SAFETY * flexibility * fe_plan.spring_ratio / deflection,
+        damping=_lag_error(fe_plan, flexibility) if fe_plan.plate.relieved else _oscillation_lost(fe_plan),
+        rounding=steps**-2.0 + steps * sys.float_info.epsilon,
+        flexibility=flexibility,
     )
 
 
-def _lag_error(fe_plan: CornerPlan) -> float:
-    """The error by the lag of damping, over the centre's travel: no more than the whole deflection."""
+def mesh_error(difference: Mapping[str, float], companions: Sequence[Companion], order: float) -> float:
+    """Distance of a run to the limit of fine meshes, at most; infinite where a companion has no result.
+
+    difference: of the run. order: of convergence, between two meshes. Meshes of neighbours differ by a factor of two.
+    """
+    if not difference or not all(each.difference for each in companions):
+        return math.inf
+    own = Companion("", 1.0, difference)
+    runs = sorted((own, *companions), key=lambda each: each.refinement)
+    steps = [_distance(*pair) for pair in itertools.pairwise(runs)]
+    to_finest = _distance(own, runs[-1])
+    if len(steps) == 1:
+        return SAFETY * (to_finest + steps[0] / (2.0**order - 1.0))
+    observed = math.log2(steps[-2] / steps[-1]) if min(steps[-2:]) > 0.0 else order
+    order = min(max(observed, ORDERS[0]), ORDERS[-1])
+    return to_finest + SAFETY * steps[-1] / (2.0**order - 1.0)
+
+
+def _distance(coarse: Companion, fine: Companion) -> float:
+    """Distance between two runs, by their velocities over the motion as well where one is the run itself, with 1."""
+    apart = max(coarse.apart, fine.apart) if 1.0 in (coarse.refinement, fine.refinement) else 0.0
+    return max(apart, *(abs(value - fine.difference[name]) for name, value in coarse.difference.items()))
+
+
+def _lag_error(fe_plan: CornerPlan, flexibility: float) -> float:
+    """The error by the lag of damping, in proportion to its deflection: no more than all that flexibility changes."""
     lag = fe_plan.damping_lag
-    return LAG_EFFECT * lag / (1.0 + 2.0 * lag / fe_plan.deflection_ratio) if lag else 0.0
+    return SAFETY * flexibility * lag / (fe_plan.deflection_ratio + lag)
 
 
 def _oscillation_lost(fe_plan: CornerPlan) -> float:
@@ -133,15 +140,6 @@ def _oscillation_lost(fe_plan: CornerPlan) -> float:
         return 0.0
     lost = model.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
     return lost if fe_plan.rang else lost + model.friction_lost(fe_plan.case, damping.rate)
-
-
-def _distance(differences: Mapping[str, float], second: SecondRun) -> float:
-    """Error by the second run; infinite where one of the two has no result. Oscillations that have drifted apart tell
-    no order of convergence: what is between them is as large as it is."""
-    if not (differences and second.difference):
-        return math.inf
-    at_strike = max(abs(value - second.difference[name]) for name, value in differences.items())
-    return max(FACTOR * at_strike, FACTOR * second.late, second.apart)
 
 
 def distance_in_motion(

@@ -23,11 +23,6 @@ if TYPE_CHECKING:
 MIN_STEPS = 1000
 """Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
 
-FLAT, STEEP = 0.8, 2.6
-"""Change of the result over the deflection ratio: so much at small angles, and so much more per radian of start angle.
-Largest ratios seen by `benchmarks/tolerance.py --sensitivity`, with a third on top."""
-
-
 SWINGS = 0.5
 """Change of the result over the speed that the oscillation's energy would give the whole plate: 0.2 to 0.6 of it."""
 
@@ -64,11 +59,6 @@ def static_models(
         except ModelError as error:
             raise refusal(case.scene, plate, error) from None
     return models
-
-
-def sensitivity(angle: float) -> float:
-    """Change of the answer over the deflection ratio, at most, for a start at this angle [rad] by inertia relief."""
-    return FLAT + STEEP * angle
 
 
 def oscillation_lost(case: RigidStages, energy: float, mass: float, rate: float) -> float:

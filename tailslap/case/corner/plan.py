@@ -34,8 +34,8 @@ class CornerPlan(FePlan):
         Rigid state at the start of Stage 2.
     deflection_ratio : float
         Static deflection under the reaction at the start over the centre's travel to the wall [-].
-    other_deflection_ratio : float
-        The same of the comparable plate [-]; what it differs by is the discretisation error.
+    locks : bool
+        True where elements of higher order would deflect by more than a little else.
     rang : bool
         True where a run with less damping rang.
     """
@@ -45,7 +45,7 @@ class CornerPlan(FePlan):
     growth: decisions.Growth
     start: RigidStart
     deflection_ratio: float
-    other_deflection_ratio: float
+    locks: bool
     rang: bool = False
 
     @cached_property
@@ -139,7 +139,7 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
         growth=growth,
         start=rigid_start(case),
         deflection_ratio=ratio,
-        other_deflection_ratio=mesh.other_deflection_ratio,
+        locks=not mesh.fine_enough,
         rang=more_damping > 1.0,
     )
 

@@ -26,11 +26,18 @@ from tailslap import progress
 from tailslap.case import report
 from tailslap.case.case import advice, failed_names
 from tailslap.case.corner import decisions
-from tailslap.case.corner.checks import CHECKS, CONTACT, ENERGY_RATIO, MECHANICS, PRACTICE, reaction_checks
+from tailslap.case.corner.checks import (
+    CHECKS,
+    CONTACT,
+    ENERGY_RATIO,
+    MECHANICS,
+    PRACTICE,
+    CornerOutcome,
+    reaction_checks,
+)
 from tailslap.case.corner.error import FLOOR
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.corner.rigid import LABELS, RigidStages
-from tailslap.case.corner.run import CornerOutcome
 from tailslap.scene.schema import Scene
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
@@ -107,6 +114,7 @@ def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
         "difference": outcome.difference or nothing,
         "verdict": verdict_sentence(outcome),
         "numerical_error": {"total": outcome.error.total, **asdict(outcome.error)},
+        "companions": [asdict(each) for each in outcome.companions],
         "attempts": outcome.attempts,
         "metrics": {name: asdict(metrics) for name, metrics in outcome.metrics.items()},
         "cost": {**alike["cost"], "pictures_s": outcome.pictures_s},
@@ -291,13 +299,12 @@ def verdict_sentence(outcome: CornerOutcome) -> str:
 
 
 def _comparison(outcome: CornerOutcome) -> str:
-    difference, error = quantities.largest(outcome.difference), outcome.error.total
+    difference = quantities.largest(outcome.difference)
+    stated = f"at most {outcome.error.total:.1e}" if outcome.companions else "not stated"
     if difference <= FLOOR:
-        return f"The rigid motion is confirmed to {difference:.1e}; numerical error at most {error:.1e}."
-    return (
-        f"The flexible plate differs from the rigid motion by {100.0 * difference:.2g} %, "
-        f"numerical error at most {error:.1e}."
-    )
+        return f"The rigid motion is confirmed to {difference:.1e}; numerical error {stated}."
+    changed = f"The flexible plate differs from the rigid motion by {100.0 * difference:.2g} %"
+    return f"{changed}, numerical error {stated}."
 
 
 def flutter_sentence(fe_plan: CornerPlan) -> str:
@@ -386,16 +393,16 @@ def _plate_mass(plate: float, vehicle: float) -> str:
 
 
 def _error(outcome: CornerOutcome) -> str:
-    error, second = outcome.error, outcome.second
-    if second is not None:
-        mesh = f"a second run ({second.mesh}) with the exact constraint"
-        parts = f"{error.second_run:.1e} by {mesh}, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
-    else:
-        parts = (
-            f"{error.mesh:.1e} by the mesh, {error.contact_spring:.1e} by the contact spring, {error.time_step:.1e} by "
-            f"the time step, {error.damping:.1e} by damping, {error.ringing:.1e} by ringing"
-        )
-    return f"Numerical error of the five quantities at most {error.total:.1e}: {parts}."
+    error = outcome.error
+    if not outcome.companions:
+        why = "for verify.companion is false" if outcome.fe else "for the run has no result"
+        return f"No numerical error is stated, {why}."
+    meshes = " and ".join(each.mesh for each in outcome.companions)
+    return (
+        f"Numerical error of the five quantities at most {error.total:.1e}: {error.mesh:.1e} by the mesh, beside "
+        f"{meshes}; {error.contact_spring:.1e} by the contact spring, {error.damping:.1e} by damping, "
+        f"{error.rounding:.1e} by rounding."
+    )
 
 
 def _convention(case: RigidStages) -> str:

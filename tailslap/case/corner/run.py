@@ -1,21 +1,21 @@
-"""A run of a constrained corner: the FE plate beside the rigid motion, made again where it rings, and a second run."""
+"""A run of a constrained corner: the FE plate beside the rigid motion, made again where it rings, and companions."""
 
 from __future__ import annotations
 
+import math
 import time
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.plate import kinds
 from postprocess.comparison import quantities
-from postprocess.comparison.quantities import Metrics
 from tailslap.case import model
-from tailslap.case.case import Outcome, evaluated
+from tailslap.case.case import MOST_ELEMENTS, evaluated
 from tailslap.case.corner import decisions, error, plan
-from tailslap.case.corner.checks import CHECKS, Evidence, energy_error, ringing_checks
-from tailslap.case.corner.error import NumericalError, SecondRun
+from tailslap.case.corner.checks import CHECKS, CornerOutcome, rings
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
@@ -24,175 +24,92 @@ from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
-    from fem.run.corner import Run
+    from fem.run.corner import Run, Stepper
 
 MORE_DAMPING = 4.0
 """Times the damping that was foreseen, for a run that rings with it."""
 
+MOST_COMPANIONS = 2
 
-@dataclass(frozen=True)
-class CornerOutcome(Outcome):
-    """A finished run of a constrained corner.
-
-    Attributes
-    ----------
-    fe_history, rigid_history : dict of str to ndarray, shape (rows,)
-        Columns by name, SI, at the same instants.
-    rigid, fe : dict of str to float
-        The five quantities at the tail-slap; `fe`, and `difference`, are empty without a tail-slap.
-    metrics : dict of str to Metrics
-        Of FE histories against the rigid ones.
-    error : NumericalError
-        How far the run may be from its own limit of fine meshes.
-    second : SecondRun or None
-        A run on another mesh that the error was judged by.
-    attempts : int
-        2 where the first run rang.
-    pictures : tuple of Path
-        Contour pictures.
-    pictures_s : float
-        Time that the pictures took [s].
-    """
-
-    fe_plan: CornerPlan
-    run: Run
-    fe_history: dict[str, np.ndarray]
-    rigid_history: dict[str, np.ndarray]
-    rigid: dict[str, float]
-    fe: dict[str, float]
-    metrics: dict[str, Metrics]
-    error: NumericalError
-    second: SecondRun | None = None
-    attempts: int = 1
-    pictures: tuple[Path, ...] = ()
-    pictures_s: float = 0.0
+COARSEST = 6
+"""Elements across a plate, or along it, from which on a companion has half as many."""
 
 
 def run_corner(case: RigidStages) -> CornerOutcome:
-    """Run the plate and compare it with the rigid motion, with a second run where statics does not tell the error.
+    """Run the plate, and its companions where the scene wants the error; compare with the rigid motion and check.
 
     A run that rings where the program may choose the damping is made once more, with more of it. Raises InputError for
     keys that make no model, and for a start that the plate cannot have.
     """
     outcome = settled(case)
-    if not outcome.fe or not error.needs_second_run(outcome.fe_plan, outcome.difference, outcome.error):
-        return outcome
-    judged = compare(outcome.fe_plan, outcome.run, outcome.setup_s, second_run(outcome))
-    return replace(judged, attempts=outcome.attempts)
+    return judged(with_companions(outcome) if outcome.fe and case.scene.verify.companion else outcome)
 
 
 def settled(case: RigidStages) -> CornerOutcome:
-    """The outcome without a second run: made again with more damping where it rings and the program may choose that."""
+    """The outcome, not checked: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(case)
-    if not (rings(outcome) and decisions.damping_is_open(case.scene)):
+    if not (decisions.damping_is_open(case.scene) and rings(outcome)):
         return outcome
     again = attempt(case, MORE_DAMPING)
     return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
 
 
-def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
-    """A single run, compared with the rigid motion; more_damping: factor on the damping that the program chooses [-].
-
-    Raises InputError as `run_corner`.
-    """
-    began = time.perf_counter()
-    with announced("Building the model ..."):
-        from fem.run import corner
-
-        fe_plan = plan.make_corner_plan(case, more_damping)
-    corner.compile_loop(fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling)
-    setup = time.perf_counter() - began
-    run = _simulated(fe_plan)
-    return compare(fe_plan, run, setup + run.setup_s)
+def judged(outcome: CornerOutcome) -> CornerOutcome:
+    """The outcome with its checks."""
+    return replace(outcome, checks=evaluated(CHECKS.values(), outcome))
 
 
-def _simulated(fe_plan: CornerPlan) -> Run:
-    """The run of the model. Raises InputError for a start that the plate cannot have."""
-    from fem.run import corner
-    from fem.start.inertia_relief import TooSoftError
-
-    scene, start = fe_plan.case.scene, fe_plan.plate.start
-    try:
-        with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
-            return corner.simulate(
-                fe_plan.model,
-                fe_plan.start,
-                fe_plan.case.duration,
-                kind=start,
-                rows=scene.time.rows,
-                threads=scene.time.threads,
-                progress=progress,
-                corrupted=lambda row: error.friction_by_ringing(fe_plan, row) > error.CORRUPTED,
-                checkpoint=checkpoints.next_checkpoint(),
-                snapshots=scene.kept_fields,
-            )
-    except TooSoftError:
-        why = "the plate is too soft to be in equilibrium under its reaction"
-        raise InputError("plate.start", start, f'{why}; allowed is "unstressed"') from None
+def with_companions(outcome: CornerOutcome) -> CornerOutcome:
+    """The outcome with companions: a second one where the first leaves an error above what is allowed."""
+    for plate, refinement in companion_plates(outcome.fe_plan):
+        made = companion(outcome, plate, refinement)
+        if made is None or (refinement < 1.0 and not made.difference):  # too coarse
+            continue
+        outcome = replace(outcome, companions=(*outcome.companions, made))
+        if outcome.error.total <= outcome.error.allowed or len(outcome.companions) == MOST_COMPANIONS:
+            break
+    return outcome
 
 
-def rings(outcome: CornerOutcome) -> bool:
-    """True where a check says that the reaction rang, or the run came to no answer."""
-    ringing = ringing_checks()
-    return any(check.name in ringing and not check.passed for check in outcome.checks)
+def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
+    """Plates of companions, to try in turn, and their refinement: half as many elements each way, then more of them;
+    elements of higher order where linear ones lock, for two meshes that lock may agree."""
+    plate, higher = fe_plan.plate, kinds.ELEMENT_KINDS[fe_plan.plate.element].higher_order
+    if higher and fe_plan.locks:
+        yield from ((model.refined(plate, factor, higher), 2.0 * factor) for factor in (1.0, 2.0))
+        return
+    large = 4 * math.prod(plate.counts) > MOST_ELEMENTS
+    factors = (2.0, 4.0) if min(plate.counts) < COARSEST else (0.5, 0.25) if large else (0.5, 2.0)
+    yield from ((model.refined(plate, factor), factor) for factor in factors)
 
 
-def compare(fe_plan: CornerPlan, run: Run, setup: float, second: SecondRun | None = None) -> CornerOutcome:
-    """Hold a run against the rigid motion and check it; setup: time [s] that its model took."""
-    rigid = fe_plan.case.tail_slap
-    fe = {name: run.strike.values[name] for name in quantities.KEYS} if run.strike else {}
-    rigid_history = rigid_columns(fe_plan, run.history)
-    differences = quantities.relative_difference(fe, rigid) if fe else {}
-    evidence = Evidence(fe_plan, run, rigid_history, differences, second)
-    with np.errstate(all="ignore"):  # a run that diverged is judged, not warned about
-        return CornerOutcome(
-            fe_plan=fe_plan,
-            run=run,
-            difference=evidence.differences,
-            checks=evaluated(CHECKS.values(), evidence),
-            setup_s=setup,
-            fe_history=run.history | {"energy_error": energy_error(run.history)},
-            rigid_history=rigid_history,
-            rigid=rigid,
-            fe=fe,
-            metrics=evidence.metrics,
-            error=evidence.error,
-            second=second,
-        )
+def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.Companion | None:
+    """The companion of a run on the mesh of this plate; None where none can be made.
 
-
-def second_run(outcome: CornerOutcome) -> SecondRun:
-    """A run of the same plate on another mesh, with the exact constraint; no differences where none can be made.
-
-    It has the damping of the first run, or where it rings with that, what the program comes to for it; also where the
-    scene forbids it, if the plate starts with the elastic state that damping leaves as it is.
+    It has the damping of the run, or where it rings with that, what the program comes to for it; also where the scene
+    forbids it, if the plate starts with the elastic state that damping leaves as it is.
     """
     fe_plan = outcome.fe_plan
-    for plate in model.second_plates(fe_plan.plate):
-        case = on_plate(fe_plan, plate)
-        try:
-            other = attempt(damped_alike(case, fe_plan))
-            if rings(other) and (decisions.damping_is_open(case.scene) or plate.relieved):
-                other = settled(damped_freely(case))
-        except InputError:
-            continue
-        mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
-        if not other.fe:
-            return SecondRun(mesh, {})
-        ours, its = ((run.fe_history, run.rigid_history) for run in (outcome, other))
-        late = error.distance_in_motion(ours, its, outcome.rigid, False)
-        apart = error.distance_in_motion(ours, its, outcome.rigid, not fe_plan.plate.relieved)
-        return SecondRun(mesh, other.difference, late, apart)
-    return SecondRun("none", {})
+    case = on_plate(fe_plan, plate)
+    try:
+        other = attempt(damped_alike(case, fe_plan))
+        if (decisions.damping_is_open(fe_plan.asked.scene) or plate.relieved) and rings(other):
+            other = settled(damped_freely(case))
+    except InputError:
+        return None
+    mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
+    if not other.fe:
+        return error.Companion(mesh, refinement, {})
+    ours, its = ((run.run.history, run.rigid_history) for run in (outcome, other))
+    apart = error.distance_in_motion(ours, its, outcome.rigid, not fe_plan.plate.relieved)
+    return error.Companion(mesh, refinement, other.difference, apart)
 
 
 def on_plate(fe_plan: CornerPlan, plate: Plate) -> RigidStages:
-    """The case as asked for on the mesh of this plate, the exact constraint in place of a spring that is given."""
-    changes: dict[str, Any] = {"plate.elements": plate.elements, "plate.element": plate.element}
-    changes |= {"plate.distortion": 0.0, "plate.lumping": "exact", "output": None}
-    if not fe_plan.asked.scene.corner.constraint_is_open:
-        changes |= {"corner.constraint": "exact", "corner.penalty_scale": None, "corner.damping_ratio": None}
-    return fe_plan.asked.with_changes(changes)
+    """The case as it is run, on the mesh of this plate."""
+    changes = {"plate.elements": plate.elements, "plate.element": plate.element, "plate.lumping": "exact"}
+    constraint = {"corner.constraint": fe_plan.case.scene.corner.constraint, "output": None}
+    return fe_plan.case.with_changes(changes | constraint)
 
 
 def damped_alike(case: RigidStages, fe_plan: CornerPlan) -> RigidStages:
@@ -210,6 +127,58 @@ def damped_freely(case: RigidStages) -> RigidStages:
         return case
     own = {"damping.kind": None, "damping.rate": None}
     return case.with_changes(own if damping.ratio or damping.bulk_viscosity else {"damping": None})
+
+
+def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
+    """A single run beside the rigid motion, not checked; more_damping: factor on the damping that is chosen [-].
+
+    Raises InputError as `run_corner`.
+    """
+    began = time.perf_counter()
+    with announced("Building the model ..."):
+        from fem.run import corner
+
+        fe_plan = plan.make_corner_plan(case, more_damping)
+    stepper = corner.compile_loop(
+        fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling
+    )
+    setup = time.perf_counter() - began
+    run = _simulated(fe_plan, stepper)
+    return compare(fe_plan, run, setup + run.setup_s)
+
+
+def _simulated(fe_plan: CornerPlan, stepper: Stepper) -> Run:
+    """The run of the model. Raises InputError for a start that the plate cannot have."""
+    from fem.run import corner
+    from fem.start.inertia_relief import TooSoftError
+
+    scene, start = fe_plan.case.scene, fe_plan.plate.start
+    try:
+        with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
+            return corner.simulate(
+                fe_plan.model,
+                fe_plan.start,
+                fe_plan.case.duration,
+                kind=start,
+                rows=scene.time.rows,
+                progress=progress,
+                make_stepper=lambda *_: stepper,
+                corrupted=lambda row: error.friction_by_ringing(fe_plan, row) > error.CORRUPTED,
+                checkpoint=checkpoints.next_checkpoint(),
+                snapshots=scene.kept_fields,
+            )
+    except TooSoftError:
+        why = "the plate is too soft to be in equilibrium under its reaction"
+        raise InputError("plate.start", start, f'{why}; allowed is "unstressed"') from None
+
+
+def compare(fe_plan: CornerPlan, run: Run, setup: float) -> CornerOutcome:
+    """Hold a run against the rigid motion; setup: time [s] that its model took."""
+    rigid = fe_plan.case.tail_slap
+    fe = {name: run.strike.values[name] for name in quantities.KEYS} if run.strike else {}
+    difference = quantities.relative_difference(fe, rigid) if fe else {}
+    columns = rigid_columns(fe_plan, run.history)
+    return CornerOutcome(fe_plan, run, difference, (), setup, columns, rigid, fe)
 
 
 def rigid_columns(fe_plan: CornerPlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

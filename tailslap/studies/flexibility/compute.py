@@ -331,7 +331,7 @@ def fe_record(case: CornerCase) -> Record:
         "stored": float(fe["strain_energy"].max() / fe["kinetic_energy"][0]),
         "deflection_ratio": fe_plan.deflection_ratio,
         "error": error.total,
-        "unseen": error.damping + error.ringing,
+        "unseen": error.damping + outcome.ringing,
         "steps": outcome.run.steps,
     }
 

@@ -419,7 +419,7 @@ class Reference(NamedTuple):
     histories: Histories
 
 
-def against_reference(outcome: run.CornerOutcome) -> Row:
+def against_reference(outcome: checks.CornerOutcome) -> Row:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     cell, plate = outcome.fe_plan.asked.source, outcome.fe_plan.plate
     first, failed = None, failed_names(outcome.checks)
@@ -479,7 +479,7 @@ def references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference]
             case: Any = case_of(*vary(cell, reference_changes(plate, finer, ratio)))
             if expected_effort(case.scene, case.duration).seconds > MAX_REFERENCE_S:
                 continue
-            outcome = run.settled(case)
+            outcome = run.judged(run.settled(case))
         except InputError:
             continue
         if trustworthy(outcome):
@@ -500,11 +500,11 @@ def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes
     }
 
 
-def trustworthy(outcome: run.CornerOutcome) -> bool:
+def trustworthy(outcome: checks.CornerOutcome) -> bool:
     """True if the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
     friction has fed, a reference may not."""
     found, error = largest(outcome.difference), outcome.error
-    swayed = error.damping + error.ringing > _limit(SWAYED, found)
+    swayed = not error.damping + outcome.ringing <= _limit(SWAYED, found)
     fed = any(check.name == "oscillation" and check.value > checks.OSCILLATES for check in outcome.checks)
     passed = DEMANDED.isdisjoint(failed_names(outcome.checks))
     return math.isfinite(found) and passed and not swayed and not fed
