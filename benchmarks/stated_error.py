@@ -70,7 +70,6 @@ def draw(seed: int, number: int) -> tuple[str, ...]:
 def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
     """Differences from the rigid motion of finer meshes that pass, of quadratic and of linear elements."""
     from tailslap.case.case import failed_names
-
     from tailslap.case.corner import run
     from tailslap.errors import InputError
 
@@ -100,9 +99,8 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
 
 def judge(seed: int, number: int) -> Record:
     """How the run of a scene ended, what it states, and what is true."""
-    from tailslap.case.case import failed_names
-
     from postprocess.comparison.quantities import largest
+    from tailslap.case.case import failed_names
     from tailslap.case.corner.case import CornerCase
     from tailslap.errors import InputError
     from tailslap.scene.read import read_scene
