@@ -105,10 +105,8 @@ def modal_run(
     (state, finer_state) = (modal_start(model, kept, start, relieved) for kept in (plate, finer))
     setup = time.perf_counter() - began
     motion = integrate(plate, state, duration, steps)
-    others = (
-        integrate(finer, finer_state, duration, steps),
-        integrate(plate, state, duration, max(1, steps // 2)),
-    )
+    halved = integrate(plate, state, duration, max(1, steps // 2))
+    others = integrate(finer, finer_state, duration, steps), halved
     estimate = _estimate(fe_plan, float(finer.frequencies[0]), motion, *others)
     rigid = fe_plan.case.tail_slap
     values = {name: motion.strike[name] for name in KEYS} if motion.strike else {}

@@ -193,9 +193,7 @@ def modal_start(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Place and speed at t = 0, shape (3 + modes,): the start by inertia relief, projected on the modes."""
     turn = inertia_relief.to_global(start.angle)
-    (q, shift), (q_rate, shift_rate) = (
-        _split(plate, modal, field) for field in (fields.elastic, fields.rate)
-    )
+    (q, shift), (q_rate, shift_rate) = (_split(plate, modal, each) for each in (fields.elastic, fields.rate))
     shift, shift_rate = turn @ shift, turn @ shift_rate
     sweep = start.omega * np.array([-shift[1], shift[0]])
     corner = np.array([0.0, fields.gap]) - shift

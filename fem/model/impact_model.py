@@ -172,9 +172,8 @@ def _basis(wall: kinds.WallProperties) -> Any:
         )
     scalar = skfem.CellBasis(from_meshio(wall.mesh), skfem.ElementQuad2(), intorder=4)
     if 2 * scalar.N > MOST:
-        raise kinds.ModelError(
-            "wall.elements", f"the wall has {2 * scalar.N} unknowns; it may have up to {MOST}"
-        )
+        given = f"the wall has {2 * scalar.N} unknowns; it may have up to {MOST}"
+        raise kinds.ModelError("wall.elements", given)
     return scalar
 
 

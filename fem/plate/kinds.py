@@ -284,9 +284,8 @@ def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.nd
     multipliers = np.linalg.lstsq(weighted @ moments.T, exact - moments @ masses, rcond=None)[0]
     masses = masses + masses**2 * (multipliers @ moments)
     if not (masses > 0.0).all():
-        raise ModelError(
-            "elements", "the mesh is too coarse to carry the exact inertia with positive nodal masses"
-        )
+        coarse = "the mesh is too coarse to carry the exact inertia with positive nodal masses"
+        raise ModelError("elements", coarse)
     if not np.allclose(moments @ masses, exact, rtol=1e-12, atol=1e-12 * exact[0]):
         raise ModelError("elements", "the mesh has too few nodes to carry the exact inertia")
     return masses
@@ -549,10 +548,8 @@ def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> csr_matrix:
 
     xx, yy, xy = assemble(0, 0), assemble(1, 1), assemble(0, 1)
     coupling = moduli.c_12 * xy + moduli.c_33 * xy.T
-    blocks = [
-        [moduli.c_11 * xx + moduli.c_33 * yy, coupling],
-        [coupling.T, moduli.c_11 * yy + moduli.c_33 * xx],
-    ]
+    normal = moduli.c_11 * xx + moduli.c_33 * yy, moduli.c_11 * yy + moduli.c_33 * xx
+    blocks = [[normal[0], coupling], [coupling.T, normal[1]]]
     return sparse.csr_matrix(thickness * sparse.bmat(blocks))
 
 

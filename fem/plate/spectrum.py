@@ -417,9 +417,7 @@ def _lattice(positions: np.ndarray) -> np.ndarray:
 
 def _inside(cells: np.ndarray, window: Window) -> np.ndarray:
     """True where elements of these columns and rows, shape (2, elements), lie in the window."""
-    return np.all(
-        [(low <= row) & (row < high) for row, (low, high) in zip(cells, window, strict=True)], axis=0
-    )
+    return np.all([(low <= row) & (row < high) for row, (low, high) in zip(cells, window, strict=True)], 0)
 
 
 def _parts(count: int, held: np.ndarray) -> list[tuple[int, int]]:

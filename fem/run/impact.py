@@ -117,9 +117,8 @@ class ImpactStepper(runner.PlateStepper):
         later, rows = time_loop.copy_state(state), self._room(count)
         impact_loop.advance_and_record(later, stride, *self._all_parts, rows)
         if later.wall is not None and (beyond := later.wall.beyond[0]) > 0.0:
-            raise ModelError(
-                "wall.length", f"the plate presses {beyond:.3g} m beyond the wall's end; make it longer"
-            )
+            why = f"the plate presses {beyond:.3g} m beyond the wall's end; make it longer"
+            raise ModelError("wall.length", why)
         return runner.Recorded(np.hstack(rows), state, later)
 
 
@@ -212,9 +211,7 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     history = {"t": interval * np.arange(len(values))}
     history |= dict(zip(impact_loop.ImpactMeasures._fields, values.T, strict=True))
     history["theta"] = np.unwrap(history["theta"])
-    push, drag = (
-        np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)
-    )
+    push, drag = (np.diff(each, axis=0, prepend=each[:1]) / interval for each in (normal, tangential))
     history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
     history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
     steps = stride * (len(values) - 1)

@@ -149,9 +149,8 @@ def run(
 
 def _looked(observers: Sequence[Observer], waits: list[int], made: int, rows: np.ndarray, state: Any) -> bool:
     """Let those look that were to wait for no more rows than were made; True when one says that it is over."""
-    return any(
-        observer.look(rows, state) for observer, wait in zip(observers, waits, strict=True) if wait <= made
-    )
+    looking = [observer for observer, wait in zip(observers, waits, strict=True) if wait <= made]
+    return any(observer.look(rows, state) for observer in looking)
 
 
 LOOKS = 4

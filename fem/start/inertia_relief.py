@@ -73,9 +73,8 @@ def inertia_load(model: PlateModel, place: np.ndarray, start: RigidStart) -> tup
     rigid = rigid_accelerations(model, place, start.angle, start.omega, start.corner_speed)
     turn, corner = to_global(start.angle), model.loop.corner
     arm = turn @ place
-    acceleration = (
-        rigid.angular * np.array([-arm[1], arm[0]]) - start.omega**2 * arm + [[rigid.corner], [0.0]]
-    )
+    acceleration = rigid.angular * np.array([-arm[1], arm[0]]) - start.omega**2 * arm
+    acceleration += [[rigid.corner], [0.0]]
     load = -model.loop.mass * acceleration
     load[:, corner.nodes] += np.outer((rigid.tangential, rigid.normal), corner.weights)
     return turn.T @ load, rigid.normal

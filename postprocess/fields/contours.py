@@ -83,9 +83,8 @@ def draw_contours(
         sheet.draw_wall(None if wall is None else (length * wall[0], wall[1]), length_unit)
         sheet.write(",  ".join([situation.scene, *moment]), (-24, -44), 20)
         marks = {"P": situation.corner, "G": situation.centroid}
-        beside = {
-            name: sheet.draw_dot(length * np.asarray(at)) for name, at in marks.items() if at is not None
-        }
+        given = {name: length * np.asarray(at) for name, at in marks.items() if at is not None}
+        beside = {name: sheet.draw_dot(at) for name, at in given.items()}
         if "P" in beside:
             sheet.write("P", beside["P"], 24)
         sheet.keep()

@@ -35,9 +35,7 @@ def corner_colour(corner: str) -> str:
 
 def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
     """Their times as bands behind the plot, each with its corner's name on top."""
-    return tuple(
-        Span(strike.corner, strike.start, strike.end, corner_colour(strike.corner)) for strike in strikes
-    )
+    return tuple(Span(each.corner, each.start, each.end, corner_colour(each.corner)) for each in strikes)
 
 
 WIDTH, EDGE = 900.0, 0.4

@@ -124,8 +124,7 @@ def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Lin
 
 def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:
     """Edges inside the mesh and on its outline, as pairs of nodes: shape (edges, 2) each."""
-    pairs = np.concatenate(
-        [np.stack([cells[:, i], np.roll(cells, -1, 1)[:, i]], 1) for i in range(cells.shape[1])]
-    )
+    sides = [np.stack([cells[:, i], np.roll(cells, -1, 1)[:, i]], 1) for i in range(cells.shape[1])]
+    pairs = np.concatenate(sides)
     edges, times = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)
     return edges[times > 1], edges[times == 1]

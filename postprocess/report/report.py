@@ -223,9 +223,8 @@ def shown_in(part: Any, units: Units) -> Any:
     if isinstance(part, Table | Chart):
         return part.in_units(units)
     if isinstance(part, Section):
-        parts: dict[str, Any] = {
-            name: [shown_in(each, units) for each in getattr(part, name)] for name in SHOWN
-        }
+        parts: dict[str, Any]
+        parts = {name: [shown_in(each, units) for each in getattr(part, name)] for name in SHOWN}
         return replace(part, title=units.rendered(part.title), lead=units.rendered(part.lead), **parts)
     return part
 

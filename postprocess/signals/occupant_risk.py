@@ -98,9 +98,8 @@ def _first_contact(t: Floats, displacements: list[Floats], speeds: list[Floats])
     """The first instant at which a way reaches its distance, by cubics through displacements and speeds."""
     from scipy.interpolate import CubicHermiteSpline
 
-    forward, sideways = (
-        CubicHermiteSpline(t, way, speed) for way, speed in zip(displacements, speeds, strict=True)
-    )
+    both = zip(displacements, speeds, strict=True)
+    forward, sideways = (CubicHermiteSpline(t, way, speed) for way, speed in both)
     limits = ((forward, AHEAD), (sideways, ASIDE), (sideways, -ASIDE))
     found = np.concatenate([way.solve(limit, extrapolate=False) for way, limit in limits])
     if not found.size:
@@ -153,9 +152,8 @@ def occupant_risk(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
 def severity_indices(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
     """ASI after both editions. Before first touch there is no acceleration."""
     interval = motion.interval
-    axes = [
-        np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in ((motion.ax, 12.0), (motion.ay, 9.0))
-    ]
+    both = (motion.ax, 12.0), (motion.ay, 9.0)
+    axes = [np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in both]
     means = [filters.moving_mean(a, interval, 0.05) for a in axes]
     filtered = [filters.low_pass(filters.cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
     return tuple(

@@ -49,9 +49,8 @@ class Axis:
         """The axis of values so many times as large, in another unit."""
         low, high = (None if end is None else factor * end for end in (self.low, self.high))
         named = self.named and tuple((factor * value, text) for value, text in self.named)
-        return replace(
-            self, label=self.label.replace(f"[{self.unit}]", f"[{unit}]"), low=low, high=high, named=named
-        )
+        label = self.label.replace(f"[{self.unit}]", f"[{unit}]")
+        return replace(self, label=label, low=low, high=high, named=named)
 
     def ticks(self, scale: marks.Scale, room: float) -> list[tuple[float, str]]:
         """Values and their texts; room: for one of them."""
@@ -197,9 +196,8 @@ class Chart:
             drawn = tuple(mark.scaled(along, up) for mark in plot.marks)
             plots.append(replace(plot, marks=drawn, y=plot.y.scaled(up, unit)))
         across = self.x.scaled(along, x_unit)
-        return draw_chart(
-            self.name, units.rendered(self.caption), plots, across, self.group, self.width, units
-        )
+        caption = units.rendered(self.caption)
+        return draw_chart(self.name, caption, plots, across, self.group, self.width, units)
 
 
 def draw_chart(
@@ -269,8 +267,7 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
         for row, line in enumerate(text.split("\n"))
     ]
     path = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
-    label = marks.words(
-        axis.label, 0.5 * (last.x.start + last.x.end), last.y.start + _foot(axis) - 5.0, "middle"
-    )
+    middle = 0.5 * (last.x.start + last.x.end)
+    label = marks.words(axis.label, middle, last.y.start + _foot(axis) - 5.0, "middle")
     shown = marks.coloured("".join(texts), "soft") + marks.coloured(label, "ink")
     return _stroked(f'<path d="{path}"', "grey") + shown

@@ -135,9 +135,7 @@ def _sampled(corner: str, t: Array, force: Array, run: tuple[int, int], beside: 
     push = force[part] * step
     start = t[run[0] + 1] - _pressed_fraction(force[part]) * step[0]
     end = t[run[1] - 1] + _pressed_fraction(force[part][::-1]) * step[-1]
-    tangential, station, position = (
-        None if values is None else np.asarray(values)[part] for values in beside
-    )
+    tangential, station, position = (None if v is None else np.asarray(v)[part] for v in beside)
     along = math.nan if tangential is None else float(tangential @ step)
     means = [math.nan if v is None else float(v @ push) / float(push.sum()) for v in (station, position)]
     peak = _parabola_peak(t, force, run)
@@ -283,9 +281,8 @@ def solve_trains(
     found = run(chosen, h, interval)
     error = _difference(found, run(chosen, 2.0 * h, None), turning)
     while step is None:
-        chosen = np.flatnonzero(
-            ~(error <= tolerance * h / found.step) & (2.0 * found.end <= most * found.step)
-        )
+        rough = ~(error <= tolerance * h / found.step)
+        chosen = np.flatnonzero(rough & (2.0 * found.end <= most * found.step))
         if not chosen.size:
             break
         finer = run(chosen, 0.5 * found.step[chosen], interval)
@@ -333,9 +330,8 @@ def _run(
     given = train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found
     compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
     if clock.counted.max() > strikes > 2:
-        return _run(
-            train, state, h, end, interval, after, longest, most, int(clock.counted.max()), on_compile
-        )
+        room = int(clock.counted.max())
+        return _run(train, state, h, end, interval, after, longest, most, room, on_compile)
     return Trajectories(clock.reached, out, found, rows, h * stride, h, np.zeros(n))
 
 
@@ -353,12 +349,8 @@ def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Arr
 
 
 COLUMNS = (*UNIT, *SUMS)
-RATES = {
-    "x_g": "v_gx",
-    "y_g": "v_gy",
-    "impulse_normal": "force_normal",
-    "impulse_tangential": "force_tangential",
-}
+RATES = {"x_g": "v_gx", "y_g": "v_gy"}
+RATES |= {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
 """Columns of rows and, of those that are integrals of another, of which."""
 
 

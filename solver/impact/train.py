@@ -86,9 +86,8 @@ class ImpactVehicle:
     def __post_init__(self) -> None:
         length, width, mass = (rules.one(key, getattr(self, key)) for key in ("length", "width", "mass"))
         centre = rules.one("centre_of_mass", self.front_distance)
-        demand_body(
-            length, width, mass, centre, rules.one("yaw_inertia", self.inertia), self.yaw_inertia is not None
-        )
+        inertia = rules.one("yaw_inertia", self.inertia)
+        demand_body(length, width, mass, centre, inertia, self.yaw_inertia is not None)
 
     @property
     def front_distance(self) -> float:

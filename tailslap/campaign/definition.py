@@ -253,9 +253,8 @@ def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray |
         if isinstance(lower, int):
             shown = f"{given.lower}:{given.upper}"
             raise InputError(key, shown, "whole numbers are sampled from a list v1,v2,v3")
-        between = (
-            lower * (upper / lower) ** fractions if given.logarithmic else lower + (upper - lower) * fractions
-        )
+        even = lower + (upper - lower) * fractions
+        between = lower * (upper / lower) ** fractions if given.logarithmic else even
         return Variation(key, unit, tuple(between.tolist()), given.logarithmic)
     assert given.number is not None
     values = (np.geomspace if given.logarithmic else np.linspace)(lower, upper, given.number).tolist()
@@ -333,9 +332,8 @@ def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> dict[st
 def versions() -> Mapping[str, str]:
     """Columns with the versions that a row was computed with."""
     libraries = {name: version(name) for name in ("numba", "numpy", "scipy")}
-    return {
-        f"version.{name}": given for name, given in {"tailslap": tailslap.__version__, **libraries}.items()
-    }
+    given = {"tailslap": tailslap.__version__, **libraries}
+    return {f"version.{name}": each for name, each in given.items()}
 
 
 def write_table(folder: Path, definition: Definition, rows: records.Records) -> Path:

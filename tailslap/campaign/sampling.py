@@ -137,9 +137,8 @@ def _range(case: Case, key: str, lower: Any, upper: Any, origin: str) -> Range:
     """The range, its ends read as the scene would read them, with its units and bounds."""
     typed = origin == FROM_USER
     try:
-        ends = [
-            _row(*vary(case.source, {key: parse_value(end) if typed else end}), key) for end in (lower, upper)
-        ]
+        given = ({key: parse_value(end) if typed else end} for end in (lower, upper))
+        ends = [_row(*vary(case.source, changes), key) for changes in given]
     except InputError as error:
         if typed:
             raise

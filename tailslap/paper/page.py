@@ -70,9 +70,8 @@ def paper_report(found: Numbers) -> Report:
 
 def summary(found: Numbers) -> dict[str, Any]:
     """The numbers, SI. The curves of the figures are left out: they stand in files of their own."""
-    inputs = {
-        item.name: {"given": item.given, "value": item.value, "unit": item.unit} for item in tables.INPUTS
-    }
+    shown = ("given", "value", "unit")
+    inputs = {item.name: {key: getattr(item, key) for key in shown} for item in tables.INPUTS}
     head = {"version": tailslap.__version__, "paper": tables.PAPER, "inputs": inputs, "start": tables.START}
     return head | found
 

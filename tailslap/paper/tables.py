@@ -161,11 +161,8 @@ def review() -> Numbers:
 
 def beside(printed: float, computed: float) -> Cell:
     """The cell of a printed and a computed value, neither of them zero."""
-    return {
-        "printed": float(printed),
-        "computed": float(computed),
-        "difference": float(computed / printed - 1.0),
-    }
+    cell = {"printed": float(printed), "computed": float(computed)}
+    return cell | {"difference": float(computed / printed - 1.0)}
 
 
 def stages(
@@ -415,9 +412,8 @@ def corner_fraction(friction: float) -> float:
 def impact_motion(stiffness: float, end: float | None = None) -> ImpactMotion:
     """The rigid truck's impact, corners alone, e and friction as printed; to `end` [s]."""
     contact = WallContact(CrushLaw(stiffness, 0.0, RESTITUTION), FRICTION)
-    return solve_impact(
-        IMPACT_TRUCK, contact, first_touch(IMPACT_TRUCK, ANGLE, MASH_SPEED), end, after_second=0.2
-    )
+    start = first_touch(IMPACT_TRUCK, ANGLE, MASH_SPEED)
+    return solve_impact(IMPACT_TRUCK, contact, start, end, after_second=0.2)
 
 
 def impact_case(stiffness: float) -> Numbers:

@@ -195,10 +195,8 @@ def _grids(records: Iterable[Row], names: Sequence[str] = KEYS) -> dict[str, qua
     if len(values) < 3:
         return {}
     coarse, medium, fine = values
-    return {
-        name: quantities.grid_convergence((fine[name], medium[name], coarse[name]), (2.0, 2.0))
-        for name in names
-    }
+    three = {name: (fine[name], medium[name], coarse[name]) for name in names}
+    return {name: quantities.grid_convergence(values, (2.0, 2.0)) for name, values in three.items()}
 
 
 def limit_of(records: Iterable[Row], names: Sequence[str] = KEYS) -> Limit:

@@ -361,11 +361,8 @@ def one_run(base: Source, changes: Changes | None, take: Callable[[Any], Record]
 def modal_record(case: CornerCase) -> Record:
     """The plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
     found = modal_run(case.plan(), tolerance=1.0)
-    return {
-        "values": found.values,
-        "estimate": found.estimate.total,
-        "failed": list(failed_names(found.checks)),
-    }
+    failed = list(failed_names(found.checks))
+    return {"values": found.values, "estimate": found.estimate.total, "failed": failed}
 
 
 def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> Record:
@@ -487,11 +484,8 @@ def impact_samples(rows: Sequence[Record], name: str) -> list[Sample]:
 def strike_record(case: ImpactCase) -> Record:
     """A plate's run beside the rigid vehicle's impact. Its mesh error is no failure: levels are held to it."""
     outcome = case.run()
-    return {
-        "difference": outcome.difference,
-        "error": outcome.mesh_error,
-        "failed": list(failed_but_mesh(outcome)),
-    }
+    failed = list(failed_but_mesh(outcome))
+    return {"difference": outcome.difference, "error": outcome.mesh_error, "failed": failed}
 
 
 def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Changes) -> Record:

@@ -577,9 +577,8 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
             continue
         if effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS:
             return changes
-    raise InputError(
-        "--random", number, f"none of {MAX_TRIES} draws of this scene is possible and affordable"
-    )
+    none = f"none of {MAX_TRIES} draws of this scene is possible and affordable"
+    raise InputError("--random", number, none)
 
 
 def _drawn(scene: Scene, choices: Row, dice: Dice, number: int) -> Changes:

@@ -42,7 +42,7 @@ def report(found: StabilityResult) -> Report:
     title = f"{name}: {len(found.rows)} cells in {found.seconds:.0f} s"
     checks = Counter(row["failed"] for row in found.of_kind(CAUGHT).values())
     caught = [
-        (check, advice(CHECKS, [check]), str(n), str(checks[check])) for check, n in caught_by(found).items()
+        (name, advice(CHECKS, [name]), str(n), str(checks[name])) for name, n in caught_by(found).items()
     ]
     refused = [(key, str(n)) for key, n in refused_by(found).items()]
     why = (
