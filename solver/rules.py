@@ -192,11 +192,8 @@ RANGE = Rule(
     "omega", "the motion is beyond the range of double precision", "smaller, as corner_speed and mass"
 )
 
-TIME = Rule(
-    "time",
-    "the motion is not followed that far",
-    "from 0 to {latest:.10g} s (the strike is at {strike:.10g} s)",
-)
+_FAR = "the motion is not followed that far"
+TIME = Rule("time", _FAR, "from 0 to {latest:.10g} s (the strike is at {strike:.10g} s)")
 STOPPED = Rule("time", "the corner has stopped by then, and friction turns round", "up to the strike")
 LATERAL_SPEED = Rule("lateral_speed", "nothing strikes at such a speed", "finite, m/s")
 DURATION = Rule("duration", "the pulse must begin and end", f"{POSITIVE}, s")
@@ -243,7 +240,7 @@ INSIDE = Rule(
 )
 NEVER = Rule("state", "the vehicle never touches the wall", "a motion towards the wall")
 END = Rule("end", "the motion must go on for some time", f"{POSITIVE}, s")
-IMPACT_TIME = Rule("time", "the motion is not followed that far", "from 0 to {end:.10g} s")
+IMPACT_TIME = Rule("time", _FAR, "from 0 to {end:.10g} s")
 POINTS = Rule("side_points", "a layer is taken at points along each side", "1 or more")
 
 

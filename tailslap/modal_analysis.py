@@ -19,7 +19,7 @@ from fem.model.plate_model import PlateModel
 from fem.plate import elastic
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.figures.plates import draw_mode
-from postprocess.report.page import Column, Section, Table
+from postprocess.report.page import Column, Section, Table, columns
 from postprocess.report.report import Report, printed, shown_in
 from postprocess.units import SYSTEMS, measure, percent
 from tailslap.case.case import Check
@@ -37,8 +37,7 @@ MORE_MODES = 4
 COLUMNS = (
     Column("quantity.symbol", "at the tail-slap"),
     Column("quantity.unit", "unit", is_unit=True),
-    Column("fe", "modal", form=".7g", unit_key="quantity.unit"),
-    Column("rigid", "rigid, exact", form=".7g", unit_key="quantity.unit"),
+    *columns({"fe": "modal", "rigid": "rigid, exact"}, form=".7g", unit_key="quantity.unit"),
     Column("difference", "modal/rigid - 1", form="+.1e"),
 )
 

@@ -27,12 +27,8 @@ FILE = "fields.npz"
 NODES = {"displacement": "m", "elastic_displacement": "m", "velocity": "m/s"}
 """Fields of the nodes, two components, along the wall and across it, and their units."""
 
-ELEMENTS = {
-    "stress_von_mises": "Pa",
-    "stress_principal_1": "Pa",
-    "stress_principal_2": "Pa",
-    "strain_energy_density": "J/m^3",
-}
+STRESSES = ("stress_von_mises", "stress_principal_1", "stress_principal_2")
+ELEMENTS = {**dict.fromkeys(STRESSES, "Pa"), "strain_energy_density": "J/m^3"}
 """Fields of the elements and their units."""
 
 COMPONENTS = {f"{name}_{axis}": unit for name, unit in NODES.items() for axis in "xy"}

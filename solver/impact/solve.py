@@ -264,11 +264,9 @@ def solve_trains(
     most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
     latest = longest if end is None else end
     rate, turning = _rates(train, state)
-    h = (
-        PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
-        if step is None
-        else np.full(len(state), step)
-    )
+    h = PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
+    if step is not None:
+        h = np.full(len(state), step)
     h = np.maximum(h, latest / most)  # coarser, and finer then, as far as the end that is found allows
     whole = interval or latest
     h = whole / np.ceil(whole / h)

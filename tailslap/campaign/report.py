@@ -10,7 +10,7 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.page import Column, Page, Section, Table, write_page, write_summary
+from postprocess.report.page import Column, Page, Section, Table, columns, write_page, write_summary
 from postprocess.report.report import page_in_units, place_line, printed
 from postprocess.units import SYSTEMS, Units, measure
 from tailslap.campaign import definition as sweeps
@@ -27,22 +27,15 @@ STATUS_WORDS = {PASSED: "passed all checks", FAILED: "failed a check", REFUSED: 
 VARIED = (Column("key", "Key"), Column("values", "Values"), Column("count", "Number", form="d"))
 SPREAD = (
     Column("quantity.label", ""),
-    Column("least", "FE, least", form=".5g"),
-    Column("most", "FE, most", form=".5g"),
+    *columns({"least": "FE, least", "most": "FE, most"}, form=".5g"),
     Column("difference", "Largest FE/rigid - 1", form="+.2e", style="strong"),
     Column("run", "In run", form="d"),
 )
 RIGID_SPREAD = (
     Column("quantity.label", ""),
-    Column("least", "Rigid, least", form=".5g"),
-    Column("most", "Rigid, most", form=".5g"),
+    *columns({"least": "Rigid, least", "most": "Rigid, most"}, form=".5g"),
 )
-NOT_PASSED = (
-    Column("run", "Run"),
-    Column("inputs", "Inputs"),
-    Column("status", "Status"),
-    Column("reason", "Reason"),
-)
+NOT_PASSED = columns({"run": "Run", "inputs": "Inputs", "status": "Status", "reason": "Reason"})
 
 
 def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") -> None:

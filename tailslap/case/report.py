@@ -12,7 +12,7 @@ import numpy as np
 import tailslap
 from postprocess import units
 from postprocess.fields import series
-from postprocess.report.page import Column, Page, Section, Table, pairs
+from postprocess.report.page import Column, Page, Section, Table, columns, pairs
 from postprocess.signals.filters import design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
@@ -62,8 +62,7 @@ DESIGN = (
 )
 CHECKS = (
     Column("name", "Check"),
-    Column("value", "Value", form=".3g"),
-    Column("limit", "Limit", form=".3g"),
+    *columns({"value": "Value", "limit": "Limit"}, form=".3g"),
     Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
     Column("meaning", "What it means"),
 )
@@ -81,18 +80,15 @@ INPUTS = (
     Column("origin", "From"),
 )
 TAIL_SLAP = (
-    Column("quantity.title", "Quantity"),
-    Column("quantity.symbol", ""),
-    Column("fe", "FE", form="#.5g", unit_key="quantity.unit"),
-    Column("rigid", "Rigid, exact", form="#.5g", unit_key="quantity.unit"),
+    *columns({"quantity.title": "Quantity", "quantity.symbol": ""}),
+    *columns({"fe": "FE", "rigid": "Rigid, exact"}, form="#.5g", unit_key="quantity.unit"),
     Column("quantity.unit", "Unit", is_unit=True),
     Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
 )
 """Columns of the rows of `comparison_rows`."""
 
 STRIKES = (
-    Column("title", "Strike"),
-    Column("model", "Model"),
+    *columns({"title": "Strike", "model": "Model"}),
     Column("start", "Start", "ms", form=milliseconds),
     Column("duration", "Duration", "ms", form=milliseconds),
     Column("peak_force", "Peak", "N", form=".1f", style="strong"),

@@ -14,7 +14,7 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import COMPARED, TIME, History, thinned
-from postprocess.report.page import Column, Form, Page, Section, Table, pairs
+from postprocess.report.page import Column, Form, Page, Section, Table, columns, pairs
 from postprocess.report.report import Report
 from postprocess.svg import chart, marks
 from postprocess.units import percent
@@ -38,14 +38,8 @@ PLOTTED = (
 )
 AXES = " SI units; X along the wall in the driving direction, Y away from it; ω positive where it closes the angle."
 
-MOTION_LOOKS: tuple[dict[str, Any], ...] = (
-    {"colour": "rigid", "width": 3.2},
-    {"colour": "fe", "width": 1.6, "dashes": "5 3"},
-)
-MARK_LOOKS: tuple[dict[str, Any], ...] = (
-    {"colour": "ink", "width": 0.0, "dots": 3.6},
-    {"colour": "difference", "width": 0.0, "dots": 3.6},
-)
+MOTION_LOOKS: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
+MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))
 """Looks of the first and the second motion, or kind of mark."""
 
 
@@ -117,13 +111,11 @@ def scaled(factor: float, form: str) -> Callable[[float], str]:
 
 def table_1(found: Numbers) -> tuple[Table, Table]:
     """The inputs and what follows from them, and Stage 1 from either speed beside the printed start of Stage 2."""
-    columns = (
-        Column("title", "Input"),
-        Column("symbol", ""),
+    heads = (
+        *columns({"title": "Input", "symbol": ""}),
         Column("given", "printed", form=str, style="soft"),
         Column("value", "SI", form=".7g"),
-        Column("unit", ""),
-        Column("place", "where"),
+        *columns({"unit": "", "place": "where"}),
     )
     its = found["derived"]
     follows = (
@@ -149,7 +141,7 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
         f"{speed / tables.MPH:.3f} mph or {speed / tables.KM_PER_HOUR:.3f} km/h."
     )
     title = "The printed start of Stage 2, computed from 56 mph and from 90 km/h"
-    inputs = Table(columns, (*tables.INPUTS, *follows), "Inputs, and what follows from them")
+    inputs = Table(heads, (*tables.INPUTS, *follows), "Inputs, and what follows from them")
     return inputs, Table(starts, rows, title, (note,))
 
 
@@ -191,22 +183,17 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
 def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Chart:
     """One of Figures 10 to 14: two motions at most as lines, the printed points as marks."""
     panel = next(panel for panel in COMPARED if panel.name == name)
-    drawn = [
-        marks.Line(label, *thinned(columns["t"], columns[name]), **look)
-        for (label, columns), look in zip(courses.items(), MOTION_LOOKS, strict=False)
-    ]
-    drawn += [
-        marks.Line(label, *np.transpose(points), **look)
-        for (label, points), look in zip(tables.marks(name).items(), MARK_LOOKS, strict=False)
-        if points
-    ]
+    lines: list[tuple[str, Any]] = [(label, thinned(its["t"], its[name])) for label, its in courses.items()]
+    points = [(label, np.transpose(its)) for label, its in tables.marks(name).items() if its]
+    looks = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
+    drawn = [marks.Line(label, *places, **look) for (label, places), look in looks]
     plot = chart.Plot(tuple(drawn), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
     return chart.draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
 
 
 def figure_tables(found: Numbers) -> tuple[Table, Table]:
     """Values that the paper reads off its charts beside the exact motion, and that motion at a few instants."""
-    columns = (
+    readings = (
         Column("figure", "Figure"),
         Column("quantity", "quantity", form=lambda name: NAMES[name].label),
         Column("where", "read at", form=str),
@@ -222,8 +209,8 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
     instants = (Column("t", "t", "s", ".4f"), *heads)
     values = tables.course("drag", np.array(found["instants"]))
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    readings = Table(columns, found["readings"], "What the paper reads off the charts", (note,))
-    return readings, Table(instants, rows, "The exact motion with friction, to lay over the charts")
+    read = Table(readings, found["readings"], "What the paper reads off the charts", (note,))
+    return read, Table(instants, rows, "The exact motion with friction, to lay over the charts")
 
 
 def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> tuple[Table, Table]:
@@ -277,9 +264,8 @@ def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
 
 def earlier_tables(found: Numbers) -> tuple[Table]:
     """The four methods on the vehicle of Table 1."""
-    columns = (
-        Column("method", "Method"),
-        Column("what", ""),
+    heads = (
+        *columns({"method": "Method", "what": ""}),
         Column("force", "force", "kN", scaled(1e3, ".1f")),
         Column("to_paper", "to the paper's", form=partial(percent, decimals=1), style="strong"),
     )
@@ -302,7 +288,7 @@ def earlier_tables(found: Numbers) -> tuple[Table]:
         f"gives {found['olson_first_member'] / 1e3:.1f} kN, the last, which is Olson's and is used here, "
         f"{found['olson'] / 1e3:.1f} kN.",
     )
-    return (Table(columns, rows, "Lateral force", notes),)
+    return (Table(heads, rows, "Lateral force", notes),)
 
 
 def assumed(found: Numbers) -> tuple[Table, ...]:

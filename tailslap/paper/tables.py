@@ -271,14 +271,11 @@ def figures() -> Numbers:
         (10, "t", "θ = 0", CHART_TIME, strike.t),
         (11, "v_gy", f"t = {CHART_TIME} s", CHART_V_GY, float(drag.at(CHART_TIME).v_gy)),
     ]
-    at_strike = [
-        (number, name, "θ = 0", ANALYTICAL[name], getattr(strike, name))
-        for number, name in FIGURES.items()
-        if name in ANALYTICAL
-    ]
+    known = [(number, name) for number, name in FIGURES.items() if name in ANALYTICAL]
+    charts += [(n, name, "θ = 0", ANALYTICAL[name], getattr(strike, name)) for n, name in known]
     readings = [
-        {"figure": number, "quantity": name, "where": where, "value": beside(printed, computed)}
-        for number, name, where, printed, computed in charts + at_strike
+        {"figure": number, "quantity": name, "where": where, "value": beside(*values)}
+        for number, name, where, *values in charts
     ]
     return {"instants": [*ROUND_TIMES, strike.t], "readings": readings}
 
@@ -328,13 +325,8 @@ def earlier_methods() -> Numbers:
     Assumed: centre of mass at half the length, Olson's B half the width, a rigid barrier, D = 0. olson_first_member:
     the average force by the first member of Eq 1, V sin(theta)/(2 g t), half of its last. paper: that of the tail-slap.
     """
-    inputs = {
-        "speed": MASH_SPEED,
-        "angle": ANGLE,
-        "front_distance": LENGTH / 2.0,
-        "half_width": WIDTH / 2.0,
-        "deflection": 0.0,
-    }
+    inputs = {"speed": MASH_SPEED, "angle": ANGLE, "front_distance": LENGTH / 2.0}
+    inputs |= {"half_width": WIDTH / 2.0, "deflection": 0.0}
     olson = solver.olson_force(MASS, *inputs.values())
     average = olson.average_force
     return inputs | {

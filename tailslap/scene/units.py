@@ -33,25 +33,14 @@ class Dimension(NamedTuple):
 LENGTH, MASS, TIME, ANGLE = Dimension(1), Dimension(0, 1), Dimension(0, 0, 1), Dimension(0, 0, 0, 1)
 SPEED, FORCE, PRESSURE = Dimension(1, 0, -1), Dimension(1, 1, -2), Dimension(-1, 1, -2)
 ENERGY, FREQUENCY = Dimension(2, 1, -2), Dimension(0, 0, -1)
-LENGTHS = {
-    "m": 1.0,
-    "mm": 0.001,
-    "cm": 0.01,
-    "km": 1000.0,
-    "in": 0.0254,
-    "ft": FOOT,
-    "yd": 0.9144,
-    "mi": 5280.0 * FOOT,
-}
+LENGTHS = {"m": 1.0, "mm": 0.001, "cm": 0.01, "km": 1000.0}
+LENGTHS |= {"in": 0.0254, "ft": FOOT, "yd": 0.9144, "mi": 5280.0 * FOOT}
 MASSES = {"kg": 1.0, "g": 0.001, "t": 1000.0, "lb": POUND, "klb": 1e3 * POUND, "slug": POUND_FORCE / FOOT}
 TIMES = {"s": 1.0, "us": 1e-6, "ms": 0.001, "min": 60.0, "h": 3600.0}
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": POUND_FORCE, "kip": 1e3 * POUND_FORCE}
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "bar": 1e5}
-IMPERIAL_PRESSURES = {
-    "psf": POUND_FORCE / FOOT**2,
-    "psi": POUND_FORCE / 0.0254**2,
-    "ksi": 1e3 * POUND_FORCE / 0.0254**2,
-}
+PSI = POUND_FORCE / 0.0254**2
+IMPERIAL_PRESSURES = {"psf": POUND_FORCE / FOOT**2, "psi": PSI, "ksi": 1e3 * POUND_FORCE / 0.0254**2}
 KINDS: tuple[tuple[Dimension, dict[str, float]], ...] = (
     (LENGTH, LENGTHS),
     (MASS, MASSES),

@@ -104,10 +104,8 @@ def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:
     default = None if field.is_required() else field.default
     values = [toml_value(value) for value in (given, default) if value is not None]
     front = "" if given is not None else "# "
-    return (
-        f"{front}{name} = {(values or [example(field)])[0]}".ljust(34)
-        + f"  # {schema.MEANINGS[f'{table}.{name}']}"
-    )
+    line = f"{front}{name} = {(values or [example(field)])[0]}"
+    return f"{line:<34}  # {schema.MEANINGS[f'{table}.{name}']}"
 
 
 def example(field: FieldInfo) -> str:

@@ -47,14 +47,10 @@ CURVES = {
     "vehicle.centre_of_mass": ("centre of mass behind the front", "m", 1.0),
 }
 
-CURVE_AXES = {
-    "peak [kN]": ("mean_50ms", "raw", "cfc60"),
-    "impulse [kN s]": ("impulse",),
-    "duration [ms]": ("duration",),
-}
+CURVE_AXES: dict[str, tuple[str, ...]] = {"peak [kN]": ("mean_50ms", "raw", "cfc60")}
+CURVE_AXES |= {"impulse [kN s]": ("impulse",), "duration [ms]": ("duration",)}
 BANDS = (
-    Column("strike", "Strike"),
-    Column("quantity", "Quantity"),
+    *columns({"strike": "Strike", "quantity": "Quantity"}),
     Column("own", "Scene", form=".1f", style="strong", unit_key="unit"),
     *(Column(f"{p} %", f"{p} %", form=".1f", group="Band", unit_key="unit") for p in PERCENTILES),
     Column("unit", "Unit", is_unit=True),
