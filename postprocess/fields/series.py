@@ -233,18 +233,19 @@ def write_msh(path: Path, series: FieldSeries) -> Path:
 
 
 def _msh_view(kind: str, name: str, t: float, step: int, values: np.ndarray) -> str:
-    """A section of Gmsh's file: tags of text, real and whole numbers, then a line a node or element."""
+    """A section of Gmsh's file: tags of text, real and whole numbers, then a line a node or element. name: of the field,
+    which with its unit is the view's."""
     count, components = values.shape
-    head = f'${kind}\n1\n"{name}"\n1\n{t!r}\n3\n{step}\n{components}\n{count}\n'
+    head = f'${kind}\n1\n"{name} [{UNITS[name]}]"\n1\n{t!r}\n3\n{step}\n{components}\n{count}\n'
     lines = (f"{i} {' '.join(map(repr, row))}" for i, row in enumerate(values.tolist(), 1))
     return head + "\n".join(lines) + f"\n$End{kind}\n"
 
 
 def _instants(series: FieldSeries) -> Iterator[tuple[float, dict[str, np.ndarray], dict[str, np.ndarray]]]:
-    """Instant [s], and fields of nodes, with three components, and of elements, by names with units."""
+    """Instant [s], and fields of nodes, with three components, and of elements, by their names."""
     for k, t in enumerate(series.t):
-        nodal = {f"{name} [{UNITS[name]}]": padded(values[k]) for name, values in series.nodal.items()}
-        yield float(t), nodal, {f"{name} [{UNITS[name]}]": v[k] for name, v in series.elemental.items()}
+        nodal = {name: padded(values[k]) for name, values in series.nodal.items()}
+        yield float(t), nodal, {name: values[k] for name, values in series.elemental.items()}
 
 
 def _mesh(series: FieldSeries, **data: Any) -> Any:
