@@ -233,8 +233,10 @@ def write_msh(path: Path, series: FieldSeries) -> Path:
 
 
 def _msh_view(kind: str, name: str, t: float, step: int, values: np.ndarray) -> str:
-    """A section of Gmsh's file: tags of text, real and whole numbers, then a line a node or element. name: of the field,
-    which with its unit is the view's."""
+    """A section of Gmsh's file: tags of text, real and whole numbers, then a line a node or element.
+
+    name: of the field; with its unit it is the view's.
+    """
     count, components = values.shape
     head = f'${kind}\n1\n"{name} [{UNITS[name]}]"\n1\n{t!r}\n3\n{step}\n{components}\n{count}\n'
     lines = (f"{i} {' '.join(map(repr, row))}" for i, row in enumerate(values.tolist(), 1))

@@ -108,6 +108,27 @@ class FullFile(io.FileIO):
         raise OSError(errno.ENOSPC, "No space left on device")
 
 
+@pytest.mark.parametrize("name", ["fem", "meshes", "postprocess", "solver"])
+def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
+    """In the folder of a script, or where the command is started; a folder without code is in nobody's way."""
+    script = tmp_path / "script.py"
+    script.write_text("import tailslap\nprint(tailslap.rigid('mash-tl4-sut').summary['scene'])\n")
+    (tmp_path / name).mkdir()
+    path = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{os.getcwd()}"}}
+    call = lambda *line: subprocess.run([sys.executable, *line], capture_output=True, text=True, **path)  # noqa: E731
+    assert call(script).stdout == "mash-tl4-sut\n"
+    (tmp_path / name).rmdir()
+    stranger = tmp_path / f"{name}.py"
+    stranger.write_text("mine = 1\n")
+    said = f"{stranger} is in the way of tailslap's own package {name}; rename it, or start elsewhere\n"
+    for first in ("", f"import {name}\n"):
+        script.write_text(f"{first}import tailslap\n")
+        done = call(script)
+        assert (done.returncode, done.stderr.endswith(f"ImportError: {said}")) == (1, True)
+    done = call("-m", "tailslap", "scenes")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"tailslap: {said}")
+
+
 def test_processes_of_this_machine_open_no_port():
     """Neither they nor this process listen to the network; what they say goes through pipes and own sockets."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
