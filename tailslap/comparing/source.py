@@ -5,6 +5,7 @@ Units stand behind a name in brackets, "VY [m/s]" or "VY (m/s)", or in a line of
 """
 
 import csv
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -57,7 +58,9 @@ def read_item(given: object, mapping: Mapping[str, str], force: bool = False) ->
     path = Path(str(given))
     if isinstance(given, Result):
         found, label = given, given.scene
-    elif path.is_dir():
+    elif os.path.isdir(
+        path
+    ):  # where Path.is_dir raises an error for one below a folder that may not be searched
         found, label = load(path, force=force), path.resolve().name
     else:
         demand_listed(path, force)

@@ -263,17 +263,19 @@ def test_by_force_a_history_without_names_of_columns_is_left_out(results):
     ]
 
 
-def test_below_a_folder_that_may_not_be_searched(results, capsys):
-    closed, user = results / "home", os.geteuid()
+def test_what_is_below_a_folder_that_may_not_be_searched_is_wrong_input(results):
+    """As in the home of another user."""
+    closed, user, run = results / "home", os.geteuid(), tailslap.load(results / "run")
     closed.mkdir(0o000)
-    results.chmod(0o755)
     os.seteuid(user or 65534)
     try:
-        for words in (
-            ["compare", str(closed / "a"), str(closed / "b.csv")],
-            ["export", str(closed / "a"), "--to", "csv"],
+        for read in (
+            tailslap.load,
+            lambda place: tailslap.export(place, "csv"),
+            lambda place: tailslap.compare(run, place),
         ):
-            assert _status([*words, "--out", str(results / "out")]) == 2
-            assert "fault" not in capsys.readouterr().err
+            with pytest.raises(InputError, match=f"{closed}"):
+                read(closed / "a")
     finally:
         os.seteuid(user)
+        closed.chmod(0o700)
