@@ -26,7 +26,7 @@ WEIGHT = 0.05
 """Impulse of a strike of weight over the largest of its impact."""
 
 RESOLVED = 1e-3
-"""Error below which none is stated: what time steps and rows make of it."""
+"""Error that comes on top: of time steps and rows, which all meshes share."""
 
 TWO_MESHES, THREE_MESHES = 3.0, 1.25
 """Factors of safety on an error that so many meshes tell (Roache 1994; ASME V&V 20)."""
@@ -115,7 +115,7 @@ def _judged(apart: Sequence[float]) -> float:
         return math.inf
     *before, last = (later - earlier for earlier, later in pairwise(apart))
     factor = safety(before[0] / last if last else math.inf) if before else TWO_MESHES / (2.0**ORDER - 1.0)
-    return max(RESOLVED, abs(apart[-1]) + factor * abs(last))
+    return RESOLVED + abs(apart[-1]) + factor * abs(last)
 
 
 def safety(ratio: float) -> float:
