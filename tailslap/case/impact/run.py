@@ -84,11 +84,11 @@ def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
     end = scene.time.end
 
     def finished(run: ImpactRun) -> bool:
-        strikes = _answer(fe_plan, run).strikes if len(run.history["t"]) > 2 else ()
         now = float(run.history["t"][-1])
-        if len(strikes) < 2:
-            return now >= BEYOND * until
-        return now >= max(until, strikes[1].end + AFTER_SECOND)
+        if now < until:
+            return False
+        strikes = _answer(fe_plan, run).strikes
+        return now >= (BEYOND * until if len(strikes) < 2 else strikes[1].end + AFTER_SECOND)
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
