@@ -12,6 +12,7 @@ import numpy as np
 
 from postprocess.figures import histories
 from postprocess.svg import chart
+from postprocess.svg.chart import Chart
 from postprocess.svg.marks import Boxes, Floats, Layer, Level, Line, Mark, Outline, Shades, Span, Words
 from postprocess.units import SI, Units, measure
 
@@ -26,6 +27,9 @@ class StrikeMark:
     start: float
     end: float
     places: tuple[float, float] = (0.0, 0.0)
+
+
+Strikes = Sequence[StrikeMark]
 
 
 def corner_colour(corner: str) -> str:
@@ -61,11 +65,8 @@ def vehicle_outlines(
 
 
 def draw_positions(
-    outlines: Floats,
-    instants: Sequence[float],
-    strikes: Sequence[StrikeMark] = (),
-    path: Floats | None = None,
-) -> chart.Chart:
+    outlines: Floats, instants: Sequence[float], strikes: Strikes = (), path: Floats | None = None
+) -> Chart:
     """Outlines at these instants [s], later ones darker, over the wall Y = 0; strikes as bars below its face.
 
     outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m].
@@ -130,9 +131,9 @@ def draw_forces(
     caption: str,
     t: Floats,
     curves: Mapping[str, Floats],
-    strikes: Sequence[StrikeMark] = (),
+    strikes: Strikes = (),
     levels: Mapping[str, float] | None = None,
-) -> chart.Chart:
+) -> Chart:
     """Curves of one force by the names of `force_curves`, shape (n,) [N], over t [s]; drawn in kN.
 
     levels: what a design force is called -> force [N], drawn as a line.
@@ -144,13 +145,11 @@ def draw_forces(
     return chart.draw_chart(name, caption, (plot,), START, "Force", WIDE)
 
 
-def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> chart.Chart:
+def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
     """Force [N] over crush [m] of each contact point by its name, shape (n,) each; drawn in kN and mm."""
     caption = "Force over crush of each contact point: what a loop encloses is lost"
-    lines = tuple(
-        Line(label, *_cornered(crush * 1e3, force / 1e3), corner_colour(label))
-        for label, (crush, force) in contacts.items()
-    )
+    places = {label: _cornered(crush * 1e3, force / 1e3) for label, (crush, force) in contacts.items()}
+    lines = tuple(Line(label, *its, corner_colour(label)) for label, its in places.items())
     plot = chart.Plot(lines, chart.Axis("force [kN]", low=0.0), 230.0, nearest="xy")
     return chart.draw_chart("loops", caption, (plot,), chart.Axis("crush [mm]", low=0.0), "Force")
 
@@ -167,9 +166,7 @@ def _cornered(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 LAYERS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
 
 
-def draw_energies(
-    t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strikes: Sequence[StrikeMark] = ()
-) -> chart.Chart:
+def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strikes: Strikes = ()) -> Chart:
     """Draw the energy that the motion lost, as a line, and below it the parts that it went into, in layers [kJ].
 
     t [s], kinetic and each of `parts` [J], shape (n,): crush lost, friction, damping, crush stored, strain and so on,
@@ -179,10 +176,8 @@ def draw_energies(
     shown = np.unique(np.linspace(0, t.size - 1, 2 * histories.STRETCHES).astype(int))
     kept = {label: values[shown] / 1e3 for label, values in parts.items() if np.any(values)}
     tops = np.cumsum([np.zeros(shown.size), *kept.values()], axis=0)
-    layers = tuple(
-        Layer(label, t[shown], tops[number], tops[number + 1], colour)
-        for number, (label, colour) in enumerate(zip(kept, LAYERS, strict=False))
-    )
+    bands = zip(kept, tops, tops[1:], LAYERS, strict=False)
+    layers = tuple(Layer(label, t[shown], below, above, colour) for label, below, above, colour in bands)
     line = Line("given up", t[shown], (kinetic[0] - kinetic[shown]) / 1e3, "ink", 1.3)
     plot = chart.Plot((*shaded(strikes), *layers, line), chart.Axis("energy [kJ]"), 220.0)
     return chart.draw_chart("energies", caption, (plot,), START, "Energy", WIDE)
@@ -192,9 +187,7 @@ COLUMNS = 240
 """Columns of cells at most; each is the largest force of its time."""
 
 
-def draw_side_force(
-    t: Floats, distances: Floats, force: Floats, unit: str, strikes: Sequence[StrikeMark] = ()
-) -> chart.Chart:
+def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, strikes: Strikes = ()) -> Chart:
     """Force at each distance from the front and instant, the largest darkest; nothing where there is none.
 
     t [s], shape (n,), even; distances of the nodes [m], rising from 0, shape (k,); force, shape (n, k), in `unit`, for
@@ -206,17 +199,13 @@ def draw_side_force(
     table, times = np.maximum.reduceat(force, starts, axis=0), np.append(t[starts], t[-1])
     column, row = np.nonzero(table > 0.0)
     pressed, shades = table[column, row], Shades(float(table.max()) or 1.0, 0.0)
-    cells = Boxes(
-        "force",
-        np.stack([times[column], times[column + 1]], axis=-1),
-        np.stack([edges[row], edges[row + 1]], axis=-1),
-        shades.colours(pressed),
+    along, across = (np.stack([ends[k], ends[k + 1]], -1) for ends, k in ((times, column), (edges, row)))
+    said, places = (
         [measure(value, unit, ".4g") for value in pressed],
-        [
-            f"{time:.4g} s; {measure(place, 'm', '.4g')}"
-            for time, place in zip(times[column], distances[row], strict=True)
-        ],
+        zip(times[column], distances[row], strict=True),
     )
+    at = [f"{time:.4g} s; {measure(place, 'm', '.4g')}" for time, place in places]
+    cells = Boxes("force", along, across, shades.colours(pressed), said, at)
     x = replace(START, high=float(t[-1]))
     y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
     plot = chart.Plot((*shades.keys(unit), cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)

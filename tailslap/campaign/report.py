@@ -23,6 +23,9 @@ REPORT, SUMMARY = "report.html", "summary.json"
 MAX_LISTED = 15
 """Rows that did not pass which the page lists."""
 
+FILES = (
+    "sweep.parquet, the table, a row a run, in SI; summary.json, these numbers; sweep.json, what the sweep is"
+)
 STATUS_WORDS = {PASSED: "passed all checks", FAILED: "failed a check", REFUSED: "refused", ERROR: "in error"}
 VARIED = (Column("key", "Key"), Column("values", "Values"), Column("count", "Number", form="d"))
 SPREAD = (
@@ -71,26 +74,22 @@ def sweep_page(sweep: sweeps.FinishedSweep, rows: SweepRows, reasons: np.ndarray
         {"key": item.key, "values": values_words(item), "count": len(set(item.settings))}
         for item in definition.variations
     ]
+    groups: dict[str, list[Any]] = {}
+    for curve in curves:
+        groups.setdefault(curve.group, []).append(curve)
+    sections = (
+        Section("What varies", tables=(Table(VARIED, varied),)),
+        Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
+        *(Section(group, figures=its) for group, its in groups.items()),
+        Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
+        Section("What was computed, and what it means", sentences=_sentences(sweep)),
+    )
+    kind = "each beside its exact rigid solution" if rows.fe else "of the rigid vehicle"
     changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)
+    text = definition.text.rstrip("\n") + "\n" + changes
+    said = headline(sweep, rows)
     return Page(
-        kicker="Sweep: many runs of one scene, "
-        + ("each beside its exact rigid solution" if rows.fe else "of the rigid vehicle"),
-        title=definition.scene,
-        headline=headline(sweep, rows),
-        sections=(
-            Section("What varies", tables=(Table(VARIED, varied),)),
-            Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
-            *(
-                Section(group, figures=[curve for curve in curves if curve.group == group])
-                for group in dict.fromkeys(curve.group for curve in curves)
-            ),
-            Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
-            Section("What was computed, and what it means", sentences=_sentences(sweep)),
-        ),
-        footer=footer(
-            "sweep.parquet, the table, a row a run, in SI; summary.json, these numbers; sweep.json, what the sweep is"
-        ),
-        scene_text=definition.text.rstrip("\n") + "\n" + changes,
+        f"Sweep: many runs of one scene, {kind}", definition.scene, said, sections, footer(FILES), text
     )
 
 

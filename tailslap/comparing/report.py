@@ -111,19 +111,15 @@ def compare_report(found: Comparison) -> Report:
         "compared": compared,
         "notes": notes,
     }
-    page = Page(
-        kicker="Histories side by side",
-        title=" · ".join(item.label for item in found.items),
-        headline=said,
-        sections=(
-            Section("Metrics", tables=(table,), sentences=notes),
-            Section("Numbers of the results", tables=tuple(_quantities(found))),
-            Section("Curves", figures=[*_curves(found)], layout="wide"),
-            Section("Differences from the reference", figures=[*_curves(found, True)], layout="wide"),
-        ),
-        footer=footer("summary.json, these numbers; metrics.csv, the table"),
-        passed=found.within,
+    sections = (
+        Section("Metrics", tables=(table,), sentences=notes),
+        Section("Numbers of the results", tables=tuple(_quantities(found))),
+        Section("Curves", figures=[*_curves(found)], layout="wide"),
+        Section("Differences from the reference", figures=[*_curves(found, True)], layout="wide"),
     )
+    title = " · ".join(item.label for item in found.items)
+    below = footer("summary.json, these numbers; metrics.csv, the table")
+    page = Page("Histories side by side", title, said, sections, below, passed=found.within)
     return Report(page, summary, (table, *notes, said), tables={"metrics.csv": table})
 
 
@@ -151,16 +147,8 @@ def metrics_table(found: Comparison) -> Table:
 
 def _numbers(each: Beside) -> dict[str, Any]:
     largest, at = each.largest
-    return {
-        "name": each.name,
-        **asdict(each.metrics),
-        "largest": largest,
-        "at": at,
-        "at_end": each.at_end,
-        "from": float(each.t[0]),
-        "to": float(each.t[-1]),
-        "within": each.within,
-    }
+    found = {"name": each.name, **asdict(each.metrics), "largest": largest, "at": at, "at_end": each.at_end}
+    return found | {"from": float(each.t[0]), "to": float(each.t[-1]), "within": each.within}
 
 
 def _quantities(found: Comparison) -> Iterator[Table]:
@@ -174,11 +162,8 @@ def _quantities(found: Comparison) -> Iterator[Table]:
         Column("unit", "Unit", is_unit=True),
         *(Column(str(k), label, form=".7g", unit_key="unit") for k, label in enumerate(results)),
     )
-    rows = [
-        {"title": q.title, "unit": q.unit} | {str(k): fe[q.key] for k, fe in enumerate(results.values())}
-        for q in QUANTITIES.values()
-    ]
-    yield Table(heads, rows)
+    numbered = [(str(k), fe) for k, fe in enumerate(results.values())]
+    yield Table(heads, [{**vars(q), **{k: fe[q.key] for k, fe in numbered}} for q in QUANTITIES.values()])
 
 
 def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:

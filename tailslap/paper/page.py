@@ -49,14 +49,9 @@ def paper_report(found: Numbers) -> Report:
     parts = sections(found, courses)
     column = found["table_3"]["analytical"]
     off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
-    page = Page(
-        kicker=tables.PAPER,
-        title="The paper's tables and figures, computed beside printed",
-        headline=f"Velocities and slide of Table 3's analytical column are met to {100 * off:.2f} %. {DIFFERENCE}",
-        sections=parts,
-        footer=footer() + AXES,
-        contents=True,
-    )
+    title = "The paper's tables and figures, computed beside printed"
+    met = f"Velocities and slide of Table 3's analytical column are met to {100 * off:.2f} %. {DIFFERENCE}"
+    page = Page(tables.PAPER, title, met, parts, footer() + AXES, contents=True)
     curves = {f"figures_10_to_14_{name}.csv": course for name, course in courses.items()}
     opening = f"{tables.PAPER}\nComputed beside printed. {DIFFERENCE}"
     return Report(page, summary(found), (opening, "", *parts), histories=curves)

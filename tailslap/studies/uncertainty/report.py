@@ -94,13 +94,7 @@ def report(found: Spread) -> Report:
 
 
 def _report(
-    found: Spread,
-    kicker: str,
-    said: str,
-    sections: Any,
-    numbers: Mapping[str, Any],
-    terminal: Any,
-    **curves: Table,
+    found: Spread, kicker: str, said: str, sections: Any, numbers: Any, terminal: Any, **curves: Table
 ) -> Report:
     files = ["summary.json, these numbers in SI", "samples.csv, the combinations of the distribution"]
     if curves:
