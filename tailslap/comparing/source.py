@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tailslap.errors import InputError, Verbatim, shortened
 from tailslap.files.load import column_units, demand_listed, load
 from tailslap.result import Result
-from tailslap.scene.text import read_text
+from tailslap.scene.read import read_text
 from tailslap.scene.units import COMMA, converted
 
 TIME = "t"

@@ -1,9 +1,14 @@
-"""Find and read scenes; remarks on values without a unit that are far from those of vehicles on roads."""
+"""Find and read scenes; remarks on values without a unit that are far from those of vehicles on roads.
 
+Text files that the user gives, scenes and histories alike, pass one guard.
+"""
+
+import codecs
 import difflib
 import math
 import os
 import re
+import stat
 import tomllib
 from collections.abc import Iterable, Iterator
 from importlib.resources import files
@@ -12,8 +17,33 @@ from typing import Any, NamedTuple
 
 from tailslap import errors
 from tailslap.scene import schema, units
-from tailslap.scene.text import read_text
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
+
+UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
+def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
+    """Text of a regular file of at most so many bytes, in UTF-8 or, behind a byte order mark, UTF-16; lines end with
+    line feeds. Devices and pipes are not even opened.
+
+    undecodable: what becomes of bytes that are no text, as of `bytes.decode`.
+
+    Raises OSError, and ValueError, saying why.
+    """
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise ValueError("it is no regular file")
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise ValueError(f"it is too large; allowed are {most} bytes")
+    try:
+        text = content.decode("utf-16" if content.startswith(UTF_16) else "utf-8-sig", undecodable)
+    except UnicodeDecodeError:
+        text = "\0"
+    if "\0" in text:
+        raise ValueError("it is not text in UTF-8, nor in UTF-16 with a byte order mark")
+    return text.replace("\r\n", "\n")
+
 
 MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
 """Length of a scene's path, size of its file, length of a line in it, depth of its tables and lists."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from postprocess.signals import occupant_risk as risk
+from postprocess.signals import filters as risk
 from postprocess.signals.filters import (
     CLASSES,
     LEVELS,

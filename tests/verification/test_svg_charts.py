@@ -8,10 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures import rows
-from postprocess.figures import rows as bars
+from postprocess.figures import studies
 from postprocess.figures.histories import draw_histories, power_of_ten, thinned
-from postprocess.figures.plates import COLOURS, MapAxis, draw_map, draw_meanings, draw_mode
+from postprocess.figures.studies import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
 from postprocess.svg.chart import Axis, Plot, draw_chart
 from postprocess.svg.marks import (
     PALETTE,
@@ -208,7 +207,9 @@ def test_colours_of_numbers():
 
 
 def test_a_histogram_says_each_share():
-    chart = bars.draw_histogram(np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5)
+    chart = studies.draw_histogram(
+        np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5
+    )
     assert shown(chart) == {"fraction": ["25", "75"]}
     words = {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"}
     assert words <= set(texts_of(chart))
@@ -222,7 +223,7 @@ def test_sensitivity_is_a_row_an_input():
         {"key": key} | {name: [a * s, b * s] if "_interval" in name else a * s for name, a, b in parts}
         for key, s in (("a.x", 0.4), ("b.y", 0.1))
     ]
-    chart = bars.draw_sensitivity(inputs)
+    chart = studies.draw_sensitivity(inputs)
     assert shown(chart) == {"alone": ["0.4", "0.1"], "with interactions": ["0.8", "0.2"]}
     assert chart.svg.count('data-at="a.x b.y"') == 2
     first, second = boxes(chart.svg, "fe")
@@ -231,10 +232,10 @@ def test_sensitivity_is_a_row_an_input():
 
 
 def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
-    axis = rows.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
-    fe = rows.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
-    ring = rows.SweepLine("ring", [1e-4] * 3, form=rows.RINGS)
-    chart = rows.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
+    axis = studies.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
+    fe = studies.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
+    ring = studies.SweepLine("ring", [1e-4] * 3, form=studies.RINGS)
+    chart = studies.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
     assert shown(chart) == {"FE": ["0.01", "1"], "failed a check": ["50"], "ring": ["0.01"] * 3}
     assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
     xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
@@ -242,11 +243,11 @@ def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
 
 
 def bar(strike, dots=()):
-    return bars.BandBar(f"raw, strike {strike}", strike, (400.0, 500.0, 700.0), 450.0, dots)
+    return studies.BandBar(f"raw, strike {strike}", strike, (400.0, 500.0, 700.0), 450.0, dots)
 
 
 def test_bands_say_their_ends_and_the_rows_of_the_paper():
-    chart = bars.draw_bands([bar(1), bar(2, (("a", 600.0, False), ("b", 650.0, True)))])
+    chart = studies.draw_bands([bar(1), bar(2, (("a", 600.0, False), ("b", 650.0, True)))])
     found = shown(chart)
     assert found["first strike"] == found["second strike"] == ["400_to_700_kN,_median_500_kN"]
     assert (found["measured"], found["projected by the authors"]) == (["600_kN"], ["650_kN"])
@@ -260,8 +261,8 @@ def test_inputs_have_a_chart_each_and_one_legend():
     x = np.linspace(0.5, 5.0, 4)
     peaks = {1: {"raw": x, "50 ms": 2 * x}, 2: {"raw": 3 * x}}
     lines = {"peak [kN]": peaks, "duration [ms]": {1: {"duration": x}}}
-    panels = [bars.InputPanel(f"against-{n}", f"input {n} [m]", x, 2.0, n == 1, lines) for n in (0, 1)]
-    legend, *charts = bars.draw_inputs("Against", panels)
+    panels = [studies.InputPanel(f"against-{n}", f"input {n} [m]", x, 2.0, n == 1, lines) for n in (0, 1)]
+    legend, *charts = studies.draw_inputs("Against", panels)
     assert [chart.name for chart in charts] == ["against-0", "against-1"]
     first = ["first strike, raw", "first strike, 50 ms"]
     assert (texts_of(legend), shown(legend)) == ([*first, "second strike, raw", "the scene's own"], {})
@@ -273,7 +274,7 @@ def test_inputs_have_a_chart_each_and_one_legend():
 
 def test_plates_that_are_not_to_be_relied_on_are_red():
     panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
-    chart = rows.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
+    chart = studies.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
     assert shown(chart) == {"first strike": ["5", "4"], "not to be relied on": ["9"]}
 
 
@@ -292,9 +293,9 @@ def crowded(lines=9):
     series = []
     for n in range(lines):
         errors = [1e-2 * (n + 1), 1e-4 * (n + 1), 1e-5 * (1.0 + 0.02 * n)]
-        series.append(rows.Series(f"line {n}", [1e-3, 1e-2, 0.9 + 0.01 * n], errors, [True, n != 3, True]))
+        series.append(studies.Series(f"line {n}", [1e-3, 1e-2, 0.9 + 0.01 * n], errors, [True, n != 3, True]))
     front = "Pareto front", [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
-    return rows.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
+    return studies.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
 
 
 def test_each_line_has_a_plot_over_the_same_axes():
@@ -319,8 +320,8 @@ def test_ticks_are_powers_of_ten():
 
 def test_a_diagram_without_points_is_none():
     """A scene may refuse every setting of a panel."""
-    empty = [rows.Series("quad4", [], [], [])]
-    assert rows.draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []
+    empty = [studies.Series("quad4", [], [], [])]
+    assert studies.draw_precision("empty", "(b)", empty, "error", ("Pareto front", []), ("", math.nan)) == []
 
 
 AXES = {axis.name: axis for axis in axes_of(read_scene("paper-table-3")[0], 10)}
@@ -387,11 +388,11 @@ def test_tick_labels_do_not_overlap(points):
 
 
 def test_legend_says_what_every_colour_means():
-    assert list(KINDS) == list(COLOURS)
+    assert list(KINDS) == list(VERDICTS)
     chart = draw_meanings(KINDS, "what the colours mean")
     for kind, meaning in KINDS.items():
         assert f">{kind}: {meaning}<" in chart.svg
-        assert f'class="{COLOURS[kind]}"' in chart.svg
+        assert f'class="{VERDICTS[kind]}"' in chart.svg
         assert text_width(f"{kind}: {meaning}", 11.0) + 24.0 <= chart.width
 
 

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.signals import filters
-from postprocess.signals.filters import second_strike
-from postprocess.signals.occupant_risk import RiskMeasure, VehicleMotion, occupant_risk
+from postprocess.signals.filters import RiskMeasure, VehicleMotion, occupant_risk, second_strike
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from postprocess.comparison.quantities import QUANTITIES
-from postprocess.figures.rows import Series, draw_precision
+from postprocess.figures.studies import Series, draw_precision
 from postprocess.report.page import Column, Section, Table, columns, listed
 from postprocess.report.report import Report
 from postprocess.svg.chart import Chart

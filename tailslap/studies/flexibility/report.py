@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
-from postprocess.figures.rows import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
+from postprocess.figures.studies import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.report.page import Column, Section, Table, columns, listed
 from postprocess.report.report import Report
 from postprocess.svg.chart import Chart

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.figures import rows as figures
+from postprocess.figures import studies as figures
 from postprocess.report.page import Column, Section, Table, columns, pairs
 from postprocess.report.report import Report
 from postprocess.units import grouped, known, measure
