@@ -83,12 +83,8 @@ def _add_array(array: np.ndarray, kinds: list[Any], values: list[Any]) -> None:
     values += (None, None, array.size, dtype.itemsize, address, *array.shape, *array.strides)
 
 
-def codes_of(kinds: tuple[Any, ...]) -> str:
-    """The codes of the values in a row."""
-    return "".join(map(_codes, kinds))
-
-
-def _codes(kind: Any) -> str:
+def codes(kind: Any) -> str:
+    """The codes of the values of an argument of this type, in a row."""
     if kind is None:
         return ADDRESS
     if isinstance(kind, str):
@@ -98,12 +94,8 @@ def _codes(kind: Any) -> str:
     return 2 * ADDRESS + 2 * INTEGER + ADDRESS + 2 * kind[1] * INTEGER
 
 
-def spelled(kinds: tuple[Any, ...]) -> str:
-    """The types in words that are the same in every process."""
-    return " ".join(map(_spelled, kinds))
-
-
-def _spelled(kind: Any) -> str:
+def spelled(kind: Any) -> str:
+    """The type in words that are the same in every process."""
     if isinstance(kind, tuple) and len(kind) == 2:
         return f"{kind[0].__module__}.{kind[0].__qualname__}/{kind[1]}"
     return str(kind)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fem.machine_code import folder
-from fem.machine_code.arguments import Call, Prepared, UnknownTypeError, codes_of, flattened, spelled
+from fem.machine_code.arguments import Call, Prepared, UnknownTypeError, codes, flattened, spelled
 
 _FINDING = threading.RLock()
 
@@ -94,8 +94,8 @@ class Kernel:
         function = self.py_func
         identity = machine() | {
             "kernel": f"{function.__module__}.{function.__qualname__}",
-            "arguments": spelled(kinds),
-            "values": codes_of(kinds),
+            "arguments": " ".join(map(spelled, kinds)),
+            "values": "".join(map(codes, kinds)),
             "sources": folder.sources() + folder.own_sources(function),
         }
         digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]

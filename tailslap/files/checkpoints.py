@@ -66,10 +66,8 @@ class Checkpoints:
 
     def files(self, own: bool) -> list[Path]:
         """Checkpoints that there are for this place: of this definition, or of others."""
-        with contextlib.suppress(OSError):
-            found = [path for path in self._all.parent.iterdir() if path.name.startswith(self._all.name)]
-            return [path for path in found if path.name.startswith(self._own.name) == own]
-        return []
+        found = (path for path in self._all.parent.glob("*") if path.name.startswith(self._all.name))
+        return [path for path in found if path.name.startswith(self._own.name) == own]
 
     def load(self, sizes: Callable[[int], Sizes]) -> Arrays | None:
         """Arrays of the file, if it is whole; sizes: shapes that they have after so many rows."""
@@ -84,9 +82,7 @@ class Checkpoints:
         return arrays
 
     def _read(self, sizes: Callable[[int], Sizes]) -> Arrays:
-        if not self._path.is_file():
-            raise ValueError("no file")
-        with self._path.open("rb") as file:
+        with open(self._path, "rb", opener=manifest.open_plain) as file:
             digest, rows = file.read(DIGEST), int.from_bytes(file.read(COUNT), "little")
             wanted = sizes(rows)
             size = DIGEST + COUNT + NUMBER * sum(map(math.prod, wanted.values()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import warnings
@@ -63,13 +62,7 @@ class Stored:
         home = folder.path_in(place, manifest.NAME).parent
         listed, self.origin = manifest.read_manifest(home), manifest.read_origin(home)
         self.listed = None if listed is None else {item.path: item for item in listed}
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Names of the files; without a manifest of all that there are."""
-        with contextlib.suppress(OSError):
-            return frozenset(os.listdir(self.place) if self.listed is None else self.listed)
-        return frozenset()
+        self.names = {path.name for path in place.glob("*")} if self.listed is None else {*self.listed}
 
     def demand_manifest(self) -> None:
         """Raise InputError for a folder that has no result, or one without a whole manifest."""

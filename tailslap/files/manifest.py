@@ -141,10 +141,10 @@ def read_entries(found: Any) -> frozenset[Entry] | None:
 
 def _is_plain(item: Entry) -> bool:
     """True for an entry, read from a file, that names a file in the folder itself."""
-    if not isinstance(item.path, str) or not isinstance(item.sha256, str) or type(item.size) is not int:
+    if not (isinstance(item.path, str) and isinstance(item.sha256, str) and type(item.size) is int):
         return False
-    outside = item.path in ("", ".", "..", LOCK, NEW, LOG) or re.search(r"[/\0]", item.path)
-    return not outside and re.fullmatch("[0-9a-f]{64}", item.sha256) is not None
+    is_inside = re.fullmatch(r"[^/\0]+", item.path) and item.path not in (".", "..", LOCK, NEW, LOG)
+    return bool(is_inside and re.fullmatch("[0-9a-f]{64}", item.sha256))
 
 
 @contextlib.contextmanager
