@@ -120,7 +120,7 @@ def look(out: Path, added: str) -> list[str]:
 RACED = ("run", "paper-table-3", "--set", "plate.elements=[12,4]", "--no-pictures")
 EXACT = {
     "run": ("run", "paper-table-3", *SMALL, "--no-pictures"),
-    "study": COMMANDS["study"],
+    "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000", "--force"),
     "export": ("export", "{earlier}", "--to", "csv", "--force"),
     "sweep": ("sweep", "paper-table-3", *SMALL, "--vary", "impact.friction=0.1:0.8:3", "--workers", "1"),
 }
