@@ -97,8 +97,11 @@ class Stored:
     def copy(self, place: Path, pictures: bool, units: str) -> None:
         """Fill another folder with these files."""
         for name in self.names - {manifest.NAME}:
-            if pictures or not name.startswith("contour_"):
-                (place / name).write_bytes(self.read(name, BufferedReader.read) or b"")
+            content = (
+                self.read(name, BufferedReader.read) if pictures or not name.startswith("contour_") else None
+            )
+            if content is not None:
+                (place / name).write_bytes(content)
 
 
 def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Result:

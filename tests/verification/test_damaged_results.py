@@ -205,6 +205,11 @@ def test_a_copy_has_no_damaged_file(results, tmp_path):
     assert not (tmp_path / "copy").exists()
     with pytest.raises(InputError, match="the command reads it"):
         found.save(results / "run", force=True)
+    (results / "run" / "theta.svg").unlink()
+    with pytest.warns(UserWarning, match=r"theta\.svg in it cannot be read"):
+        tailslap.load(results / "run", force=True).save(tmp_path / "copy")
+    names = {path.name for path in (results / "run").iterdir()}
+    assert {path.name for path in (tmp_path / "copy").iterdir()} == names
 
 
 def test_a_result_that_is_replaced_while_it_is_read_is_one_of_the_two(results, monkeypatch):
