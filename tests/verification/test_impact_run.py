@@ -390,6 +390,16 @@ def test_an_unsure_impact_fails():
     assert 0.024 < outcome.mesh_error["strike_2.impulse"] < 0.03
 
 
+def test_a_third_mesh_is_run_where_two_leave_hope(monkeypatch):
+    """Not of elements so few that the finer mesh alone is farther away than what is allowed."""
+    asked = []
+    monkeypatch.setattr(error, "third", lambda finer: asked.append(finer.counts))
+    unsure = planned(*PICKUP, "verify.mesh=0.01", scene="impact-mash-tl2-pickup").run()
+    assert (asked, unsure.passed) == ([(12, 4)], False)
+    hopeless = planned("plate.elements=[4,2]", "plate.youngs_modulus=2e9").run()
+    assert (asked, hopeless.passed) == ([(12, 4)], False)
+
+
 def test_what_is_stated_bounds_what_a_fine_mesh_finds():
     """The pickup on six linear elements across, against 16."""
     coarse, fine = (

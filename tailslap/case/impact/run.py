@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -113,8 +114,8 @@ def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
 
 
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
-    """The outcome with its error by two other meshes, and by a third where two do not suffice; without, where they make
-    no model."""
+    """The outcome with its error by two other meshes, and by a third where that may still be within what was asked for;
+    without, where they make no model."""
     limit = outcome.fe_plan.case.scene.verify.mesh
     for coarse, fine in error.companions(outcome.fe_plan.plate):
         try:
@@ -122,7 +123,8 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
         except InputError:
             continue
         found = error.estimate(outcome.fe, sequence)
-        if not error.largest(found) <= limit and (finest := error.third(fine)):
+        moved = max(map(abs, error.changes(outcome.fe, sequence[-1]).values()), default=math.inf)
+        if moved <= limit < error.largest(found) and (finest := error.third(fine)):
             found = error.estimate(outcome.fe, [*sequence, _on(outcome, finest)])
         return replace(outcome, mesh_error=found)
     return outcome
