@@ -205,10 +205,8 @@ def _to_meshio(gmsh: Any) -> meshio.Mesh:
 def _cell_sets(names: list[str], cells: list[tuple[str, Any]]) -> dict[str, list[Any]]:
     """Each named group is one block of cells: all cells of that block, none of the others."""
     none = np.empty(0, dtype=np.int64)
-    return {
-        name: [np.arange(len(block)) if i == j else none for j, (_, block) in enumerate(cells)]
-        for i, name in enumerate(names)
-    }
+    blocks = [np.arange(len(block)) for _, block in cells]
+    return {name: [b if i == j else none for j, b in enumerate(blocks)] for i, name in enumerate(names)}
 
 
 def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: str = "quad") -> meshio.Mesh:

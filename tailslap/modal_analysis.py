@@ -155,10 +155,8 @@ def _estimate(
     if not (motion.strike and finer.strike and coarser.strike):
         return ModalEstimate(math.nan, math.nan, math.nan)
     size = min(motion.history["t"].size, finer.history["t"].size) - 1
-    moved = max(
-        np.abs(motion.history[name][:size] - finer.history[name][:size]).max() / abs(motion.strike[name])
-        for name in KEYS
-    )
+    apart = ((name, np.abs(motion.history[name][:size] - finer.history[name][:size])) for name in KEYS)
+    moved = max(each.max() / abs(motion.strike[name]) for name, each in apart)
     modes, steps = (largest_relative(run.strike or {}, motion.strike) for run in (finer, coarser))
     cycles = max(1.0, lowest * fe_plan.case.motion.strike.t)
     return ModalEstimate(float(max(moved, modes)), fe_plan.deflection_ratio**2 * cycles, steps)

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -117,27 +118,13 @@ WORKERS = click.Option(
     ["--workers"], type=Whole(1, 256), help="Processes, at most one a core  [default: one a core]"
 )
 JSON = click.Option(["--json", "as_json"], is_flag=True, help="Print the numbers as JSON, in SI.")
-QUIET = click.Option(
-    ["--quiet", "-q"],
-    is_flag=True,
-    expose_value=False,
-    is_eager=True,
-    callback=_quiet,
-    help="Print errors alone.",
-)
-PROGRESS = click.Option(
-    ["--progress"],
-    is_flag=True,
-    expose_value=False,
-    is_eager=True,
-    callback=_progress,
-    help="Say how far it is from time to time, also where standard error is no terminal.",
-)
+_flag = partial(click.Option, is_flag=True, expose_value=False, is_eager=True)
+QUIET = _flag(["--quiet", "-q"], callback=_quiet, help="Print errors alone.")
+LINES = "Say how far it is from time to time, also where standard error is no terminal."
+PROGRESS = _flag(["--progress"], callback=_progress, help=LINES)
+SYSTEMS = click.Choice(["si", "us"])
 UNITS = click.Option(
-    ["--units"],
-    type=click.Choice(["si", "us"]),
-    default="si",
-    help="Units of what people read; files are in SI.",
+    ["--units"], type=SYSTEMS, default="si", help="Units of what people read; files are in SI."
 )
 PRINTED = (UNITS, JSON, QUIET)
 """Options of what is printed."""

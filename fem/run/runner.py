@@ -360,11 +360,8 @@ def packed(name: str, value: Any) -> dict[str, np.ndarray]:
     """Arrays of a tuple with named fields, of those within it too, by dotted names; None has none."""
     if value is None or isinstance(value, np.ndarray):
         return {} if value is None else {name: value}
-    return {
-        key: array
-        for field, part in value._asdict().items()
-        for key, array in packed(f"{name}.{field}", part).items()
-    }
+    parts = (packed(f"{name}.{field}", part) for field, part in value._asdict().items())
+    return {key: array for part in parts for key, array in part.items()}
 
 
 def unpacked(name: str, like: Any, arrays: Arrays) -> Any:

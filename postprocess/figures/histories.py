@@ -88,10 +88,8 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
         exact = np.interp(t, rigid["t"], rigid[panel.name])
         apart = values - exact
     own, power = (3 if panel.unit == "N" else 0), power_of_ten(apart)
-    lines = (
-        marks.Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0),
-        marks.Line("FE", *thinned(t, values * 10.0**-own)),
-    )
+    rigid_line = marks.Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0)
+    lines = rigid_line, marks.Line("FE", *thinned(t, values * 10.0**-own))
     difference = marks.Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
     plots = (
         chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), 130.0),

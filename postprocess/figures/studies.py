@@ -353,13 +353,7 @@ def draw_plates(
     return chart.draw_chart("plates", caption, plots, x, width=WIDE)
 
 
-VERDICTS: Mapping[str, str] = {
-    "right": "green",
-    "flexible": "steel",
-    "refused": "grid",
-    "caught": "rigid",
-    "wrong": "red",
-}
+VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"} | {"caught": "rigid", "wrong": "red"}
 """Colours of the verdicts; all else is an error."""
 
 MAP_WIDTH, HEIGHT, LEGEND, TICKS = 260.0, 190.0, 320.0, 5

@@ -150,12 +150,11 @@ class Table:
 
     def in_units(self, units: Units) -> Table:
         """Return the table in other units."""
-        columns = [
-            replace(column, units=units, below=column.below and replace(column.below, units=units))
-            for column in self.columns
-        ]
+        below = [column.below and replace(column.below, units=units) for column in self.columns]
+        both = zip(self.columns, below, strict=True)
+        columns = tuple(replace(column, units=units, below=under) for column, under in both)
         notes = tuple(units.rendered(note) for note in self.notes)
-        return replace(self, columns=tuple(columns), title=units.rendered(self.title), notes=notes)
+        return replace(self, columns=columns, title=units.rendered(self.title), notes=notes)
 
     def records(self) -> list[dict[str, Any]]:
         """The entries as they are, by key: what JSON and other files hold."""

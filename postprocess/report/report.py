@@ -169,11 +169,10 @@ def _widths(block: list[Laid], width: int) -> list[int]:
 def _row(cells: Lines, block: list[Laid], widths: list[int]) -> Iterator[str]:
     """Lines of a row; words to the left, numbers to the right."""
     for texts in zip_longest(*cells, fillvalue=""):
-        sides = [
-            text.ljust(wide) if column.is_words else text.rjust(wide)
-            for text, column, wide in zip(texts, block, widths, strict=True)
-        ]
-        yield GAP.join(sides).rstrip()
+        cells_of = zip(texts, block, widths, strict=True)
+        yield GAP.join(
+            f"{text:{'<' if column.is_words else '>'}{wide}}" for text, column, wide in cells_of
+        ).rstrip()
 
 
 PAGE, SUMMARY = "report.html", "summary.json"

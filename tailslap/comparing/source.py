@@ -88,11 +88,8 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
     except (OSError, ValueError, csv.Error) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError("RESULT", str(path), f"{why}; allowed is a file with named columns") from None
-    wanted = {
-        ours: theirs
-        for ours, theirs in mapping.items()
-        if ours not in columns or _parts(theirs, columns)[1] in columns
-    }
+    there = {ours for ours, theirs in mapping.items() if _parts(theirs, columns)[1] in columns}
+    wanted = {name: theirs for name, theirs in mapping.items() if name not in columns or name in there}
     own = {TIME, *column_units(columns)}
     for name in columns:
         if (ours := _time_as_t(name)) in own:

@@ -72,14 +72,12 @@ READING = (
     "Errors, below the values: the grid convergence index of three meshes, and what damping and ringing may do. Plates "
     "set off failed a check.",
 )
-WORDS = {
-    f"strike_{k}.{name}": f"{which} strike's {name.removesuffix('_force')}"
-    for k, which in ((1, "first"), (2, "second"))
-    for name in COMPARED
-}
+WORDS = {f"strike_1.{name}": f"first strike's {name.removesuffix('_force')}" for name in COMPARED}
+WORDS |= {f"strike_2.{name}": f"second strike's {name.removesuffix('_force')}" for name in COMPARED}
+_ERRORS = columns({f"error.{name}": "" for name in NAMES}, form=SIGNED)
 STRIKE_POINTS = [
-    Column(f"difference.{name}", WORDS[name], form=SIGNED, below=Column(f"error.{name}", "", form=SIGNED))
-    for name in NAMES
+    Column(f"difference.{name}", WORDS[name], form=SIGNED, below=error)
+    for name, error in zip(NAMES, _ERRORS, strict=True)
 ]
 IMPACT_READING = (
     "FE/rigid - 1 of each strike, the mesh's error below it: what elements of twice the order change. A plate whose "
@@ -109,10 +107,8 @@ def corner_report(found: Flexibility) -> Report:
     v_gy = Table(_good(LEVELS), good, "v_GY is good down to a first frequency of", marks=marked)
     laws = [{"what": SYMBOLS[n], "levels": found.others.get(n), "law": law} for n, law in found.laws.items()]
     failed = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
-    tables = [
-        Table((F1, *its), rows, title, marks={} if number else failed)
-        for number, (title, its) in enumerate(EVERY_PLATE.items())
-    ]
+    marks = [failed, *[{}] * (len(EVERY_PLATE) - 1)]
+    tables = [Table((F1, *EVERY_PLATE[k]), rows, k, marks=m) for k, m in zip(EVERY_PLATE, marks, strict=True)]
     modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
     three, five, reaction, stored, modes = figures(found)
     said = _modelled(found)

@@ -308,10 +308,8 @@ def _simulated(found: Spread, known: Mapping[str, float]) -> dict[str, tuple[flo
     if known:
         inputs = {item.key: samples[item.key] for item in found.ranges}
         samples = solved(found.case, inputs | {key: np.full(2 * found.rows, x) for key, x in known.items()})
-    return {
-        name: (exact[name], abs(float(many[name][0]) - exact[name]), sampling.band_of(samples[name]))
-        for name in answers.COLUMNS
-    }
+    off = {name: abs(float(many[name][0]) - exact[name]) for name in answers.COLUMNS}
+    return {name: (exact[name], off[name], sampling.band_of(samples[name])) for name in answers.COLUMNS}
 
 
 def beside(printed: tables.ForceRow, kind: str, simulated: float, u_num: float, band: Band) -> dict[str, Any]:
