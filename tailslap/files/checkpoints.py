@@ -26,8 +26,7 @@ import click
 import numpy as np
 
 from tailslap.errors import Interrupted, escaped
-from tailslap.files import manifest
-from tailslap.files.folder import resolved
+from tailslap.files import folder, manifest
 
 if TYPE_CHECKING:
     from fem.run.runner import Arrays, Checkpoint, Sizes
@@ -51,7 +50,7 @@ class Checkpoints:
     """
 
     def __init__(self, place: Path, definition: Mapping[str, Any], resume: bool) -> None:
-        place, self._resume, self.promised = resolved(place), resume, False
+        place, self._resume, self.promised = folder.resolved(place), resume, False
         self._digest = _digest({**definition, "place": place.name})
         self._all = place.with_name(f".{place.name[:MAX_STEM]}.checkpoint-")
         self._own = Path(f"{self._all}{self._digest[:16]}-")

@@ -15,8 +15,7 @@ import numpy as np
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
 from postprocess.report import page
-from tailslap import result
-from tailslap.errors import InputError
+from tailslap import errors, result
 from tailslap.files import folder, manifest
 
 Read = TypeVar("Read")
@@ -68,7 +67,7 @@ class Stored:
         """Raise InputError for a folder that has no result, or one without a whole manifest."""
         if SUMMARY not in self.names:
             allowed = f"there is no {SUMMARY} that can be read; allowed is a result folder of tailslap"
-            raise InputError("folder", str(self.place), allowed)
+            raise errors.InputError("folder", str(self.place), allowed)
         if self.listed is None:
             self._complain(f"its manifest {manifest.NAME} is missing or damaged, and tells of no file in it")
 
@@ -82,7 +81,7 @@ class Stored:
                     self._complain(f"{name} in it is damaged, or was changed since the program wrote it")
                 file.seek(0)
                 return parse(file)
-        except (InputError, Warning):
+        except (errors.InputError, Warning):
             raise
         except Exception as error:  # a parser raises what it likes over damaged bytes
             self._complain(f"{name} in it cannot be read, {type(error).__name__}: {error}")
@@ -91,7 +90,7 @@ class Stored:
     def _complain(self, why: str) -> None:
         if not self._force or Stored(self.place).listed != self.listed:
             said = f"{why}; --force (in Python force=True) reads what can be read"
-            raise InputError("folder", str(self.place), said)
+            raise errors.InputError("folder", str(self.place), said)
         warnings.warn(f"{self.place}: {why}", stacklevel=2)
 
     def copy(self, place: Path, pictures: bool, units: str) -> None:
@@ -134,7 +133,7 @@ def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Resul
     stored.demand_manifest()
     try:
         return _loaded(stored)
-    except InputError:
+    except errors.InputError:
         again = Stored(place, force)
         if again.listed == stored.listed:
             raise

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postprocess.comparison.quantities import largest
-from tailslap.case.corner import model
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner import model, plan
 
 RINGING, CORRUPTED = 2e-3, 0.1
 """Friction by ringing that is allowed, and at which a run is given up."""
@@ -87,7 +86,7 @@ class NumericalError:
 
 
 def numerical_error(
-    fe_plan: CornerPlan, difference: Mapping[str, float], companions: Sequence[Companion]
+    fe_plan: plan.CornerPlan, difference: Mapping[str, float], companions: Sequence[Companion]
 ) -> NumericalError:
     """The error of a run with these five differences from the rigid motion, empty if it came to no result."""
     deflection, steps = fe_plan.deflection_ratio, fe_plan.expected_steps
@@ -126,13 +125,13 @@ def _distance(coarse: Companion, fine: Companion) -> float:
     return max(apart, *(abs(value - fine.difference[name]) for name, value in coarse.difference.items()))
 
 
-def _lag_error(fe_plan: CornerPlan, flexibility: float) -> float:
+def _lag_error(fe_plan: plan.CornerPlan, flexibility: float) -> float:
     """The error by the lag of damping, in proportion to its deflection: no more than all that flexibility changes."""
     lag = fe_plan.damping_lag
     return SAFETY * flexibility * lag / (fe_plan.deflection_ratio + lag)
 
 
-def _oscillation_lost(fe_plan: CornerPlan) -> float:
+def _oscillation_lost(fe_plan: plan.CornerPlan) -> float:
     """Part that the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the
     friction that goes with an oscillation that does not grow is not known."""
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
@@ -178,7 +177,7 @@ def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.isfinite(rigid["v_gx"])
 
 
-def friction_by_ringing(fe_plan: CornerPlan, row: Mapping[str, float]) -> float:
+def friction_by_ringing(fe_plan: plan.CornerPlan, row: Mapping[str, float]) -> float:
     """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would.
 
     row: of the history. Returns the fraction of v_GX or omega, whichever is more, that this has taken off by then.

@@ -25,19 +25,9 @@ from solver import stage_3
 from tailslap import progress
 from tailslap.case import report
 from tailslap.case.case import advice, failed_names
-from tailslap.case.corner import decisions
-from tailslap.case.corner.checks import (
-    CHECKS,
-    CONTACT,
-    ENERGY_RATIO,
-    MECHANICS,
-    PRACTICE,
-    CornerOutcome,
-    reaction_checks,
-)
+from tailslap.case.corner import checks, decisions, rigid
 from tailslap.case.corner.error import FLOOR
 from tailslap.case.corner.plan import CornerPlan
-from tailslap.case.corner.rigid import LABELS, RigidStages
 from tailslap.scene.schema import Scene
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
@@ -48,9 +38,9 @@ CAPTIONS = {
     "contour_omega": "Angular velocity, half the curl of the velocity, at the tail-slap (the paper's Figure 17).",
 }
 GROUPS = {
-    **{kind.name: "Mechanics" for kind in MECHANICS},
-    **{kind.name: "Work of the contact" for kind in CONTACT},
-    **{kind.name: "Customary in crash analysis" for kind in (ENERGY_RATIO, *PRACTICE)},
+    **{kind.name: "Mechanics" for kind in checks.MECHANICS},
+    **{kind.name: "Work of the contact" for kind in checks.CONTACT},
+    **{kind.name: "Customary in crash analysis" for kind in (checks.ENERGY_RATIO, *checks.PRACTICE)},
 }
 """Under which heading a check stands."""
 
@@ -73,13 +63,13 @@ METRICS_NOTE = (
 )
 
 
-def run_report(outcome: CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+def run_report(outcome: checks.CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """Report of a run; its fields and pictures, in these units, go into the folder."""
     report.keep_fields(outcome, folder)
     return corner_report(draw_pictures(outcome, folder, units) if pictures else outcome, pictures)
 
 
-def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
+def corner_report(outcome: checks.CornerOutcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
     verdict, peaks, design = verdict_sentence(outcome), *_forces(outcome)
     failed, omitted = failed_names(outcome.checks), omitted_parts(outcome.fe_plan.case.scene, pictures)
@@ -93,15 +83,15 @@ def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
 
 
 def _cure(name: str) -> str:
-    return advice(CHECKS, [name])
+    return advice(checks.CHECKS, [name])
 
 
-def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
+def histories(outcome: checks.CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
     """Histories of FE plate and rigid body by the names of their files."""
     return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
 
 
-def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
+def summary(outcome: checks.CornerOutcome, pictures: bool) -> dict[str, Any]:
     """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
     alike = report.run_summary(outcome, omitted_parts(fe_plan.case.scene, pictures))
@@ -128,7 +118,7 @@ def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
     }
 
 
-def peak_table(outcome: CornerOutcome) -> Table:
+def peak_table(outcome: checks.CornerOutcome) -> Table:
     """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
     plan, fe = outcome.fe_plan.case, outcome.fe
     mass, duration = plan.scene.vehicle.mass, plan.scene.strike.duration
@@ -137,7 +127,7 @@ def peak_table(outcome: CornerOutcome) -> Table:
     return Table(report.PEAKS, [{"what": what, "fe": found, "rigid": plan.force.peak_force}])
 
 
-def comparison(outcome: CornerOutcome, title: str = "") -> Table:
+def comparison(outcome: checks.CornerOutcome, title: str = "") -> Table:
     """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's."""
     of_paper = is_paper_case(outcome.fe_plan.case)
     paper = quantities.PAPER_TABLE_3 if of_paper else None
@@ -149,7 +139,7 @@ def comparison(outcome: CornerOutcome, title: str = "") -> Table:
     return Table(columns, rows, notes=(note,) if of_paper else ())
 
 
-def sections(outcome: CornerOutcome) -> list[Section]:
+def sections(outcome: checks.CornerOutcome) -> list[Section]:
     """The parts of the page, those without content included."""
     answer = outcome.fe_plan.case.rigid_numbers()
     metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
@@ -158,7 +148,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
     stages = []
     for key, title in titles.items():
-        numbers = [(*LABELS[name], value) for name, value in (answer[key] or {}).items()]
+        numbers = [(*rigid.LABELS[name], value) for name, value in (answer[key] or {}).items()]
         stages.append(page.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
@@ -173,13 +163,13 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     ]
 
 
-def _forces(outcome: CornerOutcome) -> list[Table]:
+def _forces(outcome: checks.CornerOutcome) -> list[Table]:
     peaks = peak_table(outcome)
     (row,) = peaks.rows
     return [peaks, report.design_table(outcome.fe_plan.case.scene, row["fe"] or row["rigid"])]
 
 
-def _curves(outcome: CornerOutcome) -> list[Section]:
+def _curves(outcome: checks.CornerOutcome) -> list[Section]:
     """Curves of all histories, those of the columns that bring a plot of their own among them."""
     own = [(name, column) for name, column in COLUMNS.items() if column.symbol]
     title = "Further columns"
@@ -189,7 +179,7 @@ def _curves(outcome: CornerOutcome) -> list[Section]:
     return [Section(group, figures=[c for c in curves if c.group == group]) for group in groups]
 
 
-def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> CornerOutcome:
+def draw_pictures(outcome: checks.CornerOutcome, folder: Path, units: Units = SI) -> checks.CornerOutcome:
     """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
     reached."""
     from fem.plate import kinds
@@ -245,7 +235,7 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return [(part, why) for there, part, why in parts if not there]
 
 
-def rigid_text(case: RigidStages) -> list[str]:
+def rigid_text(case: rigid.RigidStages) -> list[str]:
     """Lines of `tailslap check` that need no mesh."""
     start, strike, reaction = case.start, case.motion.strike, case.scene.corner.reaction
     computed = "" if case.stage1 is None else " (see `tailslap rigid`)"
@@ -259,7 +249,7 @@ def rigid_text(case: RigidStages) -> list[str]:
     ]
 
 
-def check_text(case: RigidStages, fe_plan: CornerPlan | None) -> list[str]:
+def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]:
     """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
     if fe_plan is None:
         return rigid_text(case)
@@ -282,9 +272,9 @@ def check_text(case: RigidStages, fe_plan: CornerPlan | None) -> list[str]:
     ]
 
 
-def verdict_sentence(outcome: CornerOutcome) -> str:
+def verdict_sentence(outcome: checks.CornerOutcome) -> str:
     """The verdict on a run."""
-    of_the_reaction = reaction_checks()
+    of_the_reaction = checks.reaction_checks()
     failed = set(failed_names(outcome.checks))
     if not outcome.fe:
         return "The run did not reach the tail-slap."
@@ -298,7 +288,7 @@ def verdict_sentence(outcome: CornerOutcome) -> str:
     return text
 
 
-def _comparison(outcome: CornerOutcome) -> str:
+def _comparison(outcome: checks.CornerOutcome) -> str:
     difference = quantities.largest(outcome.difference)
     stated = f"at most {outcome.error.total:.1e}" if outcome.companions else "not stated"
     if difference <= FLOOR:
@@ -331,7 +321,7 @@ def flutter_sentence(fe_plan: CornerPlan) -> str:
     )
 
 
-def statements(outcome: CornerOutcome) -> list[str]:
+def statements(outcome: checks.CornerOutcome) -> list[str]:
     """Sentences that a reader needs beside the numbers: what was run, and what it means."""
     fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
     law = friction.FRICTION_LAWS[case.scene.corner.reaction]
@@ -358,17 +348,17 @@ def statements(outcome: CornerOutcome) -> list[str]:
     return [sentence for sentence in made if sentence]
 
 
-def diagnosis(outcome: CornerOutcome) -> list[str]:
+def diagnosis(outcome: checks.CornerOutcome) -> list[str]:
     """Sentences on why a run failed: choices of the program, and its prediction of ringing."""
     return [*report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
 
 
-def prediction(outcome: CornerOutcome) -> str:
+def prediction(outcome: checks.CornerOutcome) -> str:
     """Sentence on the ringing that was predicted."""
     return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
 
-def is_paper_case(case: RigidStages) -> bool:
+def is_paper_case(case: rigid.RigidStages) -> bool:
     """True where vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
     pairs = (
         (case.body.length, 10.0, 0.0),
@@ -392,7 +382,7 @@ def _plate_mass(plate: float, vehicle: float) -> str:
     )
 
 
-def _error(outcome: CornerOutcome) -> str:
+def _error(outcome: checks.CornerOutcome) -> str:
     error = outcome.error
     if not outcome.companions:
         why = "for verify.companion is false" if outcome.fe else "for the run has no result"
@@ -405,7 +395,7 @@ def _error(outcome: CornerOutcome) -> str:
     )
 
 
-def _convention(case: RigidStages) -> str:
+def _convention(case: rigid.RigidStages) -> str:
     other, impact = case.other_convention(), case.scene.impact
     if impact is None:
         return ""

@@ -16,8 +16,7 @@ from fem import lazy
 from postprocess.comparison import quantities
 from tailslap.case import case
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene import vary
-from tailslap.scene.schema import Scene, StartTable
+from tailslap.scene import schema, vary
 from tailslap.scene.units import shown, value_line
 
 if TYPE_CHECKING:
@@ -137,9 +136,9 @@ class RigidStages(case.Case):
         scene: Any = self.scene
         for key, value in inputs.items():
             table, _, name = key.partition(".")
-            changed = (getattr(scene, table) or StartTable()).model_copy(update={name: value})
+            changed = (getattr(scene, table) or schema.StartTable()).model_copy(update={name: value})
             scene = scene.model_copy(update={table: changed})
-        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or StartTable()
+        vehicle, impact, start = scene.vehicle, scene.impact, scene.start or schema.StartTable()
         body = solver.RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
         begin: tuple[Any, Any, Any] = (start.angle, start.omega, start.corner_speed)
         if impact is not None:
@@ -243,7 +242,7 @@ def _solved_motion(body: solver.RectangularBody[float], *given: Any) -> solver.P
 
 
 @contextmanager
-def _refusals(scene: Scene, table: str) -> Iterator[None]:
+def _refusals(scene: schema.Scene, table: str) -> Iterator[None]:
     """Turn what the theory refuses into a message that names the scene's key."""
     try:
         yield
@@ -260,7 +259,7 @@ def _with_degrees(text: str) -> str:
     return re.sub(r"([0-9.]+) rad\b(?!/)", lambda m: f"{m[0]} ({math.degrees(float(m[1])):.4g} deg)", text)
 
 
-def _key(scene: Scene, table: str, name: str) -> str:
+def _key(scene: schema.Scene, table: str, name: str) -> str:
     """The key of the scene behind an input of the theory."""
     if table != "start":
         return f"{table}.{name}"

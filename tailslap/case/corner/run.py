@@ -14,9 +14,7 @@ from fem.plate import kinds
 from postprocess.comparison import quantities
 from tailslap.case import model
 from tailslap.case.case import MOST_ELEMENTS, evaluated
-from tailslap.case.corner import decisions, error, plan
-from tailslap.case.corner.checks import CHECKS, CornerOutcome, rings
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner import checks, decisions, error, plan
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
@@ -35,7 +33,7 @@ COARSEST = 6
 """Elements across a plate, or along it, from which on a companion has half as many."""
 
 
-def run_corner(case: RigidStages) -> CornerOutcome:
+def run_corner(case: RigidStages) -> checks.CornerOutcome:
     """Run the plate, and its companions where the scene wants the error; compare with the rigid motion and check.
 
     A run that rings where the program may choose the damping is made once more, with more of it. Raises InputError for
@@ -45,21 +43,21 @@ def run_corner(case: RigidStages) -> CornerOutcome:
     return judged(with_companions(outcome) if outcome.fe and case.scene.verify.companion else outcome)
 
 
-def settled(case: RigidStages) -> CornerOutcome:
+def settled(case: RigidStages) -> checks.CornerOutcome:
     """The outcome, not checked: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(case)
-    if not (decisions.damping_is_open(case.scene) and rings(outcome)):
+    if not (decisions.damping_is_open(case.scene) and checks.rings(outcome)):
         return outcome
     again = attempt(case, MORE_DAMPING)
     return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
 
 
-def judged(outcome: CornerOutcome) -> CornerOutcome:
+def judged(outcome: checks.CornerOutcome) -> checks.CornerOutcome:
     """The outcome with its checks."""
-    return replace(outcome, checks=evaluated(CHECKS.values(), outcome))
+    return replace(outcome, checks=evaluated(checks.CHECKS.values(), outcome))
 
 
-def with_companions(outcome: CornerOutcome) -> CornerOutcome:
+def with_companions(outcome: checks.CornerOutcome) -> checks.CornerOutcome:
     """The outcome with companions: a second one where the first leaves an error above what is allowed."""
     for plate, refinement in companion_plates(outcome.fe_plan):
         made = companion(outcome, plate, refinement)
@@ -71,7 +69,7 @@ def with_companions(outcome: CornerOutcome) -> CornerOutcome:
     return outcome
 
 
-def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
+def companion_plates(fe_plan: plan.CornerPlan) -> Iterator[tuple[Plate, float]]:
     """Plates of companions, to try in turn, and their refinement: half as many elements each way, then more of them;
     elements of higher order where linear ones lock, for two meshes that lock may agree."""
     plate, higher = fe_plan.plate, kinds.ELEMENT_KINDS[fe_plan.plate.element].higher_order
@@ -83,7 +81,7 @@ def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
     yield from ((model.refined(plate, factor), factor) for factor in factors)
 
 
-def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.Companion | None:
+def companion(outcome: checks.CornerOutcome, plate: Plate, refinement: float) -> error.Companion | None:
     """The companion of a run on the mesh of this plate; None where none can be made.
 
     It has the damping of the run, or where it rings with that, what the program comes to for it; also where the scene
@@ -93,7 +91,7 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.
     case = on_plate(fe_plan, plate)
     try:
         other = attempt(damped_alike(case, fe_plan))
-        if (decisions.damping_is_open(fe_plan.asked.scene) or plate.relieved) and rings(other):
+        if (decisions.damping_is_open(fe_plan.asked.scene) or plate.relieved) and checks.rings(other):
             other = settled(damped_freely(case))
     except InputError:
         return None
@@ -105,14 +103,14 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.
     return error.Companion(mesh, refinement, other.difference, apart)
 
 
-def on_plate(fe_plan: CornerPlan, plate: Plate) -> RigidStages:
+def on_plate(fe_plan: plan.CornerPlan, plate: Plate) -> RigidStages:
     """The case as it is run, on the mesh of this plate."""
     changes = {"plate.elements": plate.elements, "plate.element": plate.element, "plate.lumping": "exact"}
     constraint = {"corner.constraint": fe_plan.case.scene.corner.constraint, "output": None}
     return fe_plan.case.with_changes(changes | constraint)
 
 
-def damped_alike(case: RigidStages, fe_plan: CornerPlan) -> RigidStages:
+def damped_alike(case: RigidStages, fe_plan: plan.CornerPlan) -> RigidStages:
     """The case with the elastic velocities damped as in this run."""
     damping = fe_plan.model.loop.elastic_damping
     if damping is not None:
@@ -129,7 +127,7 @@ def damped_freely(case: RigidStages) -> RigidStages:
     return case.with_changes(own if damping.ratio or damping.bulk_viscosity else {"damping": None})
 
 
-def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
+def attempt(case: RigidStages, more_damping: float = 1.0) -> checks.CornerOutcome:
     """A single run beside the rigid motion, not checked; more_damping: factor on the damping that is chosen [-].
 
     Raises InputError as `run_corner`.
@@ -147,7 +145,7 @@ def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
     return compare(fe_plan, run, setup + run.setup_s)
 
 
-def _simulated(fe_plan: CornerPlan, stepper: Stepper) -> Run:
+def _simulated(fe_plan: plan.CornerPlan, stepper: Stepper) -> Run:
     """The run of the model. Raises InputError for a start that the plate cannot have."""
     from fem.run import corner
     from fem.start.inertia_relief import TooSoftError
@@ -172,16 +170,16 @@ def _simulated(fe_plan: CornerPlan, stepper: Stepper) -> Run:
         raise InputError("plate.start", start, f'{why}; allowed is "unstressed"') from None
 
 
-def compare(fe_plan: CornerPlan, run: Run, setup: float) -> CornerOutcome:
+def compare(fe_plan: plan.CornerPlan, run: Run, setup: float) -> checks.CornerOutcome:
     """Hold a run against the rigid motion; setup: time [s] that its model took."""
     rigid = fe_plan.case.tail_slap
     fe = {name: run.strike.values[name] for name in quantities.KEYS} if run.strike else {}
     difference = quantities.relative_difference(fe, rigid) if fe else {}
     columns = rigid_columns(fe_plan, run.history)
-    return CornerOutcome(fe_plan, run, difference, (), setup, columns, rigid, fe)
+    return checks.CornerOutcome(fe_plan, run, difference, (), setup, columns, rigid, fe)
 
 
-def rigid_columns(fe_plan: CornerPlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def rigid_columns(fe_plan: plan.CornerPlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rigid solution of a body with the plate's mass, at the run's instants and by the same names.
 
     Instants past the end of the rigid motion are NaN. A rigid body has no elastic energy and no damping.

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from postprocess.signals import filters
-from postprocess.signals.filters import RiskMeasure, VehicleMotion, occupant_risk, second_strike
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
@@ -74,7 +73,7 @@ class ImpactAnswer:
         found = {}
         for name in ("mean_50ms", "cfc60", "cutoff_60hz"):
             try:
-                strike = second_strike(self.lateral[name], self.interval)
+                strike = filters.second_strike(self.lateral[name], self.interval)
             except ValueError:
                 continue
             found[name] = {
@@ -85,13 +84,13 @@ class ImpactAnswer:
             }
         return found
 
-    def occupant_risk(self, mass: float) -> tuple[RiskMeasure, ...]:
+    def occupant_risk(self, mass: float) -> tuple[filters.RiskMeasure, ...]:
         """Measures of the planar motion; mass [kg]."""
         h = {name: values[1:] for name, values in self.history.items()}
         along, across = h["force_tangential"] / mass, h["force_normal"] / mass
         sine, cosine = np.sin(h["theta"]), np.cos(h["theta"])
         ahead, left = cosine * along - sine * across, sine * along + cosine * across
-        return occupant_risk(VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
+        return filters.occupant_risk(filters.VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
 
     def numbers(self) -> dict[str, Any]:
         """Part of `summary.json` on one of the two models."""

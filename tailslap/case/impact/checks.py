@@ -8,9 +8,7 @@ from functools import partial
 import numpy as np
 
 from tailslap.case import case
-from tailslap.case.case import FINER, STEP, CheckKind, Evaluation
-from tailslap.case.impact import error
-from tailslap.case.impact.run import ImpactOutcome
+from tailslap.case.impact import error, run
 
 STORED = (
     "kinetic_energy",
@@ -26,69 +24,69 @@ LOSS = 2e-2
 """Energy, over the initial, that exact contact may take: what its nodes bring on touching."""
 
 
-def energy_error(outcome: ImpactOutcome) -> np.ndarray:
+def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
     return case.energy_surplus(outcome.run.history, STORED)
 
 
-def _initial_energy(outcome: ImpactOutcome) -> float:
+def _initial_energy(outcome: run.ImpactOutcome) -> float:
     plan = outcome.fe_plan.case
     return 0.5 * plan.vehicle.mass * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
-def _finite(outcome: ImpactOutcome) -> Evaluation:
+def _finite(outcome: run.ImpactOutcome) -> case.Evaluation:
     arrays = (*outcome.run.history.values(), outcome.run.normal)
     bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
-    return Evaluation(bad, 0, "entries of the histories that are not finite numbers")
+    return case.Evaluation(bad, 0, "entries of the histories that are not finite numbers")
 
 
-def _energy(outcome: ImpactOutcome) -> Evaluation:
+def _energy(outcome: run.ImpactOutcome) -> case.Evaluation:
     worst = np.abs(energy_error(outcome)).max() / _initial_energy(outcome)
     exact = _is_exact(outcome)
     meaning = "largest gap in the energy ledger over the initial energy"
     meaning += "; exact contact takes what nodes bring" if exact else ""
-    return Evaluation(worst, LOSS if exact else 1e-3, meaning)
+    return case.Evaluation(worst, LOSS if exact else 1e-3, meaning)
 
 
-def _gain(outcome: ImpactOutcome) -> Evaluation:
+def _gain(outcome: run.ImpactOutcome) -> case.Evaluation:
     gain = energy_error(outcome).max() / _initial_energy(outcome)
-    return Evaluation(gain, 1e-3, "energy that came from nowhere, over the initial")
+    return case.Evaluation(gain, 1e-3, "energy that came from nowhere, over the initial")
 
 
-def _is_exact(outcome: ImpactOutcome) -> bool:
+def _is_exact(outcome: run.ImpactOutcome) -> bool:
     contact = outcome.fe_plan.case.scene.needed_contact
     return not contact.crushes and contact.enforcement == "exact"
 
 
-def _momentum(outcome: ImpactOutcome) -> Evaluation:
+def _momentum(outcome: run.ImpactOutcome) -> case.Evaluation:
     h, plan, mass = outcome.run.history, outcome.fe_plan.case, outcome.fe_plan.model.mass
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
     across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
     along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
     meaning = "momentum in both directions against the integral of the wall's force"
-    return Evaluation(max(across, along) / scale, 1e-9, meaning)
+    return case.Evaluation(max(across, along) / scale, 1e-9, meaning)
 
 
-def _angular(outcome: ImpactOutcome) -> Evaluation:
+def _angular(outcome: run.ImpactOutcome) -> case.Evaluation:
     h = outcome.run.history
     turned = h["angular_momentum"] - h["moment_impulse"]
     worst = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
-    return Evaluation(worst, 1e-9, "against the moment of the wall's force, about the first touch")
+    return case.Evaluation(worst, 1e-9, "against the moment of the wall's force, about the first touch")
 
 
-def _pull(outcome: ImpactOutcome) -> Evaluation:
+def _pull(outcome: run.ImpactOutcome) -> case.Evaluation:
     least = -float(outcome.run.normal.min())
-    return Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest force [N] that pulls")
+    return case.Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest force [N] that pulls")
 
 
-def _strikes(outcome: ImpactOutcome) -> Evaluation:
+def _strikes(outcome: run.ImpactOutcome) -> case.Evaluation:
     wanted = min(2, len(outcome.rigid.strikes))
     names = [strike.corner for strike in outcome.fe.strikes[:2]]
     missing = wanted - len(names)
-    return Evaluation(missing, 0, "of the rigid vehicle's first two, those that the plate lacks")
+    return case.Evaluation(missing, 0, "of the rigid vehicle's first two, those that the plate lacks")
 
 
-def _stated(quantity: str, outcome: ImpactOutcome) -> Evaluation | None:
+def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None:
     verify = outcome.fe_plan.case.scene.verify
     if not verify.companion:
         return None
@@ -96,42 +94,42 @@ def _stated(quantity: str, outcome: ImpactOutcome) -> Evaluation | None:
         f"stated numerical error of the {error.QUANTITIES[quantity]} of the first two strikes of weight, the larger; "
         "verify.mesh says how large it may be"
     )
-    return Evaluation(error.largest(outcome.mesh_error, quantity), verify.mesh, meaning)
+    return case.Evaluation(error.largest(outcome.mesh_error, quantity), verify.mesh, meaning)
 
 
-def _sampling(outcome: ImpactOutcome) -> Evaluation:
+def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
     shortest = min((strike.duration for strike in error.weighed(outcome.fe.strikes)), default=math.nan)
     meaning = "time between rows over the shorter of the first two strikes of weight"
-    return Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
+    return case.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
 
 MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.QUANTITIES.items()}
 """Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
-CLOSER = f"{FINER}; or spread a corner's force by contact.patch_length; or allow more by verify.mesh"
+CLOSER = f"{case.FINER}; or spread a corner's force by contact.patch_length; or allow more by verify.mesh"
 FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (
-    CheckKind("finite numbers", _finite, STEP),
-    CheckKind("time step", case.time_step, STEP),
-    CheckKind("energy balance", _energy, STEP),
-    CheckKind("energy gained", _gain, STEP),
-    CheckKind("momentum balance", _momentum, FAULT),
-    CheckKind("angular momentum", _angular, FAULT),
-    CheckKind("no pull", _pull, FAULT),
-    CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
-    CheckKind("sampling", _sampling, SHORT),
-    *(CheckKind(name, partial(_stated, quantity), CLOSER) for quantity, name in MESH_CHECKS.items()),
+    case.CheckKind("finite numbers", _finite, case.STEP),
+    case.CheckKind("time step", case.time_step, case.STEP),
+    case.CheckKind("energy balance", _energy, case.STEP),
+    case.CheckKind("energy gained", _gain, case.STEP),
+    case.CheckKind("momentum balance", _momentum, FAULT),
+    case.CheckKind("angular momentum", _angular, FAULT),
+    case.CheckKind("no pull", _pull, FAULT),
+    case.CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
+    case.CheckKind("sampling", _sampling, SHORT),
+    *(case.CheckKind(name, partial(_stated, quantity), CLOSER) for quantity, name in MESH_CHECKS.items()),
 )
 """In the order in which they are listed."""
 
 
-def impact_checks(outcome: ImpactOutcome) -> tuple[case.Check, ...]:
+def impact_checks(outcome: run.ImpactOutcome) -> tuple[case.Check, ...]:
     """All checks of a run."""
     return case.evaluated(CHECKS, outcome)
 
 
-def failed_but_mesh(outcome: ImpactOutcome) -> tuple[str, ...]:
+def failed_but_mesh(outcome: run.ImpactOutcome) -> tuple[str, ...]:
     """Names of the checks that fail, those of the mesh apart: where others tell its error."""
     failed = case.failed_names(outcome.checks or impact_checks(outcome))
     return tuple(name for name in failed if name not in MESH_CHECKS.values())

@@ -9,7 +9,6 @@ from fem.plate import kinds
 from tailslap.case import model
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.case.model import Decision
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
@@ -67,7 +66,7 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     factor = safety_factor(case.scene, plate)
     if factor != case.scene.time.safety_factor:
         why = "unloading with little restitution rattles at the light corner nodes of quadratic elements"
-        decisions += (Decision("time.safety_factor", factor, why),)
+        decisions += (model.Decision("time.safety_factor", factor, why),)
     touch, sample = case.touch, case.sample
     made, plate = impact_model(case, plate, sample)
     model.demand_steps(case.scene, case.duration, made)
@@ -79,7 +78,7 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     return ImpactPlan(case, plate, decisions, made, first, sample)
 
 
-def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
+def chosen_plate(scene: Scene) -> tuple[Plate, tuple[model.Decision, ...]]:
     """The plate with elements, and what was decided of it: quadratic ones where their kind is left out."""
     plate, vehicle = scene.needed_plate, scene.vehicle
     if plate.elements is not None:
@@ -88,8 +87,8 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[Decision, ...]]:
     element = plate.element if chosen else "quad9"
     across = ACROSS_LINEAR if kinds.ELEMENT_KINDS[element].higher_order else ACROSS
     along = 2 * max(1, min(200, round(0.5 * across * vehicle.length / vehicle.width)))
-    counts = Decision("plate.elements", (along, across), f"square elements, {across} across")
-    kind = Decision("plate.element", element, "linear elements are too stiff in bending")
+    counts = model.Decision("plate.elements", (along, across), f"square elements, {across} across")
+    kind = model.Decision("plate.element", element, "linear elements are too stiff in bending")
     plate = plate.model_copy(update={"elements": (along, across), "element": element})
     return plate, (counts,) if chosen else (counts, kind)
 

@@ -15,12 +15,10 @@ from postprocess.report.report import Report
 from postprocess.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.case import failed_names
-from tailslap.case.impact import error, figures
+from tailslap.case.impact import checks, error, figures, run
 from tailslap.case.impact.answers import ImpactAnswer
-from tailslap.case.impact.checks import MESH_CHECKS, advice, energy_error
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
-from tailslap.case.impact.run import ImpactOutcome
 from tailslap.scene.schema import Contact, Scene
 
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
@@ -64,21 +62,21 @@ WALL_NOTE = (
 )
 
 
-def run_report(outcome: ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+def run_report(outcome: run.ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units: of it."""
     report.keep_fields(outcome, folder)
     moving, verdict = [figures.animation(outcome, folder, units)] if pictures else [], headline(outcome)
     omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
     page = report.run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
     tables = (peak_table(outcome), report.short(_design(outcome)), _strikes(outcome), errors_table(outcome))
-    said = report.terminal_text(outcome, verdict, tables, advice)
+    said = report.terminal_text(outcome, verdict, tables, checks.advice)
     return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
 
 
-def headline(outcome: ImpactOutcome) -> str:
+def headline(outcome: run.ImpactOutcome) -> str:
     """Verdict on the numbers, and on what flexibility changes in them."""
     failed = failed_names(outcome.checks)
-    if failed and outcome.mesh_error and set(failed) <= set(MESH_CHECKS.values()):
+    if failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()):
         return _unsure(outcome)
     if failed:
         return f"Not to be relied on: failed {', '.join(failed)}."
@@ -95,7 +93,7 @@ def headline(outcome: ImpactOutcome) -> str:
     )
 
 
-def _unsure(outcome: ImpactOutcome) -> str:
+def _unsure(outcome: run.ImpactOutcome) -> str:
     """The quantities whose error is above what was asked for, how large it is, and that of the others, which stand."""
     limit = outcome.fe_plan.case.scene.verify.mesh
     found = {words: error.largest(outcome.mesh_error, name) for name, words in error.QUANTITIES.items()}
@@ -107,7 +105,7 @@ def _unsure(outcome: ImpactOutcome) -> str:
     return f"{said}. What stands, with an error of at most {error.percent(max(others.values()))}: {', '.join(others)}."
 
 
-def errors_table(outcome: ImpactOutcome) -> Table:
+def errors_table(outcome: run.ImpactOutcome) -> Table:
     """The stated error of the first two strikes of weight; empty where none is stated."""
     strikes = error.weighed(outcome.fe.strikes) if outcome.mesh_error else []
     rows = [
@@ -118,7 +116,7 @@ def errors_table(outcome: ImpactOutcome) -> Table:
     return Table(ERRORS, rows)
 
 
-def peak_table(outcome: ImpactOutcome) -> Table:
+def peak_table(outcome: run.ImpactOutcome) -> Table:
     """Peak force of each strike, and of the whole impact as a mean over 50 ms."""
     fe, rigid = outcome.fe.strikes, outcome.rigid.strikes
     rows: list[dict[str, Any]] = []
@@ -129,17 +127,17 @@ def peak_table(outcome: ImpactOutcome) -> Table:
     return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
 
-def _design(outcome: ImpactOutcome) -> Table:
+def _design(outcome: run.ImpactOutcome) -> Table:
     """Design forces beside the 50 ms mean."""
     return report.design_table(outcome.fe_plan.case.scene, outcome.fe.peaks["mean_50ms"])
 
 
-def _strikes(outcome: ImpactOutcome) -> Table:
+def _strikes(outcome: run.ImpactOutcome) -> Table:
     answers = {"FE": outcome.fe, "rigid": outcome.rigid}
     return report.strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
 
 
-def filtered_table(outcome: ImpactOutcome) -> Table:
+def filtered_table(outcome: run.ImpactOutcome) -> Table:
     """Peaks of raw and filtered forces."""
     from postprocess.signals import filters
 
@@ -157,14 +155,14 @@ def durations_table(answer: ImpactAnswer) -> Table:
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
-def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
+def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section]:
     design = _design(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
-        report.failed_section(outcome.checks, advice, report.chosen_sentences(outcome.fe_plan)),
+        report.failed_section(outcome.checks, checks.advice, report.chosen_sentences(outcome.fe_plan)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
@@ -189,7 +187,7 @@ def _sections(outcome: ImpactOutcome, moving: list[Picture]) -> list[Section]:
     ]
 
 
-def _wall(outcome: ImpactOutcome) -> list[Table]:
+def _wall(outcome: run.ImpactOutcome) -> list[Table]:
     """Table of what a deformable wall does; none for a rigid one."""
     found = wall_numbers(outcome)
     if found is None:
@@ -205,7 +203,7 @@ def _wall(outcome: ImpactOutcome) -> list[Table]:
     return [page.pairs(rows, notes=(WALL_NOTE,))]
 
 
-def _paper(outcome: ImpactOutcome) -> list[Table]:
+def _paper(outcome: run.ImpactOutcome) -> list[Table]:
     """The three stages of the paper for the same vehicle, where the scene feeds them."""
     beside = outcome.paper_method
     if beside is None:
@@ -225,7 +223,7 @@ def _paper(outcome: ImpactOutcome) -> list[Table]:
     return [page.pairs(rows, notes=(note,))]
 
 
-def _statements(outcome: ImpactOutcome) -> list[str]:
+def _statements(outcome: run.ImpactOutcome) -> list[str]:
     plan = outcome.fe_plan.case
     return [
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
@@ -235,7 +233,7 @@ def _statements(outcome: ImpactOutcome) -> list[str]:
     ]
 
 
-def summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
+def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
     plan = outcome.fe_plan.case
     return {
@@ -251,7 +249,7 @@ def summary(outcome: ImpactOutcome, pictures: bool) -> dict[str, Any]:
     }
 
 
-def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
+def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
     """Largest deflection of a deformable wall, where and when, and the foundation's largest force beside the contact's;
     None for a rigid wall."""
     if outcome.fe_plan.case.scene.wall is None:
@@ -271,10 +269,10 @@ def wall_numbers(outcome: ImpactOutcome) -> dict[str, float] | None:
     }
 
 
-def histories(outcome: ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
+def histories(outcome: run.ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
     """Columns of `history.csv` and `rigid.csv`, SI, shape (rows,) each."""
     h = outcome.run.history
-    ordered = {name: h[name] for name in FIRST} | h | {"energy_error": energy_error(outcome)}
+    ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(outcome)}
     return {"history.csv": ordered, "rigid.csv": dict(outcome.rigid.history)}
 
 

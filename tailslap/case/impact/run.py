@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.answers import ImpactAnswer
-from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
 from tailslap.case.model import refusal
 from tailslap.errors import InputError
@@ -39,10 +37,10 @@ class ImpactOutcome(Outcome):
         empty where none is stated.
     """
 
-    fe_plan: ImpactPlan
+    fe_plan: plan.ImpactPlan
     run: ImpactRun
-    rigid: ImpactAnswer
-    fe: ImpactAnswer
+    rigid: answers.ImpactAnswer
+    fe: answers.ImpactAnswer
     mesh_error: dict[str, float] = field(default_factory=dict)
 
     @cached_property
@@ -63,7 +61,7 @@ def attempt(case: RigidImpact) -> ImpactOutcome:
     return replace(compared(fe_plan, simulated(fe_plan, case.scene.kept_fields)), setup_s=setup)
 
 
-def compared(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactOutcome:
+def compared(fe_plan: plan.ImpactPlan, run: ImpactRun) -> ImpactOutcome:
     """A run beside the rigid vehicle at the same instants."""
     fe = _answer(fe_plan, run)
     motion, last = fe_plan.case.motion, float(run.history["t"][-1])
@@ -73,7 +71,7 @@ def compared(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactOutcome:
     return ImpactOutcome(fe_plan, run, answers.differences(fe, rigid), (), 0.0, rigid, fe)
 
 
-def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
+def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
     """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's.
 
     snapshots: instants at which the motion of all nodes is kept.
@@ -108,7 +106,7 @@ def simulated(fe_plan: ImpactPlan, snapshots: int = 0) -> ImpactRun:
         raise refusal(scene, fe_plan.plate, refused) from None
 
 
-def _answer(fe_plan: ImpactPlan, run: ImpactRun) -> ImpactAnswer:
+def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
     length = fe_plan.case.vehicle.length
     return answers.sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
 
@@ -130,7 +128,7 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
     return outcome
 
 
-def _on(outcome: ImpactOutcome, plate: Plate) -> ImpactAnswer:
+def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
     """The impact on another mesh, or the run's own. Raises InputError for one that makes no model."""
     from fem.run import impact
 
