@@ -26,7 +26,7 @@ SCENE = "mash-tl4-sut"
 ABOVE, GOOD = 1e-3, 1e-3
 """True error beyond which a passing run must have stated it; below which a run that failed was good."""
 
-MOST_NODES = 12_000
+MOST_NODES = 3_000
 """Nodes of a reference, about."""
 
 Record = dict[str, Any]
