@@ -29,8 +29,8 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class Reach:
-    """Knowledge of a level. frequency [Hz]: where it is crossed; the softest good plate if it is not reached; the
-    stiffest if all are above; the stiffest that is not known, NaN without any that passed."""
+    """Knowledge of a level. frequency [Hz]: where it is crossed, with the error on top; the softest good plate if it is
+    not reached; the stiffest if all are above; the stiffest that is not known, NaN without any that passed."""
 
     level: float
     kind: str
@@ -38,9 +38,14 @@ class Reach:
 
     @property
     def text(self) -> str:
-        """The lowest first frequency as people read it; <: good down to there at least, >: not even there."""
-        signs = {CROSSED: "", NOT_REACHED: "<\N{NO-BREAK SPACE}", ABOVE_ALL: ">\N{NO-BREAK SPACE}"}
-        return signs[self.kind] + hertz(self.frequency) if self.kind in signs else "not known"
+        """The lowest first frequency as people read it, two digits rounded to the safe side; <: good down to there at
+        least, >: not even there."""
+        signs = {
+            CROSSED: "≈\N{NO-BREAK SPACE}",
+            NOT_REACHED: "<\N{NO-BREAK SPACE}",
+            ABOVE_ALL: ">\N{NO-BREAK SPACE}",
+        }
+        return signs[self.kind] + hertz(_rounded_up(self.frequency)) if self.kind in signs else "not known"
 
 
 @dataclass(frozen=True)
@@ -61,10 +66,17 @@ def hertz(frequency: float) -> str:
     return f"{number:.3g}\N{NO-BREAK SPACE}{unit}"
 
 
+def _rounded_up(frequency: float) -> float:
+    """The least number of two digits that is not below a frequency, but for rounding."""
+    unit = 10.0 ** (math.floor(math.log10(frequency)) - 1)
+    return math.ceil(frequency / unit * (1.0 - 1e-9)) * unit
+
+
 def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
     """Down to which first frequency the difference is at most the level; samples from stiff to soft.
 
-    Between two points that passed, next to each other, differences and errors follow powers of the frequency.
+    Between two points that passed, next to each other, differences and errors follow powers of the frequency; the level
+    is crossed by the difference with its error on top.
     """
     last: int | None = None
     for number, sample in enumerate(samples):
@@ -89,8 +101,8 @@ def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: f
         known = soft.error < KNOWN_FRACTION * soft.difference
         return Reach(level, ABOVE_ALL if known else UNKNOWN, soft.frequency)
     stiff = samples[last]
-    low = max(stiff.difference, floor)  # the logarithm of nothing is none
-    part = math.log(level / low) / math.log(soft.difference / low)
+    low = max(stiff.difference + stiff.error, floor)  # the logarithm of nothing is none
+    part = math.log(level / low) / math.log((soft.difference + soft.error) / low)
     error = max(stiff.error, floor) ** (1.0 - part) * max(soft.error, floor) ** part
     if number != last + 1 or not error < KNOWN_FRACTION * level:
         return Reach(level, UNKNOWN, soft.frequency)
