@@ -300,17 +300,17 @@ def _friction_law(given: CornerOutcome) -> Evaluation:
     names = ("reaction_tangential", "reaction_normal", "v_p")
     force, normal, speed = (given.history[name][stepped] for name in names)
 
-    def off(stopping: np.ndarray) -> np.ndarray:
-        pairs = zip(normal, stopping, strict=True)
-        return np.abs(force - [law.force(constants, *pair) if constants else 0.0 for pair in pairs])
+    def off(rows: np.ndarray, stopping: np.ndarray) -> np.ndarray:
+        pairs = zip(normal[rows], stopping[rows], strict=True)
+        return np.abs(force[rows] - [law.force(constants, *pair) if constants else 0.0 for pair in pairs])
 
     slides = np.abs(speed) > STOPS * loop.time_step * loop.corner.mobility * np.abs(force).max()
-    sliding = off(-np.copysign(np.inf, speed))
-    worst = np.where(slides, sliding, np.minimum(sliding, off(force))).max()
+    distance, held = off(np.ones_like(slides), -np.copysign(np.inf, speed)), ~slides
+    distance[held] = np.minimum(distance[held], off(held, force))
     meaning = (
         "friction of a row less what the law of the scene makes of its reaction and speed, over the largest"
     )
-    return Evaluation(_over(worst, np.abs(force).max()), 1e-9, meaning)
+    return Evaluation(_over(distance.max(), np.abs(force).max()), 1e-9, meaning)
 
 
 def _friction(given: CornerOutcome) -> Evaluation | None:
