@@ -26,7 +26,7 @@ SCENE = "mash-tl4-sut"
 ABOVE, GOOD = 1e-3, 1e-3
 """True error beyond which a passing run must have stated it; below which a run that failed was good."""
 
-MOST_NODES = 3_000
+MOST_NODES = 1_500
 """Nodes of a reference, about."""
 
 Record = dict[str, Any]
@@ -76,7 +76,7 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
     plate = outcome.fe_plan.plate
     for element, order in (("quad9", 2), ("quad4", 1)):
         finest = math.sqrt(MOST_NODES / math.prod(plate.counts)) / order
-        scale = min(finest, max(3.0, 48.0 / max(plate.counts)) * (2.0 / order))
+        scale = min(finest, max(2.0, 24.0 / max(plate.counts)) * (2.0 / order))
         counts = tuple(max(2, round(scale * count)) for count in plate.counts)
         for ratio in (0.0, 0.05):
             changes = {
