@@ -281,6 +281,16 @@ def test_what_all_meshes_share_comes_on_top():
     assert stated(1.0, 1.0, 1.0) == 0.0
 
 
+def test_a_step_that_is_small_by_chance_counts_as_more():
+    """Of a duration that moves by 4 %, and impulse and peak that move by 1 %: 2 %."""
+    apart = error.estimate(answer(1.0, 0.02), [answer(1.01, 0.0208), answer(1.0, 0.02)])
+    factor = 3.0 / (2.0**error.ORDER - 1.0)
+    for name in ("impulse", "peak_force"):
+        assert apart[f"strike_2.{name}"] == pytest.approx(error.RESOLVED + 0.02 * factor)
+    assert apart["strike_2.duration"] == pytest.approx(error.RESOLVED + 0.04 * factor + 0.5 * INTERVAL / 0.02)
+    assert apart["strike_1.impulse"] == error.RESOLVED
+
+
 def test_half_a_row_is_unknown_of_a_duration():
     found = error.estimate(answer(duration=0.01), [answer(duration=0.01)] * 2)
     assert found["strike_2.duration"] == pytest.approx(error.RESOLVED + 0.5 * INTERVAL / 0.01)

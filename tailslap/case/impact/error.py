@@ -100,22 +100,28 @@ def estimate(own: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, f
     Returns
     -------
     dict of float
-        By `strike_1.impulse` and so on, relative: the distance from the finest mesh, and what that lacks.
+        By `strike_1.impulse` and so on, relative: the distance from the finest mesh, and what that lacks. A step
+        between meshes counts as the geometric mean of it and the largest of its strike: it may be small by chance.
     """
-    apart = [changes(own, answer) for answer in sequence]
-    found = {key: _judged([each[key] for each in apart]) for key in apart[0]}
+    moved = [changes(own, answer) for answer in sequence]
+    apart = {key: [each[key] for each in moved] for key in moved[0]}
+    steps = {key: abs(each[-1] - each[-2]) for key, each in apart.items()}
+    found: dict[str, float] = {}
     for k, strike in enumerate(weighed(own.strikes), 1):
+        keys = [f"strike_{k}.{name}" for name in QUANTITIES]
+        most = max(steps[key] for key in keys)
+        found |= {key: _judged(apart[key], math.sqrt(steps[key] * most)) for key in keys}
         found[f"strike_{k}.duration"] += 0.5 * own.interval / strike.duration  # of a row, in which it ends
     return found
 
 
-def _judged(apart: Sequence[float]) -> float:
-    """The error from the distances of the meshes, the finest last."""
+def _judged(apart: Sequence[float], step: float) -> float:
+    """The error from the distances of the meshes, the finest last; step: between the last two, as it counts."""
     if not all(map(math.isfinite, apart)):
         return math.inf
     *before, last = (later - earlier for earlier, later in pairwise(apart))
     factor = safety(before[0] / last if last else math.inf) if before else TWO_MESHES / (2.0**ORDER - 1.0)
-    return RESOLVED + abs(apart[-1]) + factor * abs(last)
+    return RESOLVED + abs(apart[-1]) + factor * step
 
 
 def safety(ratio: float) -> float:
