@@ -96,9 +96,8 @@ def rigid_accelerations(
     angular = s_y * corner / inertia
     normal = s_x * angular - omega**2 * s_y
     if not normal < 0.0:
-        raise ValueError(
-            f"the wall's reaction at the start is {normal:g} N, but Stage 2 needs one that pulls"
-        )
+        why = f"the wall's reaction at the start is {normal:g} N, but Stage 2 needs one that pulls"
+        raise ValueError(why)
     return RigidAccelerations(corner, angular, normal, slope * normal)
 
 

@@ -242,9 +242,8 @@ def choose_window() -> None:
     try:
         ctypes.CDLL("libEGL.so.1")
     except OSError:
-        raise RuntimeError(
-            "pictures need a display or the library libEGL.so.1 (Debian and Ubuntu: package libegl1)"
-        ) from None
+        why = "pictures need a display or the library libEGL.so.1 (Debian and Ubuntu: package libegl1)"
+        raise RuntimeError(why) from None
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     os.environ.setdefault("ALLOW_PLOTTING", "true")  # PyVista would look for an X server
 

@@ -298,9 +298,8 @@ class VehicleMotion:
     def __post_init__(self) -> None:
         shapes = {values.shape for values in vars(self).values()}
         if len(shapes) != 1 or self.t.ndim != 1 or self.t.size < 3:
-            raise ValueError(
-                f"motion with arrays of shapes {sorted(shapes)}: must be one shape (n,), n at least 3"
-            )
+            why = f"motion with arrays of shapes {sorted(shapes)}: must be one shape (n,), n at least 3"
+            raise ValueError(why)
         steps = np.diff(self.t)
         if not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
             raise ValueError(f"instants {steps.min():g} to {steps.max():g} s apart: must rise evenly")

@@ -262,9 +262,8 @@ def _make_folders(place: Path) -> list[Path]:
     try:
         place.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
-        raise errors.InputError(
-            "--out", str(place), "this is a file, or in one; allowed is a folder"
-        ) from None
+        allowed = "this is a file, or in one; allowed is a folder"
+        raise errors.InputError("--out", str(place), allowed) from None
     except OSError as error:
         _remove_folders(missing)
         raise errors.place_error(place, "the folder cannot be made", error) from None

@@ -98,9 +98,8 @@ def read_source(name: str) -> Source:
 def source_of_text(text: str, name: str = "SCENE") -> Source:
     """Parse a scene's text into its tables, not yet validated; name: of the scene in errors. Raises InputError."""
     if len(max(text.split("\n"), key=len)) > MAX_LINE:
-        raise errors.InputError(
-            name, errors.Verbatim("a very long line"), f"allowed are lines of {MAX_LINE} characters"
-        )
+        why = f"allowed are lines of {MAX_LINE} characters"
+        raise errors.InputError(name, errors.Verbatim("a very long line"), why)
     try:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
@@ -124,9 +123,8 @@ def scene_text(name: str) -> str:
     if path.suffix != ".toml" and not os.path.lexists(path):
         near = difflib.get_close_matches(name, shipped, 1)
         hint = f'; did you mean "{near[0]}"?' if near else ""
-        raise errors.InputError(
-            "SCENE", name, f"allowed is a .toml file or one of {', '.join(shipped)}{hint}"
-        )
+        allowed = f"allowed is a .toml file or one of {', '.join(shipped)}{hint}"
+        raise errors.InputError("SCENE", name, allowed)
     try:
         return read_text(path, MAX_BYTES)
     except FileNotFoundError:

@@ -96,9 +96,8 @@ def _check_corner(scene: schema.Scene) -> None:
     start = scene.start
     complete = start is not None and None not in (start.angle, start.omega, start.corner_speed)
     if scene.impact is None and not complete:
-        raise InputError(
-            "impact", Missing, "this table is required unless [start] gives angle, omega and corner_speed"
-        )
+        why = "this table is required unless [start] gives angle, omega and corner_speed"
+        raise InputError("impact", Missing, why)
     friction = scene.corner.friction
     if scene.corner.frictionless and friction is not None:
         allowed = f'it has no meaning with corner.reaction = "{scene.corner.reaction}"; leave it out'
@@ -152,13 +151,11 @@ def _check_damping(damping: schema.Damping) -> None:
         allowed = "it needs kind, ratio or bulk_viscosity; left out, the program decides"
         raise InputError("damping", "an empty table", allowed)
     if damping.rate is not None and damping.kind != "elastic-velocity":
-        raise InputError(
-            "damping.rate", damping.rate, 'it belongs to kind = "elastic-velocity"; leave it out'
-        )
+        why = 'it belongs to kind = "elastic-velocity"; leave it out'
+        raise InputError("damping.rate", damping.rate, why)
     if damping.rate is None and damping.kind == "elastic-velocity":
-        raise InputError(
-            "damping.rate", Missing, 'kind = "elastic-velocity" needs it; left out, the program decides'
-        )
+        why = 'kind = "elastic-velocity" needs it; left out, the program decides'
+        raise InputError("damping.rate", Missing, why)
     given = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
     if damping.kind == "none" and given:
         allowed = 'kind = "none" forbids all damping; leave out one of the two'
@@ -223,9 +220,8 @@ def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None
         allowed = "the plate of a whole impact carries vehicle.mass, on which forces depend; leave it out"
         raise InputError("plate.density", plate.density, allowed)
     if "start" in plate.model_fields_set:
-        raise InputError(
-            "plate.start", plate.start, "a whole impact starts at first touch, unstressed; leave it out"
-        )
+        why = "a whole impact starts at first touch, unstressed; leave it out"
+        raise InputError("plate.start", plate.start, why)
     if not contact.crushes and plate.youngs_modulus is None:
         allowed = "without contact.stiffness the contact takes its stiffness from this key"
         raise InputError("plate.youngs_modulus", Missing, allowed)

@@ -69,9 +69,8 @@ def write_new_scene(name: str) -> Path:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise InputError(
-            "NAME", name, f"{path} is there already; allowed is the name of a new file"
-        ) from None
+        allowed = f"{path} is there already; allowed is the name of a new file"
+        raise InputError("NAME", name, allowed) from None
     except OSError as error:
         with suppress(OSError):
             path.unlink()
