@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from postprocess.report.page import Table, plain
-from postprocess.units import measure
+from postprocess.units import SI, measure
 from tailslap.errors import InputError, Missing, Verbatim
 
 if TYPE_CHECKING:
@@ -373,7 +373,8 @@ def of_report(command: str, report: Report, tables: Mapping[str, Any], **more: A
     """The result of a command that makes a report; more: what else the result has."""
     page, fill = report.page, filled_by(lambda place, pictures, units: report)
     summary = plain(report.summary)
-    return Result(command, page.title, summary, page.headline, page.passed, tables, fill=fill, **more)
+    said = SI.rendered(page.headline)
+    return Result(command, page.title, summary, said, page.passed, tables, fill=fill, **more)
 
 
 def of_run(
@@ -413,4 +414,5 @@ def _run_headline(summary: Mapping[str, Any]) -> str:
     peaks = [summary[model]["peaks"]["mean_50ms"] for model in ("fe", "rigid")]
     fe, rigid = ("unknown" if force is None else measure(force, "N", ".0f") for force in peaks)
     count = len(summary["fe"]["strikes"])
-    return f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."
+    said = f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."
+    return SI.rendered(said)

@@ -81,6 +81,15 @@ def test_what_is_loaded_is_what_was_saved(result, tmp_path):
     assert (copied / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
 
 
+def test_the_headline_of_a_whole_impact_has_units():
+    """Those that people read, not the form in which a page keeps quantities."""
+    found = tailslap.run("impact-mash-tl4-sut", {"plate.elements": [8, 2]})
+    force = found.summary["fe"]["peaks"]["mean_50ms"]
+    assert found.headline.startswith(f"Peak lateral force {force / 1e3:.0f} kN as a 50 ms mean")
+    assert found.headline.isprintable()
+    assert found.headline[:40] in str(found)
+
+
 def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
     one, other = tailslap.rigid("mash-tl4-sut"), tailslap.rigid("paper-table-3")
     one.save(tmp_path / "a")
