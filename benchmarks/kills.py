@@ -51,11 +51,13 @@ GONE_S = 10.0
 """Time in which processes must be gone [s]."""
 
 
-def started(arguments: tuple[str, ...], out: Path, tracer: str = "") -> subprocess.Popen[bytes]:
-    """The command, in a group of processes of its own; tracer: the words before it."""
+def started(
+    arguments: tuple[str, ...], out: Path, tracer: str = "", told: int = subprocess.DEVNULL
+) -> subprocess.Popen[bytes]:
+    """The command, in a group of processes of its own; tracer: the words before it; told: where its messages go."""
     line = [*tracer.split(), sys.executable, "-m", "tailslap", *arguments, "--out", str(out)]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": told}
     return subprocess.Popen(line, env=environment, cwd=out.parent, start_new_session=True, **quiet)  # type: ignore[call-overload]
 
 
@@ -198,8 +200,10 @@ def _killed_at(
             pass
     else:
         found = look(out, "the user's") if before else []
-        if started(arguments, out).wait() != 0:
-            return [*found, "it does not go on"], "lost"
+        again = started(arguments, out, told=subprocess.PIPE)
+        said = again.communicate()[1].decode()
+        if again.returncode:
+            return [*found, f"it does not go on, status {again.returncode}: {said}"], "lost"
         end = "gone on to the same rows"
         if rows(out) != rows(folder / "sweep"):
             found.append("its rows differ from those of a sweep left alone")
