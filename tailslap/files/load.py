@@ -147,7 +147,8 @@ def _loaded(stored: Stored) -> result.Result:
         label: stored.read(name, lambda file: page.read_history(file.read())) for label, name in FILES.items()
     }
     histories = {label: history(columns) for label, columns in tables.items() if columns is not None}
-    if (rows := stored.read(SWEEP, read_columns)) is not None:
+    # By its path: a thread of Arrow's that still held a file of Python's would abort the process as it ends.
+    if (rows := stored.read(SWEEP, lambda file: read_columns(Path(file.name)))) is not None:
         histories["table"] = result.Columns(rows)
     fields = (lambda: stored.read(series.FILE, series.read_fields)) if series.FILE in stored.names else None
 
@@ -172,7 +173,7 @@ def demand_listed(path: Path, force: bool) -> None:
         stored.read(path.name, id)
 
 
-def read_columns(source: Path | BufferedReader, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+def read_columns(source: Path, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
     """Read columns of a sweep's table, without names all; numbers that a row lacks are NaN."""
     import pyarrow.parquet as pq
 
