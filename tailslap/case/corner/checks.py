@@ -134,9 +134,9 @@ class CornerOutcome(Outcome):
 
     @cached_property
     def ringing(self) -> float:
-        """Friction by ringing at the end of the run."""
+        """Friction by ringing at the end of the run; 0 for an unstressed plate, which rings by itself."""
         last = {name: float(column[-1]) for name, column in self.history.items()}
-        return error.friction_by_ringing(self.fe_plan, last)
+        return error.friction_by_ringing(self.fe_plan, last) if self.relieved else 0.0
 
     @cached_property
     def error(self) -> NumericalError:
@@ -228,7 +228,8 @@ def _oscillation(given: CornerOutcome) -> Evaluation | None:
 
 
 def _numerical_error(given: CornerOutcome) -> Evaluation | None:
-    if not given.companions:
+    """Fails where companions are wanted and none could be made: its value is not a number then."""
+    if not (given.fe and given.fe_plan.case.scene.verify.companion):
         return None
     meaning = (
         f"what mesh, constraint, damping and rounding may change in the five quantities; {FLOOR:g} and "

@@ -385,7 +385,9 @@ def _plate_mass(plate: float, vehicle: float) -> str:
 def _error(outcome: checks.CornerOutcome) -> str:
     error = outcome.error
     if not outcome.companions:
-        why = "for verify.companion is false" if outcome.fe else "for the run has no result"
+        wanted = outcome.fe_plan.case.scene.verify.companion
+        why = "for no other mesh makes a model" if wanted and outcome.fe else "for the run has no result"
+        why = why if wanted else "for verify.companion is false"
         return f"No numerical error is stated, {why}."
     meshes = " and ".join(each.mesh for each in outcome.companions)
     return (
