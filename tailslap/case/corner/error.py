@@ -122,7 +122,8 @@ def mesh_error(difference: Mapping[str, float], companions: Sequence[Companion],
 def _distance(coarse: Companion, fine: Companion) -> float:
     """Distance between two runs, by their velocities over the motion as well where one is the run itself, with 1."""
     apart = max(coarse.apart, fine.apart) if 1.0 in (coarse.refinement, fine.refinement) else 0.0
-    return max(apart, *(abs(value - fine.difference[name]) for name, value in coarse.difference.items()))
+    distances = [abs(value - fine.difference[name]) for name, value in coarse.difference.items()]
+    return float(np.max([apart, *distances]))  # NaN if one is
 
 
 def _lag_error(fe_plan: plan.CornerPlan, flexibility: float) -> float:
