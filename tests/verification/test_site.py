@@ -281,6 +281,11 @@ def test_a_long_command_runs(line, tmp_path, monkeypatch):
     do(Step("command", shortened(line)), {})
 
 
+def listens(port):
+    with socket.socket() as tried:
+        return tried.connect_ex(("127.0.0.1", port)) == 0
+
+
 @pytest.mark.long
 def test_the_cluster_s_commands_run(tmp_path, monkeypatch):
     """Scheduler, worker and sweep as the page has them, but all here, one worker and two runs."""
@@ -297,7 +302,7 @@ def test_the_cluster_s_commands_run(tmp_path, monkeypatch):
             quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
             process = stack.enter_context(subprocess.Popen(command, **quiet))
             stack.callback(process.terminate)
-            while socket.socket().connect_ex(("127.0.0.1", port)):
+            while not listens(port):
                 time.sleep(0.1)
         do(Step("command", sweep.replace(":1000", ":2")), {})
 
