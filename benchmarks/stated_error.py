@@ -22,9 +22,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from tailslap.case.corner.error import FLOOR, FRACTION
+
 SCENE = "mash-tl4-sut"
-ABOVE, GOOD = 1e-3, 1e-3
-"""True error beyond which a passing run must have stated it; below which a run that failed was good."""
+ABOVE = 1e-3
+"""True error beyond which a passing run must have stated it."""
 
 MOST_NODES = 1_500
 """Nodes of a reference, about."""
@@ -143,16 +145,20 @@ def print_table(records: list[Record]) -> int:
     passed = [r for r in judged if r["end"] == "passed"]
     above = [r for r in passed if r["true"] - r["unsure"] > r["stated"]]
     uncaught = [r for r in above if r["true"] - r["unsure"] > ABOVE]
-    good = [r for r in judged if r["end"] == "failed" and r["true"] + r["unsure"] <= GOOD]
+    failed = [r for r in judged if r["end"] == "failed"]
+    # As the study of stability: with a safety factor of three, of two meshes, its error would still be allowed.
+    good = [r for r in failed if 3.0 * r["true"] <= FLOOR + FRACTION * r["difference"]]
+    close = [r for r in failed if r["true"] <= ABOVE]
     print(f"scenes {len(records)}: {dict(Counter(r['end'] for r in records))}; with references {len(judged)}")
     percent = 100.0 * (1.0 - len(above) / max(1, len(passed)))
     print(f"passing runs whose true error is at most the stated one   asked 99 %   measured {percent:.1f} %")
     print(
         f"passing runs beyond it and beyond {ABOVE:g}                 asked 0      measured {len(uncaught)}"
     )
+    parts = [100.0 * len(these) / max(1, len(judged)) for these in (good, close)]
+    print(f"failed although good: a third of what is allowed        asked 3 %    measured {parts[0]:.1f} %")
     print(
-        f"failed, and true to {GOOD:g}                               asked 3 %    measured "
-        f"{100.0 * len(good) / max(1, len(judged)):.1f} %"
+        f"failed and true to {ABOVE:g}                                            measured {parts[1]:.1f} %"
     )
     for record in above + good:
         print(record)
