@@ -61,7 +61,7 @@ class Stored:
         home = folder.path_in(place, manifest.NAME).parent
         listed, self.origin = manifest.read_manifest(home), manifest.read_origin(home)
         self.listed = None if listed is None else {item.path: item for item in listed}
-        self.names = {path.name for path in place.glob("*")} if self.listed is None else {*self.listed}
+        self.names = _names_in(place) if self.listed is None else {*self.listed}
 
     def demand_manifest(self) -> None:
         """Raise InputError for a folder that has no result, or one without a whole manifest."""
@@ -101,6 +101,16 @@ class Stored:
             )
             if content is not None:
                 (place / name).write_bytes(content)
+
+
+def _names_in(place: Path) -> set[str]:
+    """Names in a folder, none where there is no folder. Raises InputError for one that cannot be read."""
+    try:
+        return {*os.listdir(place)}
+    except (FileNotFoundError, NotADirectoryError):
+        return set()
+    except OSError as error:
+        raise errors.place_error(place, "the folder cannot be read", error, "folder") from None
 
 
 def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Result:
