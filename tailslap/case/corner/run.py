@@ -29,8 +29,8 @@ MORE_DAMPING = 4.0
 
 MOST_COMPANIONS = 2
 
-COARSEST = 6
-"""Elements across a plate, or along it, from which on a companion has half as many."""
+HALVED = 16, 6
+"""Least elements along and across of a mesh whose companion has half as many: fewer do not resolve the support."""
 
 
 def run_corner(case: RigidStages) -> checks.CornerOutcome:
@@ -77,7 +77,8 @@ def companion_plates(fe_plan: plan.CornerPlan) -> Iterator[tuple[Plate, float]]:
         yield from ((model.refined(plate, factor, higher), 2.0 * factor) for factor in (1.0, 2.0))
         return
     large = 4 * math.prod(plate.counts) > MOST_ELEMENTS
-    factors = (2.0, 4.0) if min(plate.counts) < COARSEST else (0.5, 0.25) if large else (0.5, 2.0)
+    few = math.prod(plate.counts) < math.prod(HALVED) or min(plate.counts) < min(HALVED)
+    factors = (2.0, 4.0) if few else (0.5, 0.25) if large else (0.5, 2.0)
     yield from ((model.refined(plate, factor), factor) for factor in factors)
 
 
