@@ -475,3 +475,14 @@ def test_each_check_can_fail(outcome):
         "reaction against rigid",
         "penetration",
     } <= tripped
+
+
+def test_a_patch_that_no_companion_resolves_is_taken_for_a_point(result):
+    """Two elements of a companion resolve it: the stated error is 1 / (sqrt(2) - 1) times as large below."""
+    stated = {}
+    for patch in (None, 1.9, 2.1):
+        case = result.fe_plan.case.with_changes({"corner.patch_length": patch})
+        made = replace(result, fe_plan=replace(result.fe_plan, case=case), companions=off_by(result, 1e-4))
+        stated[patch] = made.error.mesh
+    assert stated[None] == stated[1.9] == pytest.approx(SAFETY * 1e-4 / (math.sqrt(2.0) - 1.0))
+    assert stated[2.1] == pytest.approx(SAFETY * 1e-4)

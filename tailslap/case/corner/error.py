@@ -29,7 +29,11 @@ SAFETY = 1.5
 """Safety factor on the distance to the limit: between the 1.25 and 3 of ASME V&V 20, since the order is a lower one."""
 
 ORDERS = 0.5, 1.0, 2.0
-"""Order of convergence at a point support, which has no limit in theory, at a patch, and of smooth solutions."""
+"""Order of convergence at a point support, which has no limit in theory, or a patch that no companion resolves; at a
+patch; and of smooth solutions."""
+
+RESOLVED = 2.0
+"""Elements along a patch from which on a mesh resolves it."""
 
 LATE, LAST = 0.1, 9
 """Part of the motion over which two runs are compared, and number of the last such part."""
@@ -91,7 +95,9 @@ def numerical_error(
     """The error of a run with these five differences from the rigid motion, empty if it came to no result."""
     deflection, steps = fe_plan.deflection_ratio, fe_plan.expected_steps
     flexibility = max(deflection, *(largest(each.difference) for each in companions if each.difference), 0.0)
-    order = ORDERS[fe_plan.case.scene.corner.patch_length is not None]
+    along, corner = fe_plan.plate.counts[0], fe_plan.case.scene.corner
+    patch = (corner.patch_length or 0.0) * along / fe_plan.case.scene.vehicle.length
+    order = ORDERS[any(patch * each.refinement >= RESOLVED for each in companions)]
     return NumericalError(
         mesh=mesh_error(difference, companions, order) if companions else math.nan,
         contact_spring=SAFETY * flexibility * fe_plan.spring_ratio / deflection,
