@@ -339,7 +339,9 @@ def _result(
 
 def _left(folder: Path, out: Path) -> list[str]:
     """What lies in the folder and beside it after that, journals apart, which the study itself takes up."""
-    beside = {path.name for path in folder.iterdir() if path != out and not path.name.endswith(".journal")}
+    journals = [path.name for path in folder.glob(".*.journal")]  # and what SQLite has beside one
+    taken_up = {name + ending for name in journals for ending in ("", "-journal", "-wal", "-shm")}
+    beside = {path.name for path in folder.iterdir() if path != out} - taken_up
     within = {path.name for path in out.glob(".tailslap*")} - {NAME}
     return [f"{name} is left" for name in sorted(beside | within)]
 

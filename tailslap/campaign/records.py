@@ -229,8 +229,8 @@ def count(path: Path) -> int:
 
 
 def remove(path: Path) -> None:
-    """Remove the file of records, and what SQLite has left beside it."""
-    for ending in ("", "-journal", "-wal", "-shm"):
+    """Remove what SQLite has left beside the file of records, then the file: whoever finds it may remove the rest."""
+    for ending in ("-journal", "-wal", "-shm", ""):
         path.with_name(path.name + ending).unlink(missing_ok=True)
 
 
