@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 import tailslap
+from fem.laws.friction import FRICTION_LAWS
 from tailslap import result
 from tailslap.campaign import engine
 from tailslap.cli import commands, main
@@ -205,6 +206,15 @@ SHOWN = {
 }
 COMMANDS = {step.text for each in SHOWN.values() for step in each if step.kind == "command"}
 LONG_COMMANDS = sorted(filter(LONG.search, COMMANDS))
+
+
+@pytest.fixture(autouse=True)
+def laws_of_the_program():
+    """What a page registers is taken out again, for the tests that follow in this process."""
+    before = {*FRICTION_LAWS}
+    yield
+    for name in {*FRICTION_LAWS} - before:
+        FRICTION_LAWS.remove(name)
 
 
 def do(step, namespace):
