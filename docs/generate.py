@@ -46,17 +46,14 @@ def pages() -> dict[str, str]:
 
 def scene_page() -> str:
     """Every table and key of a scene."""
-    from tailslap.scene.schema import Scene
+    from tailslap.scene.schema import TABLES, Scene
 
     parts = ["# Scene keys", "", SCENE_INTRODUCTION, ""]
-    rows = [_key_row("", name, field) for name, field in Scene.model_fields.items() if not _table_of(field)]
-    parts += [table(KEY_HEADINGS, rows)]
-    for name, field in Scene.model_fields.items():
-        kind = _table_of(field)
-        if kind:
-            keys = [_key_row(name, key, own) for key, own in kind.model_fields.items()]
-            said = inspect.cleandoc(kind.__doc__ or "")
-            parts += [f"## [{name}]", "", said, "", table(KEY_HEADINGS, keys)]
+    parts += [table(KEY_HEADINGS, [_key_row("name", Scene.model_fields["name"])])]
+    for name, kind in TABLES.items():
+        keys = [_key_row(f"{name}.{key}", field) for key, field in kind.model_fields.items()]
+        said = inspect.cleandoc(kind.__doc__ or "")
+        parts += [f"## [{name}]", "", said, "", table(KEY_HEADINGS, keys)]
     return "\n".join(parts)
 
 
@@ -66,12 +63,10 @@ written](../scenes.md)."""
 KEY_HEADINGS = ("key", "unit", "allowed", "default", "meaning")
 
 
-def _key_row(prefix: str, name: str, field: FieldInfo) -> tuple[str, ...]:
-    from tailslap.scene.schema import MEANINGS
+def _key_row(key: str, field: FieldInfo) -> tuple[str, ...]:
     from tailslap.scene.write import unit_of
 
-    key = f"{prefix}.{name}" if prefix else name
-    return f"`{key}`", unit_of(field), allowed(field), _default(field), MEANINGS[key]
+    return f"`{key}`", unit_of(field), allowed(field), _default(field), field.description or ""
 
 
 def _default(field: FieldInfo) -> str:
@@ -80,13 +75,6 @@ def _default(field: FieldInfo) -> str:
     from tailslap.scene.write import toml_value
 
     return "" if field.default is None else f"`{toml_value(field.default)}`"
-
-
-def _table_of(field: FieldInfo) -> Any:
-    from tailslap.scene.schema import SceneTable
-
-    kinds = (field.annotation, *get_args(field.annotation))
-    return next((k for k in kinds if isinstance(k, type) and issubclass(k, SceneTable)), None)
 
 
 def allowed(field: FieldInfo) -> str:

@@ -1,12 +1,12 @@
-"""The scene: what a TOML file may say. SI after validation; a table that is None is a part left out.
+"""The scene: what a TOML file may say, each key with its meaning, unit, bounds and default.
 
-Meaning of each key of a scene, in a line; unit, bounds and default are the schema's.
+SI after validation; a table that is None is a part left out.
 """
 
 import math
 import re
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticKnownError
@@ -88,6 +88,8 @@ def _start_name(given: object) -> object:
 
 
 StartName = Annotated[str, _registered(start_kinds.START_KINDS), BeforeValidator(_start_name)]
+ReactionName = Annotated[str, _registered(FRICTION_LAWS)]
+ConstraintName = Annotated[str, _registered(constraints.CONSTRAINTS)]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
@@ -107,6 +109,16 @@ def _name(given: object) -> object:
 Name = Annotated[str, BeforeValidator(_name)]
 
 
+def needed(meaning: str) -> Any:
+    """A key that a table must have; meaning: in a line, for new scenes and the reference."""
+    return Field(description=meaning)
+
+
+def key(meaning: str, default: Any = None) -> Any:
+    """A key that may be left out."""
+    return Field(default, description=meaning)
+
+
 class SceneTable(BaseModel):
     """A table of the scene: unknown keys are errors, values do not change."""
 
@@ -116,41 +128,49 @@ class SceneTable(BaseModel):
 class Vehicle(SceneTable):
     """The rigid body; the last two are of whole impacts, left out: the uniform rectangle's."""
 
-    length: Length
-    width: Length
-    mass: Mass
-    centre_of_mass: Length | None = None
-    yaw_inertia: Inertia | None = None
+    length: Length = needed("of the rectangle, along the direction of travel")
+    width: Length = needed("of the rectangle")
+    mass: Mass = needed("of the vehicle")
+    centre_of_mass: Length | None = key("behind the front, of a whole impact; if left out half the length")
+    yaw_inertia: Inertia | None = key(
+        "about the centre of mass, of a whole impact; if left out the uniform rectangle's"
+    )
 
 
 class Impact(SceneTable):
     """Stage 1; of a whole impact the first touch, and then friction and restitution feed the paper's method alone."""
 
-    speed: Speed
-    angle: Angle
-    friction: Friction | None = None
-    restitution: Restitution | None = None
-    convention: Literal["paper", "newton"] = "paper"
-    test_level: Literal["TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6"] | None = None
+    speed: Speed = needed("before the impact")
+    angle: Angle = needed("between the vehicle's side and the wall")
+    friction: Friction | None = key("between the front corner and the wall, in Stage 1")
+    restitution: Restitution | None = key("of the front corner, in Stage 1")
+    convention: Literal["paper", "newton"] = key(
+        "of restitution: the paper's (1 - e) or Newton's (1 + e)", "paper"
+    )
+    test_level: Literal["TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6"] | None = key(
+        "of MASH; design forces of this level stand beside the result"
+    )
 
 
 class StartTable(SceneTable):
     """The state Stage 2 starts from; what is left out comes from Stage 1."""
 
-    angle: Angle | None = None
-    omega: AngularVelocity | None = None
-    corner_speed: Speed | None = None
+    angle: Angle | None = key("between side and wall where Stage 2 starts, in place of Stage 1's")
+    omega: AngularVelocity | None = key("angular velocity where Stage 2 starts, in place of Stage 1's")
+    corner_speed: Speed | None = key(
+        "of the corner along the wall where Stage 2 starts, in place of Stage 1's"
+    )
 
 
 class CornerTable(SceneTable):
     """The constrained corner. Where neither constraint nor spring is given, the program chooses the constraint."""
 
-    reaction: Annotated[str, _registered(FRICTION_LAWS)] = "drag"
-    friction: Friction | None = None
-    constraint: Annotated[str, _registered(constraints.CONSTRAINTS)] = "penalty"
-    penalty_scale: Scale = 1.0
-    damping_ratio: DampingRatio | None = None
-    patch_length: Length | None = None
+    reaction: ReactionName = key("friction law of the corner that slides", "drag")
+    friction: Friction | None = key("of the corner that slides; if left out impact.friction")
+    constraint: ConstraintName = key("how the FE model holds the corner on the wall", "penalty")
+    penalty_scale: Scale = key("stiffness of the corner's spring, times the program's own choice", 1.0)
+    damping_ratio: DampingRatio | None = key("of the corner's spring, to critical")
+    patch_length: Length | None = key("length of side over which the corner is held; if left out one node")
 
     @property
     def frictionless(self) -> bool:
@@ -176,14 +196,16 @@ class Contact(SceneTable):
     enforcement and penalty_scale.
     """
 
-    stiffness: Stiffness | None = None
-    initial_force: Force = 0.0
-    restitution: Restitution | None = None
-    friction: Friction
-    side_stiffness: LayerStiffness | None = None
-    patch_length: Length | None = None
-    enforcement: Literal["penalty", "exact"] = "penalty"
-    penalty_scale: Scale = 1.0
+    stiffness: Stiffness | None = key("of the crush law of each corner; if left out nothing crushes")
+    initial_force: Force = key("of the crush law, at no crush", 0.0)
+    restitution: Restitution | None = key("its square is the fraction of the crush energy that is given back")
+    friction: Friction = needed("between vehicle and wall")
+    side_stiffness: LayerStiffness | None = key(
+        "of a layer along the sides; if left out the corners alone touch"
+    )
+    patch_length: Length | None = key("length of side over which a corner's force is spread")
+    enforcement: Literal["penalty", "exact"] = key("of contact that does not crush", "penalty")
+    penalty_scale: Scale = key("stiffness of the penalty, times the program's own choice", 1.0)
 
     @property
     def crushes(self) -> bool:
@@ -194,7 +216,7 @@ class Contact(SceneTable):
 class StrikeTable(SceneTable):
     """Stage 3."""
 
-    duration: Duration = 0.1
+    duration: Duration = key("of the tail-slap in Stage 3", 0.1)
 
 
 class Plate(SceneTable):
@@ -203,16 +225,16 @@ class Plate(SceneTable):
     Without elements, or without element, the program chooses them.
     """
 
-    thickness: Length
-    density: Density | None = None
-    youngs_modulus: Modulus | None = None
-    first_frequency: Frequency | None = None
-    poissons_ratio: PoissonsRatio
-    elements: ElementCounts | None = None
-    element: Annotated[str, _registered(kinds.ELEMENT_KINDS)] = "quad4"
-    distortion: Distortion = 0.0
-    lumping: Annotated[str, _registered(kinds.LUMPINGS)] = "exact"
-    start: StartName = "inertia-relief"
+    thickness: Length = needed("of the FE plate")
+    density: Density | None = key("if left out the vehicle's mass spread over the plate")
+    youngs_modulus: Modulus | None = key("of the plate; this or first_frequency")
+    first_frequency: Frequency | None = key("of the free plate in its plane, which gives the modulus")
+    poissons_ratio: PoissonsRatio = needed("of the plate")
+    elements: ElementCounts | None = key("along and across; if left out the program chooses")
+    element: Annotated[str, _registered(kinds.ELEMENT_KINDS)] = key("kind of element", "quad4")
+    distortion: Distortion = key("of the mesh, as a fraction of the element's size", 0.0)
+    lumping: Annotated[str, _registered(kinds.LUMPINGS)] = key("how the mass is put on the nodes", "exact")
+    start: StartName = key("elastic state at the start", "inertia-relief")
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -237,7 +259,7 @@ class Plate(SceneTable):
 class MaterialTable(SceneTable):
     """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
 
-    law: Annotated[str, _registered(materials.MATERIALS)]
+    law: Annotated[str, _registered(materials.MATERIALS)] = needed("of the plate")
 
 
 class Damping(SceneTable):
@@ -246,10 +268,12 @@ class Damping(SceneTable):
     ratio: stiffness-proportional, to critical at the model's highest frequency. bulk_viscosity: linear.
     """
 
-    kind: Literal["elastic-velocity", "none"] | None = None
-    rate: Rate | None = None
-    ratio: DampingRatio | None = None
-    bulk_viscosity: Viscosity | None = None
+    kind: Literal["elastic-velocity", "none"] | None = key(
+        "of the plate's elastic motion; if left out the program decides"
+    )
+    rate: Rate | None = key("of the elastic velocities")
+    ratio: DampingRatio | None = key("in proportion to stiffness, to critical at the highest frequency")
+    bulk_viscosity: Viscosity | None = key("linear")
 
 
 class Verify(SceneTable):
@@ -259,46 +283,52 @@ class Verify(SceneTable):
     tolerance: of the five quantities of a constrained corner. mesh: of a whole impact's first two strikes of weight.
     """
 
-    tolerance: Tolerance | None = None
-    mesh: Tolerance = 0.02
-    companion: Annotated[bool, BeforeValidator(_flag)] = True
+    tolerance: Tolerance | None = key("largest difference from the rigid motion that the scene allows")
+    mesh: Tolerance = key(
+        "largest numerical error of a strike's peak, impulse, 50 ms mean and duration", 0.02
+    )
+    companion: Annotated[bool, BeforeValidator(_flag)] = key(
+        "whether a run states its numerical error, by runs on other meshes", True
+    )
 
 
 class Time(SceneTable):
     """Fraction of the stable time step that is taken; rows of the history; threads of the time loop; end of a whole
     impact, which is left out 0.1 s after the second strike."""
 
-    safety_factor: Fraction = 0.9
-    rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = 400
-    threads: Annotated[int, Field(ge=1, le=256, strict=True)] = 1
-    end: EndOfImpact | None = None
+    safety_factor: Fraction = key("time step over the stable one", 0.9)
+    rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = key("of the history", 400)
+    threads: Annotated[int, Field(ge=1, le=256, strict=True)] = key("of the time loop", 1)
+    end: EndOfImpact | None = key("of a whole impact; if left out 0.1 s after the second strike")
 
 
 class Output(SceneTable):
     """Output of a run beside its report. fields: instants of a run at which displacement, velocity and stress of the
     whole plate are kept."""
 
-    fields: Annotated[int, Field(ge=1, le=10_000, strict=True)]
+    fields: Annotated[int, Field(ge=1, le=10_000, strict=True)] = needed(
+        "instants of a run at which displacement, velocity and stress of the plate are kept"
+    )
 
 
 class Wall(SceneTable):
     """The wall's mesh; of a whole impact a deformable wall, on a foundation along it. Material left out: the paper's
     concrete (Table 2)."""
 
-    length: Length
-    depth: Length
-    elements: ElementCounts
-    height: Length | None = None
-    foundation_stiffness: LayerStiffness | None = None
-    density: Density = 2400.0
-    youngs_modulus: Modulus = 24.82e9
-    poissons_ratio: PoissonsRatio = 0.18
+    length: Length = needed("of the wall's mesh")
+    depth: Length = needed("of the wall's mesh")
+    elements: ElementCounts = needed("along and across")
+    height: Length | None = key("of a wall that gives")
+    foundation_stiffness: LayerStiffness | None = key("of a wall that gives, along it")
+    density: Density = key("of the wall", 2400.0)
+    youngs_modulus: Modulus = key("of the wall", 24.82e9)
+    poissons_ratio: PoissonsRatio = key("of the wall", 0.18)
 
 
 class Scene(SceneTable):
     """A whole scene."""
 
-    name: Name
+    name: Name = needed("names the result folder")
     vehicle: Vehicle
     impact: Impact | None = None
     start: StartTable | None = None
@@ -342,68 +372,16 @@ class Scene(SceneTable):
         return math.nan if given is None else given
 
 
+TABLES: dict[str, type[SceneTable]] = {
+    name: kind
+    for name, field in Scene.model_fields.items()
+    for kind in (field.annotation, *get_args(field.annotation))
+    if isinstance(kind, type) and issubclass(kind, SceneTable)
+}
+"""Tables of a scene by name."""
+
 MEANINGS = MappingProxyType(
-    {
-        "name": "names the result folder",
-        "vehicle.length": "of the rectangle, along the direction of travel",
-        "vehicle.width": "of the rectangle",
-        "vehicle.mass": "of the vehicle",
-        "vehicle.centre_of_mass": "behind the front, of a whole impact; if left out half the length",
-        "vehicle.yaw_inertia": "about the centre of mass, of a whole impact; if left out the uniform rectangle's",
-        "impact.speed": "before the impact",
-        "impact.angle": "between the vehicle's side and the wall",
-        "impact.friction": "between the front corner and the wall, in Stage 1",
-        "impact.restitution": "of the front corner, in Stage 1",
-        "impact.convention": "of restitution: the paper's (1 - e) or Newton's (1 + e)",
-        "impact.test_level": "of MASH; design forces of this level stand beside the result",
-        "start.angle": "between side and wall where Stage 2 starts, in place of Stage 1's",
-        "start.omega": "angular velocity where Stage 2 starts, in place of Stage 1's",
-        "start.corner_speed": "of the corner along the wall where Stage 2 starts, in place of Stage 1's",
-        "corner.reaction": "friction law of the corner that slides",
-        "corner.friction": "of the corner that slides; if left out impact.friction",
-        "corner.constraint": "how the FE model holds the corner on the wall",
-        "corner.penalty_scale": "stiffness of the corner's spring, times the program's own choice",
-        "corner.damping_ratio": "of the corner's spring, to critical",
-        "corner.patch_length": "length of side over which the corner is held; if left out one node",
-        "contact.stiffness": "of the crush law of each corner; if left out nothing crushes",
-        "contact.initial_force": "of the crush law, at no crush",
-        "contact.restitution": "its square is the fraction of the crush energy that is given back",
-        "contact.friction": "between vehicle and wall",
-        "contact.side_stiffness": "of a layer along the sides; if left out the corners alone touch",
-        "contact.patch_length": "length of side over which a corner's force is spread",
-        "contact.enforcement": "of contact that does not crush",
-        "contact.penalty_scale": "stiffness of the penalty, times the program's own choice",
-        "strike.duration": "of the tail-slap in Stage 3",
-        "plate.thickness": "of the FE plate",
-        "plate.density": "if left out the vehicle's mass spread over the plate",
-        "plate.youngs_modulus": "of the plate; this or first_frequency",
-        "plate.first_frequency": "of the free plate in its plane, which gives the modulus",
-        "plate.poissons_ratio": "of the plate",
-        "plate.elements": "along and across; if left out the program chooses",
-        "plate.element": "kind of element",
-        "plate.distortion": "of the mesh, as a fraction of the element's size",
-        "plate.lumping": "how the mass is put on the nodes",
-        "plate.start": "elastic state at the start",
-        "material.law": "of the plate",
-        "damping.kind": "of the plate's elastic motion; if left out the program decides",
-        "damping.rate": "of the elastic velocities",
-        "damping.ratio": "in proportion to stiffness, to critical at the highest frequency",
-        "damping.bulk_viscosity": "linear",
-        "verify.tolerance": "largest difference from the rigid motion that the scene allows",
-        "verify.mesh": "largest numerical error of a strike's peak, impulse, 50 ms mean and duration",
-        "verify.companion": "whether a run states its numerical error, by runs on other meshes",
-        "time.safety_factor": "time step over the stable one",
-        "time.rows": "of the history",
-        "time.threads": "of the time loop",
-        "time.end": "of a whole impact; if left out 0.1 s after the second strike",
-        "output.fields": "instants of a run at which displacement, velocity and stress of the plate are kept",
-        "wall.length": "of the wall's mesh",
-        "wall.depth": "of the wall's mesh",
-        "wall.elements": "along and across",
-        "wall.height": "of a wall that gives",
-        "wall.foundation_stiffness": "of a wall that gives, along it",
-        "wall.density": "of the wall",
-        "wall.youngs_modulus": "of the wall",
-        "wall.poissons_ratio": "of the wall",
-    }
+    {"name": Scene.model_fields["name"].description or ""}
+    | {f"{n}.{k}": own.description or "" for n, its in TABLES.items() for k, own in its.model_fields.items()}
 )
+"""Meaning of each key of a scene, by its dotted name."""

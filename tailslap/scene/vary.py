@@ -58,15 +58,14 @@ def _input_error(error: ValidationError) -> InputError:
 
 
 def _known(location: tuple[int | str, ...]) -> str:
-    model: Any = schema.Scene
-    for part in location[:-1]:
-        kinds = model.model_fields[part].annotation
-        model = next(k for k in (kinds, *getattr(kinds, "__args__", ())) if hasattr(k, "model_fields"))
-    table = "".join(f"{part}." for part in location[:-1])
-    near = difflib.get_close_matches(str(location[-1]), model.model_fields, 1)
-    elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == location[-1]]
-    hint = f"; did you mean {(table + near[0]) if near else elsewhere[0]}?" if near or elsewhere else ""
-    return f"allowed are {', '.join(model.model_fields)}{hint}"
+    *table, name = map(str, location)
+    known = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
+    near = difflib.get_close_matches(name, known, 1)
+    elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == name]
+    hint = (
+        f"; did you mean {'.'.join([*table, *near]) if near else elsewhere[0]}?" if near or elsewhere else ""
+    )
+    return f"allowed are {', '.join(known)}{hint}"
 
 
 def _check_together(scene: schema.Scene) -> None:

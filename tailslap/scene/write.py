@@ -81,30 +81,21 @@ def write_new_scene(name: str) -> Path:
 def new_scene(name: str) -> str:
     """A scene with every key of the definition, its meaning and what is allowed; what may be left out is a comment."""
     lines = [f"# {name}: change the values; lines that begin with # are keys that may be left out", ""]
-    for key, field in schema.Scene.model_fields.items():
-        table = next(
-            (kind for kind in (field.annotation, *get_args(field.annotation)) if _is_table(kind)), None
-        )
-        if table is None:
-            lines.append(f"{key} = {toml_value(name)}")
-            continue
+    lines.append(f"name = {toml_value(name)}")
+    for key, table in schema.TABLES.items():
         given = EXAMPLE.get(key, {})
         lines += ["", f"{'' if given else '# '}[{key}]"]
-        lines += [_line(key, name, own, given.get(name)) for name, own in table.model_fields.items()]
+        lines += [_line(name, own, given.get(name)) for name, own in table.model_fields.items()]
     return "\n".join(lines) + "\n"
 
 
-def _is_table(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, schema.SceneTable)
-
-
-def _line(table: str, name: str, field: FieldInfo, given: Any) -> str:
+def _line(name: str, field: FieldInfo, given: Any) -> str:
     """A key with its value, or one like it behind a #, and what it means."""
     default = None if field.is_required() else field.default
     values = [toml_value(value) for value in (given, default) if value is not None]
     front = "" if given is not None else "# "
     line = f"{front}{name} = {(values or [example(field)])[0]}"
-    return f"{line:<34}  # {schema.MEANINGS[f'{table}.{name}']}"
+    return f"{line:<34}  # {field.description}"
 
 
 def example(field: FieldInfo) -> str:
