@@ -157,8 +157,7 @@ def _loaded(stored: Stored) -> result.Result:
         label: stored.read(name, lambda file: page.read_history(file.read())) for label, name in FILES.items()
     }
     histories = {label: history(columns) for label, columns in tables.items() if columns is not None}
-    # By its path: a thread of Arrow's that still held a file of Python's would abort the process as it ends.
-    if (rows := stored.read(SWEEP, lambda file: read_columns(Path(file.name)))) is not None:
+    if (rows := stored.read(SWEEP, read_columns)) is not None:
         histories["table"] = result.Columns(rows)
     fields = (lambda: stored.read(series.FILE, series.read_fields)) if series.FILE in stored.names else None
 
@@ -183,9 +182,12 @@ def demand_listed(path: Path, force: bool) -> None:
         stored.read(path.name, id)
 
 
-def read_columns(source: Path, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+def read_columns(source: Path | BufferedReader, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
     """Read columns of a sweep's table, without names all; numbers that a row lacks are NaN."""
     import pyarrow.parquet as pq
 
-    table = pq.read_table(source, columns=None if names is None else list(names))
+    # Without Arrow's threads: one that frees a buffer of Python's while the interpreter ends aborts the process
+    # (apache/arrow issue 34314).
+    with pq.ParquetFile(source, pre_buffer=False) as file:
+        table = file.read(None if names is None else list(names), use_threads=False)
     return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}

@@ -606,6 +606,23 @@ def test_the_table_has_what_the_records_have(tmp_path):
     assert math.isnan(found["check.energy_balance"][1])  # null in the table: it has finite numbers alone
 
 
+def test_reading_the_table_starts_no_thread(tmp_path):
+    """A thread of Arrow's that still has a buffer of the file's aborts the process when the interpreter ends."""
+    with open_records(tmp_path, small_sweep()) as rows:
+        rows.add(row(0))
+        path = write_table(tmp_path, small_sweep(), rows)
+    code = """
+import os, sys
+import pyarrow.parquet
+from tailslap.files.load import read_columns
+before = os.listdir("/proc/self/task")
+with open(sys.argv[1], "rb") as file:
+    assert read_columns(file)["status"].tolist() == ["passed"]
+assert os.listdir("/proc/self/task") == before
+"""
+    subprocess.run([sys.executable, "-c", code, str(path)], check=True, timeout=60.0)
+
+
 def test_a_folder_is_one_sweep_s(tmp_path):
     place = tmp_path / "sweep"
     with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
