@@ -136,7 +136,7 @@ def bare_parameters(loop: LoopParameters) -> BareParameters:
     parts = (loop.friction, loop.viscosity, loop.hourglass, loop.elastic_damping)
     if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
         raise ValueError("the bare loop has no code for a part of this model")
-    if not isinstance(loop.corner.constraint, Penalty):
+    if not isinstance(loop.corner.constraint, Penalty) or loop.corner.dashpot:
         raise ValueError("the bare loop has a penalty spring and no other constraint")
     node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.stiffness)
     return BareParameters(_stored(loop.table), loop.material, loop.mass, node, stiffness, loop.time_step)

@@ -5,7 +5,7 @@ of a law are plain functions, and `fem.machine_code.compiled` compiles them when
 """
 
 import marshal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import FunctionType
@@ -26,17 +26,13 @@ class Law:
 
     constants: a NamedTuple, by whose type the kernels are chosen; the type of None for a law without code. inlined:
     fields whose kernels must be merged into the loop that calls them. helpers: plain functions that the kernels call.
-    variants: the same law with other constants, which no scene names.
     """
 
     name: str
     constants: type
     inlined: tuple[str, ...] = ()
     helpers: tuple[Callable[..., Any], ...] = ()
-    variants: tuple[Any, ...] = ()
 
-
-PACKAGE = Path(__file__).resolve().parent
 
 T = TypeVar("T", bound=Named)
 L = TypeVar("L", bound=Law)
@@ -78,15 +74,7 @@ class LawRegistry(Registry[L]):
         """Add a law; returns it. Raises ValueError for a name, or a type of constants, that is taken."""
         if self.by_type(entry.constants):
             raise ValueError(f"the {self.what} of {entry.constants.__name__} is registered already")
-        super().register(entry)
-        _tell_watchers(entry)
-        return entry
-
-    def remove(self, name: str) -> L:
-        """Take a law out again. Raises KeyError for a name that is not there."""
-        law = super().remove(name)
-        _tell_watchers(law)
-        return law
+        return super().register(entry)
 
     def of(self, constants: object) -> L:
         """The law that these constants belong to. Raises TypeError for constants of none."""
@@ -97,40 +85,19 @@ class LawRegistry(Registry[L]):
 
     def by_type(self, kind: type | None) -> L | None:
         """The law with constants of this type, or None."""
-        return next((law for law in self.laws if law.constants is kind), None)
-
-    @property
-    def laws(self) -> Iterator[L]:
-        """All laws, variants included."""
-        for law in self.values():
-            yield from (law, *law.variants)
+        return next((law for law in self.values() if law.constants is kind), None)
 
 
 _REGISTRIES: list[LawRegistry[Any]] = []
-_WATCHERS: list[Callable[[], None]] = []
-
-
-def watch(callback: Callable[[], None]) -> None:
-    """Have a callback called whenever a law from outside this package is registered or taken out."""
-    _WATCHERS.append(callback)
 
 
 def outside_sources() -> tuple[bytes, ...]:
-    """Sources of the laws from outside this package: compiled code depends on them too."""
-    functions = [f for registry in _REGISTRIES for law in registry.values() for f in _outside(law)]
-    return tuple(sorted({source_of(function) for function in functions}))
-
-
-def _tell_watchers(law: Law) -> None:
-    for callback in _WATCHERS if _outside(law) else ():
-        callback()
-
-
-def _outside(law: Law) -> list[FunctionType]:
-    """Kernels and helpers of a law that are written outside this package."""
-    values = [value for each in (law, *law.variants) for value in (*vars(each).values(), *each.helpers)]
-    functions = [value for value in values if isinstance(value, FunctionType)]
-    return [f for f in functions if PACKAGE not in Path(f.__code__.co_filename).resolve().parents]
+    """Sources of kernels and helpers from outside this package: compiled code depends on them too."""
+    laws = (law for registry in _REGISTRIES for law in registry.values())
+    values = (value for law in laws for value in (*vars(law).values(), *law.helpers))
+    functions = (value for value in values if isinstance(value, FunctionType))
+    outside = (f for f in functions if str(f.__module__).partition(".")[0] != __package__)
+    return tuple(sorted({source_of(function) for function in outside}))
 
 
 def source_of(function: Any) -> bytes:

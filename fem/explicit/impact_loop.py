@@ -4,9 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.explicit.internal_force import damp, subtract_internal_forces
-from fem.explicit.measures import energy_of_hourglass, energy_of_strain, motion
-from fem.explicit.time_loop import advance, follow, react
+from fem.explicit.measures import elastic_energies, motion, plate_forces
+from fem.explicit.time_loop import advance, react
 from fem.laws.wall_contact import (
     BoundaryContact,
     ContactState,
@@ -123,28 +122,9 @@ class Rows(NamedTuple):
 
 @implements(react, ImpactLoop, merged=True)
 def _react_by_contact(loop, state, lost, force):
-    add_contact(
-        state.positions,
-        state.velocities,
-        loop.mass,
-        loop.time_step,
-        loop.contact,
-        state.contact,
-        loop.wall,
-        state.wall,
-        state.sums,
-        state.origin[0],
-        force,
-    )
+    add_contact(loop, state, state.contact, state.wall, force)
     state.sums[1] -= loop.time_step * lost
-
-
-@implements(follow, ImpactLoop, merged=True)
-def _follow_plate(loop, state):
-    x = state.positions[0, loop.contact.nodes[0]]
-    shift = loop.span if x >= loop.span else -loop.span if x <= -loop.span else 0.0
-    state.origin[0] += shift
-    return shift
+    return state.positions[0, loop.contact.nodes[0]]
 
 
 @compiled
@@ -161,20 +141,14 @@ def advance_and_record(state, stride, loop, viscosity, hourglass, reference, for
 def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, row):
     """The `ImpactMeasures` of the state at its instant, and the row of its contact points; the state stays as it is."""
     positions, velocities, half = state.positions, state.velocities, 0.5 * loop.time_step
-    force[:] = 0.0
-    subtract_internal_forces(
-        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
-    )
-    damping_power = damp(
-        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
-    )
+    damping_power = plate_forces(state, loop, viscosity, hourglass, force, scratch)
     contact, kept, wall, moving = loop.contact, state.contact, loop.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
     normals = tangentials = stored = lost = 0.0
-    push_back(positions, velocities, loop.mass, loop.time_step, contact, kept, wall, moving, origin, force)
+    push_back(loop, state, kept, moving, force)
     for i in range(contact.mobility.size):
         normal, tangential = kept.pushing[i], kept.sliding[i]
-        face, depth, opening, slip = approach(positions, velocities, contact, wall, moving, origin, i)
+        face, depth, opening, slip = approach(loop, state, i)
         x, y = origin + point_mean(positions[0], contact, i), point_mean(positions[1], contact, i)
         deepest = max(kept.deepest[i], depth)
         before = depth + loop.time_step * opening
@@ -192,9 +166,7 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
         positions, velocities, force, loop.mass, loop.time_step, reference
     )
     wall_energy, deflection, place, foundation = held_by(wall, moving, half)
-    hourglass_energy = 0.0
-    if hourglass is not None:
-        hourglass_energy = energy_of_hourglass(positions, loop.table, hourglass)
+    strain_energy, hourglass_energy = elastic_energies(positions, loop, hourglass)
     return ImpactMeasures(
         x_g=origin + c_x,
         y_g=c_y,
@@ -203,7 +175,7 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
         v_gx=v_x,
         v_gy=v_y,
         kinetic_energy=kinetic,
-        strain_energy=energy_of_strain(positions, loop.table, loop.material),
+        strain_energy=strain_energy,
         hourglass_energy=hourglass_energy,
         contact_energy=stored,
         crush_energy=lost,

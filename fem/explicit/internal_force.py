@@ -49,7 +49,7 @@ from fem.explicit.point_force import (
     subtract_first,
     to_modes,
 )
-from fem.machine_code.compiled import compiled, implements
+from fem.machine_code.compiled import compiled, implements, optional
 from fem.plate.kinds import ElementTable, Hourglass
 
 SUMS = 6
@@ -69,47 +69,21 @@ def damped_time_step(frequency: float, rate: float) -> float:
     return 2.0 / (half + math.sqrt(half**2 + frequency**2))
 
 
-def add_up(damping: Any, positions: Any, velocities: Any, mass: Any, begin: int, end: int, sums: Any) -> None:
-    """Fill `sums`, shape (SUMS,), over the nodes from `begin` to before `end`; compiled code only."""
-    raise NotImplementedError(type(damping))
+@optional()
+def add_up(damping, positions, velocities, mass, begin, end, sums):
+    """Fill `sums`, shape (SUMS,), over the nodes from `begin` to before `end`."""
 
 
-def resist(
-    damping: Any,
-    sums: Any,
-    positions: Any,
-    velocities: Any,
-    mass: Any,
-    time_step: float,
-    begin: int,
-    end: int,
-    force: Any,
-) -> float:
-    """Add the damping forces on these nodes, `sums` being those of all nodes; their power [W] at these velocities.
-
-    Compiled code only.
-    """
-    raise NotImplementedError(type(damping))
-
-
-def gained(damping: Any, sums: Any, state: Any, time_step: float, begin: int, end: int, force: Any) -> float:
-    """Change of their power [W] on the mean of the velocities half a step before and after, `force` being
-    complete: with that the energy balance closes to rounding. Compiled code only."""
-    raise NotImplementedError(type(damping))
-
-
-@implements(add_up, type(None))
-def _no_sums(damping, positions, velocities, mass, begin, end, sums):
-    return
-
-
-@implements(resist, type(None))
-def _no_resistance(damping, sums, positions, velocities, mass, time_step, begin, end, force):
+@optional()
+def resist(damping, sums, positions, velocities, mass, time_step, begin, end, force):
+    """Add the damping forces on these nodes, `sums` being those of all nodes; their power [W] at these velocities."""
     return 0.0
 
 
-@implements(gained, type(None))
-def _nothing_gained(damping, sums, state, time_step, begin, end, force):
+@optional()
+def gained(damping, sums, state, time_step, begin, end, force):
+    """Change of their power [W] on the mean of the velocities half a step before and after, `force` being
+    complete: with that the energy balance closes to rounding."""
     return 0.0
 
 

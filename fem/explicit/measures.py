@@ -16,6 +16,28 @@ from fem.machine_code.compiled import compiled
 
 
 @compiled
+def plate_forces(state, loop, viscosity, hourglass, force, scratch):
+    """Put the forces of the plate itself [N] into `force`; returns the power [W] of the elastic damping."""
+    positions, velocities = state.positions, state.velocities
+    force[:] = 0.0
+    subtract_internal_forces(
+        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+    )
+    return damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force)
+
+
+@compiled
+def all_forces(state, loop, viscosity, hourglass, force, scratch):
+    """Put all forces [N] into `force`; returns the normal and the tangential reaction [N], the corner's slip speed half
+    a step back and ahead [m/s], and the power [W] of the elastic damping with the velocities half a step back."""
+    power = plate_forces(state, loop, viscosity, hourglass, force, scratch)
+    normal, tangential, slip, later_slip, _ = add_corner_reaction(
+        state.positions, state.velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+    )
+    return normal, tangential, slip, later_slip, power
+
+
+@compiled
 def measure(state, loop, viscosity, hourglass, reference, force, scratch):
     """The `Measures` of the state at its instant; the state is left as it is.
 
@@ -24,22 +46,14 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
     """
     positions, velocities, sums, origin = state
     half = 0.5 * loop.time_step
-    force[:] = 0.0
-    subtract_internal_forces(
-        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
-    )
-    damping_power = damp(
-        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
-    )
-    normal, tangential, slip, later_slip, _ = add_corner_reaction(
-        positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+    normal, tangential, slip, later_slip, damping_power = all_forces(
+        state, loop, viscosity, hourglass, force, scratch
     )
     theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(
         positions, velocities, force, loop.mass, loop.time_step, reference
     )
-    gap, hourglass_energy = weighted(positions[1], loop.corner), 0.0
-    if hourglass is not None:
-        hourglass_energy = energy_of_hourglass(positions, loop.table, hourglass)
+    gap = weighted(positions[1], loop.corner)
+    strain_energy, hourglass_energy = elastic_energies(positions, loop, hourglass)
     return Measures(
         theta=theta,
         omega=omega,
@@ -50,7 +64,7 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
         reaction_normal=normal,
         reaction_tangential=tangential,
         kinetic_energy=kinetic,
-        strain_energy=energy_of_strain(positions, loop.table, loop.material),
+        strain_energy=strain_energy,
         contact_energy=constraint_energy(loop.corner.constraint, gap),
         friction_work=sums[0] + half * tangential * slip,
         damping_work=sums[1] + half * damping_power,
@@ -96,6 +110,15 @@ def motion(positions, velocities, force, mass, time_step, reference):
         v = v_y[i] + half * f_y[i] / mass[i] - c_v - omega * (x[i] - c_x)
         vibration += 0.5 * mass[i] * (u * u + v * v)
     return -math.atan2(sine, cosine), omega, c_u, c_v, kinetic, vibration, c_x, c_y
+
+
+@compiled
+def elastic_energies(positions, loop, hourglass):
+    """Energies [J] of strain and of hourglass control."""
+    control = 0.0
+    if hourglass is not None:
+        control = energy_of_hourglass(positions, loop.table, hourglass)
+    return energy_of_strain(positions, loop.table, loop.material), control
 
 
 @compiled
@@ -157,20 +180,3 @@ def _copy_state(state, other):
     for k in range(state.sums.size):
         other.sums[k] = state.sums[k]
     other.origin[0] = state.origin[0]
-
-
-@compiled
-def all_forces(positions, velocities, loop, viscosity, hourglass, force, scratch):
-    """Put all forces [N] into `force`; returns the normal and the tangential reaction [N], and the power [W] of the
-    elastic damping with the velocities half a step back."""
-    force[:] = 0.0
-    subtract_internal_forces(
-        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
-    )
-    damping = damp(
-        loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force
-    )
-    normal, tangential, _, _, _ = add_corner_reaction(
-        positions, velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
-    )
-    return normal, tangential, damping

@@ -135,8 +135,8 @@ def advance_thread(
             forces[0],
         )
         if _is_last(meeting, threads, 3 * step + 2):
-            react(loop, state, powers[0].sum(), forces[0])
-            shift[0] = follow(loop, state)
+            place = react(loop, state, powers[0].sum(), forces[0])
+            shift[0] = follow(place, loop.span, state.origin)
             _end(meeting, 3 * step + 2)
         else:
             _wait_for_end(meeting, 3 * step + 2)

@@ -58,14 +58,18 @@ def copy_state(state: Any) -> Any:
     return type(state)(*map(copy_state, state))
 
 
-def react(loop: Any, state: Any, lost: float, force: Any) -> None:
-    """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums; compiled code only."""
+def react(loop: Any, state: Any, lost: float, force: Any) -> float:
+    """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums; returns the place [m] of the
+    node that the origin follows. Compiled code only."""
     raise NotImplementedError(type(loop))
 
 
-def follow(loop: Any, state: Any) -> float:
-    """Move the origin along with the plate; by how much [m] the positions are to be set back; compiled code only."""
-    raise NotImplementedError(type(loop))
+@compiled
+def follow(x, span, origin):
+    """Move the origin by the span [m] once its node is as far from it; by how much the positions are to be set back."""
+    shift = span if x >= span else -span if x <= -span else 0.0
+    origin[0] += shift
+    return shift
 
 
 @compiled
@@ -84,11 +88,12 @@ def advance(state, steps, loop, viscosity, hourglass, force, scratch):
             0, slots, positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
         )
         power -= damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, motion, force)
-        react(loop, state, power, force)
+        place = react(loop, state, power, force)
         state.sums[1] += loop.time_step * gained(
             loop.elastic_damping, motion, state, loop.time_step, 0, nodes, force
         )
-        drift(positions, velocities, force, loop.mass, loop.time_step, follow(loop, state), 0, nodes)
+        shift = follow(place, loop.span, state.origin)
+        drift(positions, velocities, force, loop.mass, loop.time_step, shift, 0, nodes)
 
 
 @implements(react, LoopParameters, merged=True)
@@ -102,14 +107,7 @@ def _react_at_corner(loop, state, lost, force):
     sums[1] += time_step * (dashpot_power - lost)
     sums[2] += time_step * normal
     sums[3] += time_step * abs(normal)
-
-
-@implements(follow, LoopParameters, merged=True)
-def _follow_corner(loop, state):
-    x = state.positions[0, loop.corner.nodes[0]]
-    shift = loop.span if x >= loop.span else -loop.span if x <= -loop.span else 0.0
-    state.origin[0] += shift
-    return shift
+    return positions[0, loop.corner.nodes[0]]
 
 
 @compiled

@@ -17,7 +17,7 @@ The law of a scene without friction is None, and is compiled to nothing.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,8 +66,6 @@ class Constraint(Law):
         Fields whose kernels must be merged into the loop that calls them.
     helpers : tuple of callable
         Plain functions that the kernels call.
-    variants : tuple
-        The same law with other constants, which no scene names.
     make : callable
         Constants from a `ConstraintInput`.
     forces : callable
@@ -86,13 +84,9 @@ class Constraint(Law):
     forces: Callable[[Any, float, float, float], tuple[float, float]]
     energy: Callable[[Any, float], float]
     stiffness: Callable[[Any], float]
-    damping: Callable[[Any], float] = field(default_factory=lambda: _undamped)
+    damping: Callable[[Any], float] = lambda constants: 0.0
     text: str
     keys: tuple[str, ...] = ()
-
-
-def _undamped(constants: Any) -> float:
-    return 0.0
 
 
 CONSTRAINTS: LawRegistry[Constraint] = LawRegistry("constraint")
@@ -100,33 +94,21 @@ CONSTRAINTS: LawRegistry[Constraint] = LawRegistry("constraint")
 
 
 class Penalty(NamedTuple):
-    """N = -k y_P; stiffness [N/m]."""
-
-    stiffness: float
-
-
-class DampedPenalty(NamedTuple):
     """N = -k y_P - c y_P', the velocity half a step late; stiffness [N/m], damping [N s/m]."""
 
     stiffness: float
-    damping: float
+    damping: float = 0.0
 
 
-def penalty(given: ConstraintInput) -> Penalty | DampedPenalty:
-    """The program's spring, 0.3 times Young's modulus times thickness times the scale, and its dashpot if it has one.
+def penalty(given: ConstraintInput) -> Penalty:
+    """The program's spring, 0.3 times Young's modulus times thickness times the scale, and its dashpot.
 
     A spring as stiff as the elements brings the corner's frequency among the plate's: with friction the two flutter
     sooner, and the time step falls by 14 %. A much softer one shows in the results, and flutters with the plate's
     lowest modes, which stiffness-proportional damping hardly reaches.
     """
     stiffness = given.penalty_scale * 0.3 * given.youngs_modulus * given.thickness
-    if not given.damping_ratio:
-        return Penalty(stiffness)
-    return DampedPenalty(stiffness, given.damping_ratio * 2.0 * math.sqrt(stiffness / given.mobility))
-
-
-def _spring(constants: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
-    return -constants.stiffness * gap, 0.0
+    return Penalty(stiffness, given.damping_ratio * 2.0 * math.sqrt(stiffness / given.mobility))
 
 
 def _spring_and_dashpot(constants: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
@@ -137,24 +119,19 @@ def _spring_energy(constants: Any, gap: float) -> float:
     return 0.5 * constants.stiffness * gap * gap
 
 
-_PENALTY = Constraint(
-    name="penalty",
-    constants=Penalty,
-    make=penalty,
-    forces=_spring,
-    energy=_spring_energy,
-    stiffness=lambda constants: constants.stiffness,
-    text="a penalty spring",
-    keys=("penalty_scale", "damping_ratio"),
+CONSTRAINTS.register(
+    Constraint(
+        name="penalty",
+        constants=Penalty,
+        make=penalty,
+        forces=_spring_and_dashpot,
+        energy=_spring_energy,
+        stiffness=lambda constants: constants.stiffness,
+        damping=lambda constants: constants.damping,
+        text="a penalty spring",
+        keys=("penalty_scale", "damping_ratio"),
+    )
 )
-_DAMPED = replace(
-    _PENALTY,
-    constants=DampedPenalty,
-    forces=_spring_and_dashpot,
-    damping=lambda constants: constants.damping,
-    text="a penalty spring with a dashpot",
-)
-CONSTRAINTS.register(replace(_PENALTY, variants=(_DAMPED,)))
 
 
 class Exact(NamedTuple):
@@ -196,6 +173,11 @@ class CornerConstraint(NamedTuple):
     constraint: Any
 
     @property
+    def text(self) -> str:
+        """What it is, for reports."""
+        return CONSTRAINTS.of(self.constraint).text + (" with a dashpot" if self.dashpot else "")
+
+    @property
     def stiffness(self) -> float:
         """Stiffness [N/m] of the constraint; infinite where it is exact."""
         return CONSTRAINTS.of(self.constraint).stiffness(self.constraint)
@@ -216,22 +198,9 @@ class CornerConstraint(NamedTuple):
         return CONSTRAINTS.of(self.constraint).damping(self.constraint)
 
 
-@by_law(CONSTRAINTS, "forces")
-def constraint_forces(constraint: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
-    """Normal force of spring and of dashpot [N]; compiled code only."""
-    raise NotImplementedError(type(constraint))
-
-
-@by_law(CONSTRAINTS, "energy")
-def constraint_energy(constraint: Any, gap: float) -> float:
-    """Energy [J] in the constraint's spring; compiled code only."""
-    raise NotImplementedError(type(constraint))
-
-
-@by_law(FRICTION_LAWS, "force")
-def friction_force(law: Any, normal: float, stopping: float) -> float:
-    """Tangential force [N]; compiled code only."""
-    raise NotImplementedError(type(law))
+constraint_forces = by_law(CONSTRAINTS, "forces")
+constraint_energy = by_law(CONSTRAINTS, "energy")
+friction_force = by_law(FRICTION_LAWS, "force")
 
 
 @compiled

@@ -29,8 +29,6 @@ class FrictionLaw(Law):
         Fields whose kernels must be merged into the loop that calls them.
     helpers : tuple of callable
         Plain functions that the kernels call.
-    variants : tuple
-        The same law with other constants, which no scene names.
     force : callable
         Kernel (constants, normal, stopping) -> R [N]: the stopping force, cut to what the law allows.
     slope : callable

@@ -55,8 +55,6 @@ class Material(Law):
         Fields whose kernels must be merged into the loop that calls them.
     helpers : tuple of callable
         Plain functions that the kernels call.
-    variants : tuple
-        The same law with other constants, which no scene names.
     make : callable
         Constants from Young's modulus [Pa] and Poisson's ratio.
     stress : callable
@@ -192,13 +190,8 @@ MATERIALS.register(
 )
 
 
-@by_law(MATERIALS, "stress")
-def stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
-    """Second Piola-Kirchhoff stress [Pa] (11, 22, 12) of Green strain (11, 22, twice 12); compiled code only."""
-    raise NotImplementedError(type(material))
+stress = by_law(MATERIALS, "stress")
+"""Second Piola-Kirchhoff stress [Pa] (11, 22, 12) of constants and Green strain (11, 22, twice 12)."""
 
-
-@by_law(MATERIALS, "energy_density")
-def energy_density(material: Any, e_11: float, e_22: float, g_12: float) -> float:
-    """Strain energy per reference volume [J/m^3] of the same strain; compiled code only."""
-    raise NotImplementedError(type(material))
+energy_density = by_law(MATERIALS, "energy_density")
+"""Strain energy per reference volume [J/m^3] of the same arguments."""

@@ -32,8 +32,6 @@ class ContactLaw(Law):
         Fields whose kernels must be merged into the loop that calls them.
     helpers : tuple of callable
         Plain functions that the kernels call.
-    variants : tuple
-        The same law with other constants, which no scene names.
     force : callable
         Kernel (constants, i, before, free, deepest, inertia) -> normal force [N].
     stored : callable

@@ -5,8 +5,7 @@ normal      N by the contact law
 stopping    the force that would end this step with the point at rest along the wall
 tangential  R by the friction law: the stopping force, cut to mu N; so a point sticks or slides, and nothing between
 
-Contact asks a few things of the face under a point (`Surface`). A rigid wall is None, and compiled to nothing;
-`elastic_wall` is loaded with the first deformable wall.
+Contact asks a few things of the face under a point (`Surface`). A rigid wall is None, and compiled to nothing.
 
 The deformable wall: linear elasticity on a foundation, in the modes that the time step can follow; compiled.
 
@@ -26,7 +25,7 @@ import numpy as np
 
 from fem.laws.constraints import friction_force
 from fem.laws.unilateral import CONTACT_LAWS
-from fem.machine_code.compiled import by_law, compiled, implements, inlined
+from fem.machine_code.compiled import by_law, compiled, implements, inlined, optional
 
 
 class Surface(NamedTuple):
@@ -50,64 +49,37 @@ class Surface(NamedTuple):
     give_y: float
 
 
-def resist(wall: Any, moving: Any) -> None:
-    """Begin the wall's forces of this instant with its own and its foundation's; compiled code only."""
-    raise NotImplementedError(type(wall))
+@optional(merged=True)
+def resist(wall, moving):
+    """Begin the wall's forces of this instant with its own and its foundation's."""
 
 
-def under(wall: Any, moving: Any, contact: Any, i: int, positions: Any, origin: float) -> Surface:
-    """The face under contact point i, positions [m] being counted from the origin; compiled code only."""
-    raise NotImplementedError(type(wall))
-
-
-def tilted(wall: Any, face: Surface, value: float) -> float:
-    """The face's slope times a value; compiled code only."""
-    raise NotImplementedError(type(wall))
-
-
-def press(wall: Any, moving: Any, face: Surface, tangential: float, normal: float) -> None:
-    """Put the reaction to the forces [N] on a contact point onto the face; compiled code only."""
-    raise NotImplementedError(type(wall))
-
-
-def move(wall: Any, moving: Any, time_step: float) -> None:
-    """Move the wall on by a step, its forces being complete; compiled code only."""
-    raise NotImplementedError(type(wall))
-
-
-def held_by(wall: Any, moving: Any, half: float) -> tuple[float, float, float, float]:
-    """Energy [J] of the wall and its foundation; largest deflection of the face [m] and its place along the wall [m];
-    impulse of the foundation across the wall [N s]; half: of the time step [s]. Compiled code only."""
-    raise NotImplementedError(type(wall))
-
-
-@implements(resist, type(None), merged=True)
-def _nothing_resists(wall, moving):
-    return
-
-
-@implements(under, type(None), merged=True)
-def _rigid(wall, moving, contact, i, positions, origin):
+@optional(merged=True)
+def under(wall, moving, contact, i, positions, origin):
+    """The face under contact point i, positions [m] being counted from the origin."""
     return Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@implements(tilted, type(None), merged=True)
-def _straight(wall, face, value):
+@optional(merged=True)
+def tilted(wall, face, value):
+    """The face's slope times a value."""
     return 0.0
 
 
-@implements(press, type(None), merged=True)
-def _nothing_pressed(wall, moving, face, tangential, normal):
-    return
+@optional(merged=True)
+def press(wall, moving, face, tangential, normal):
+    """Put the reaction to the forces [N] on a contact point onto the face."""
 
 
-@implements(move, type(None), merged=True)
-def _nothing_moves(wall, moving, time_step):
-    return
+@optional(merged=True)
+def move(wall, moving, time_step):
+    """Move the wall on by a step, its forces being complete."""
 
 
-@implements(held_by, type(None), merged=True)
-def _nothing_held(wall, moving, half):
+@optional(merged=True)
+def held_by(wall, moving, half):
+    """Energy [J] of the wall and its foundation; largest deflection of the face [m] and its place along the wall [m];
+    impulse of the foundation across the wall [N s]; half: of the time step [s]."""
     return 0.0, 0.0, 0.0, 0.0
 
 
@@ -141,22 +113,9 @@ class ContactState(NamedTuple):
     mean: np.ndarray
 
 
-@by_law(CONTACT_LAWS, "force")
-def contact_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
-    """Normal force [N] of point i; compiled code only."""
-    raise NotImplementedError(type(law))
-
-
-@by_law(CONTACT_LAWS, "stored")
-def stored_energy(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
-    """Energy [J] of point i that unloading gives back; compiled code only."""
-    raise NotImplementedError(type(law))
-
-
-@by_law(CONTACT_LAWS, "lost")
-def lost_energy(law: Any, i: int, deepest: float) -> float:
-    """Energy [J] of point i that its crush has taken for good; compiled code only."""
-    raise NotImplementedError(type(law))
+contact_force = by_law(CONTACT_LAWS, "force")
+stored_energy = by_law(CONTACT_LAWS, "stored")
+lost_energy = by_law(CONTACT_LAWS, "lost")
 
 
 @compiled
@@ -178,23 +137,30 @@ def pull_of(force, mass, contact, i):
 
 
 @inlined
-def approach(positions, velocities, contact, wall, moving, origin, i):
-    """The wall's face under point i; the point's depth behind it [m], its speed away from it and along it [m/s]."""
-    face = under(wall, moving, contact, i, positions, origin)
+def approach(loop, state, i):
+    """The wall's face under point i; the point's depth behind it [m], its speed away from it and along it [m/s].
+
+    loop, state: an `ImpactLoop` and an `ImpactLoopState`.
+    """
+    wall, contact, positions, velocities = loop.wall, loop.contact, state.positions, state.velocities
+    face = under(wall, state.wall, contact, i, positions, state.origin[0])
     slip = point_mean(velocities[0], contact, i) - face.rate_x
     opening = point_mean(velocities[1], contact, i) - face.rate_y - tilted(wall, face, slip)
     return face, face.sink - point_mean(positions[1], contact, i), opening, slip
 
 
 @compiled
-def push_back(positions, velocities, mass, time_step, contact, kept, wall, moving, origin, force):
+def push_back(loop, state, kept, moving, force):
     """Add the wall's forces on all points to `force`, which must hold the others, and note them in `kept`.
 
-    What a point and the wall's nodes beside it weigh bears the step together: that is what keeps light nodes stable.
+    kept, moving: the fields `contact` and `wall` of the state; as arguments because Numba, where it inlines, drops what
+    is written to an array in a tuple within a tuple. What a point and the wall's nodes beside it weigh bears the step
+    together: that is what keeps light nodes stable.
     """
+    contact, wall, mass, time_step = loop.contact, loop.wall, loop.mass, loop.time_step
     resist(wall, moving)
     for i in range(contact.mobility.size):
-        face, depth, opening, slip = approach(positions, velocities, contact, wall, moving, origin, i)
+        face, depth, opening, slip = approach(loop, state, i)
         inertia = 1.0 / ((contact.mobility[i] + face.give_y) * time_step**2)
         along = pull_of(force[0], mass, contact, i) - face.pull_x
         away = pull_of(force[1], mass, contact, i) - face.pull_y - tilted(wall, face, along)
@@ -213,12 +179,14 @@ def push_back(positions, velocities, mass, time_step, contact, kept, wall, movin
 
 
 @compiled
-def add_contact(positions, velocities, mass, time_step, contact, kept, wall, moving, sums, origin, force):
+def add_contact(loop, state, kept, moving, force):
     """Add the wall's forces to `force`, what they do to the points' state and to the sums, and move the wall on.
 
-    sums: friction work [J] and moment of the impulse about the wall's frame [N m s], as in `ImpactLoopState`.
+    Arguments: as of `push_back`.
     """
-    push_back(positions, velocities, mass, time_step, contact, kept, wall, moving, origin, force)
+    contact, wall, time_step = loop.contact, loop.wall, loop.time_step
+    positions, sums = state.positions, state.sums
+    push_back(loop, state, kept, moving, force)
     for i in range(contact.mobility.size):
         kept.deepest[i] = max(kept.deepest[i], kept.mean[i])
         normal, tangential = kept.pushing[i], kept.sliding[i]
@@ -226,10 +194,11 @@ def add_contact(positions, velocities, mass, time_step, contact, kept, wall, mov
             continue
         kept.normal[i] += time_step * normal
         kept.tangential[i] += time_step * tangential
-        face, _, _, slip = approach(positions, velocities, contact, wall, moving, origin, i)
-        slip += 0.5 * time_step * (pull_of(force[0], mass, contact, i) - face.pull_x)
+        face, _, _, slip = approach(loop, state, i)
+        slip += 0.5 * time_step * (pull_of(force[0], loop.mass, contact, i) - face.pull_x)
         sums[0] += time_step * (tangential + tilted(wall, face, normal)) * slip
-        x, y = point_mean(positions[0], contact, i) + origin, point_mean(positions[1], contact, i)
+        x = point_mean(positions[0], contact, i) + state.origin[0]
+        y = point_mean(positions[1], contact, i)
         sums[2] += time_step * (x * normal - y * tangential)
     move(wall, moving, time_step)
 

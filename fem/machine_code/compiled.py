@@ -74,11 +74,12 @@ def ignore_compiling(said: str) -> None:
     """Ignore what is said of compiling."""
 
 
-def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator: what `generic` is, in compiled code, for a first argument that holds the constants of a law.
+def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[..., Any]:
+    """Function of compiled code alone: the field `kernel` of the law whose constants the first argument holds, chosen
+    by its type when a loop is compiled."""
 
-    It is the law's field `kernel`, chosen by type when a loop is compiled; arguments are as the generic's.
-    """
+    def generic(constants: Any, *rest: Any) -> Any:
+        raise NotImplementedError(type(constants))
 
     def chooser(merged: bool) -> Callable[..., Any]:
         def choose(first: Any, *rest: Any) -> Any:
@@ -93,16 +94,23 @@ def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[[Callable[..., Any]]
 
         return choose
 
-    def register(generic: Callable[..., Any]) -> Callable[..., Any]:
-        for merged, inline in ((True, "always"), (False, "never")):
-            replace_in_code(generic, chooser(merged), inline)
-        return generic
+    for merged, inline in ((True, "always"), (False, "never")):
+        replace_in_code(generic, chooser(merged), inline)
+    return generic
+
+
+def optional(merged: bool = False) -> Callable[..., Any]:
+    """Decorator: a function of compiled code for a first argument None; `implements` adds those for other types."""
+
+    def register(function: Callable[..., Any]) -> Callable[..., Any]:
+        implements(function, type(None), merged)(function)
+        return function
 
     return register
 
 
-def implements(generic: Callable[..., Any], *kinds: type, merged: bool = False) -> Callable[..., Any]:
-    """Decorator: what `generic` is, in compiled code, for a first argument that is one of these NamedTuples, or None.
+def implements(generic: Callable[..., Any], kind: type, merged: bool = False) -> Callable[..., Any]:
+    """Decorator: what `generic` is, in compiled code, for a first argument of this type, a NamedTuple.
 
     For parts of the loop itself; laws, which a scene names, are found by `by_law`. merged: put into the caller.
     """
@@ -111,7 +119,7 @@ def implements(generic: Callable[..., Any], *kinds: type, merged: bool = False) 
         def choose(first: Any, *rest: Any) -> Any:
             from fem.machine_code.numba_code import python_type
 
-            return implementation if python_type(first) in kinds else None
+            return implementation if python_type(first) is kind else None
 
         replace_in_code(generic, choose, "always" if merged else "never")
         return implementation

@@ -21,7 +21,7 @@ from typing import Any
 
 import platformdirs
 
-from fem.registry import PACKAGE, outside_sources, source_of, watch
+from fem.registry import outside_sources, source_of
 
 USUAL_S, LONGEST_S, TIME_FILE = 10.0, 3600.0, "seconds"
 """Seconds that a loop takes to be compiled where no other tells, and less than any; the file of what the last took."""
@@ -36,16 +36,15 @@ def cache_folder() -> Path:
     return Path(base) / sources()[:16]
 
 
-@functools.cache
 def sources() -> str:
-    """Digest of the sources of this package and of the laws from outside it."""
+    """Digest of the sources of this package and of the laws from outside it that are registered now."""
     digest = _own_digest().copy()
     for source in outside_sources():
         digest.update(source)
     return str(digest.hexdigest())
 
 
-watch(sources.cache_clear)  # laws have changed: code that knows of them belongs into another folder
+PACKAGE = Path(__file__).resolve().parents[1]
 
 
 @functools.cache

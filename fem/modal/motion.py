@@ -53,10 +53,7 @@ class Reaction(NamedTuple):
     d_y: float
 
 
-@by_law(FRICTION_LAWS, "slope")
-def friction_slope(law, normal, speed):
-    """R over N while the corner slides; compiled code only."""
-    raise NotImplementedError(type(law))
+friction_slope = by_law(FRICTION_LAWS, "slope")
 
 
 @compiled

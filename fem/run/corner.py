@@ -110,19 +110,15 @@ class Stepper(runner.PlateStepper):
         loop, state = self.loop, time_loop.State(positions, velocities, np.zeros(4), np.zeros(1))
         self._react(state)
         state.velocities[:] -= 0.5 * loop.time_step * self._force / loop.mass
-        normal, tangential, damping = self._react(state)
+        normal, tangential, _, _, damping = self._react(state)
         # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
         friction = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
         state.sums[:] = -0.5 * loop.time_step * np.array([friction, damping, normal, abs(normal)])
         return state
 
-    def _react(self, state: time_loop.State) -> tuple[float, float, float]:
-        """Put all forces into the workspace; returns the normal and the tangential reaction [N], and the power
-        [W] of the elastic damping with the velocities half a step back."""
-        forces: tuple[float, float, float] = all_forces(
-            state.positions, state.velocities, self._fixed, *self._parts, self._force, self._workspace
-        )
-        return forces
+    def _react(self, state: time_loop.State) -> tuple[float, ...]:
+        """Put all forces into the workspace; see `all_forces`."""
+        return tuple(all_forces(state, self._fixed, *self._parts, self._force, self._workspace))
 
     def advance(self, state: time_loop.State, steps: int) -> time_loop.State:
         """The state this many steps later; the one given stays as it is."""

@@ -257,7 +257,7 @@ def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]
     where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
     stiffness = "" if corner.is_exact else f" of {measure(corner.stiffness, 'N/m', '.4g')}"
     contact = [
-        f"corner       {where}, {constraints.CONSTRAINTS.of(corner.constraint).text}{stiffness}",
+        f"corner       {where}, {corner.text}{stiffness}",
         f"frequency    {model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint",
     ]
     flexibility = (
