@@ -1,4 +1,4 @@
-"""Filters of crash practice, what is read off a filtered force, design forces of railings, and occupant risk.
+"""Filters of crash practice, what is read off a filtered force, and design forces of railings.
 
 Low-passes, by frequency class (CFC) or cut-off frequency, are Butterworth filters of second order, once forward and
 once backward, so nothing is delayed. With w_a the tangent at the corner of one pass, their gain is 1 / (1 + (tan(pi f
@@ -15,20 +15,6 @@ tail-slap; it begins and ends where the force is lowest just before its rise and
 eye, off 50 ms means and SAE-filtered curves; here, a valley is the first bottom on the way down that lies no more than
 5 % of the peak above the lowest force between this strike and the next. A mean over w widens a strike that stands
 free by w.
-
-Occupant risk of a planar motion is ASI, THIV and PHD of EN 1317-1, OIV and ORA of MASH.
-
-ASI: the largest value of sqrt((ax / 12 g)^2 + (ay / 9 g)^2 + (az / 10 g)^2), of 50 ms means (EN 1317-1:1998), or, after
-CFC 180, of accelerations through a four-pole phaseless Butterworth filter of 13 Hz (EN 1317-1:2010; taken as 3 dB down
-forward and backward together). THIV: speed of a free head relative to the inside that it meets; PHD: from then on
-the largest 10 ms mean of the resultant acceleration. OIV: velocities of a free occupant relative to the vehicle where
-the first of the two flail distances is used up; ORA: from then on the largest 10 ms mean along each axis.
-
-An occupant, or a head, free in the vehicle, flies until the interior stops it. The vehicle's axes are x ahead and y to
-the left; yaw turns counter-clockwise. Accelerations are taken as linear between their instants and integrated exactly.
-
-Sources: EN 1317-1; AASHTO, Manual for Assessing Safety Hardware, by way of the manuals of
-NI DIAdem (ChnASICalc, ChnTHIVCalc, ChnOIVCalc) and Oasys T/HIS (THIV and PHD).
 """
 
 import math
@@ -69,11 +55,6 @@ def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
     check_samples(values, interval, 1.0 / cutoff, cutoff)
     corner = math.tan(math.pi * cutoff * interval) / (math.sqrt(2.0) - 1.0) ** 0.25
     return _both_ways(values, interval, cutoff, corner)
-
-
-def cutoff_60hz(values: Floats, interval: float) -> Floats:
-    """Values through `low_pass` at 60 Hz: what "SAE filter, 60 Hz cut-off" says, and CFC 60 (100 Hz) is not."""
-    return low_pass(values, interval, 60.0)
 
 
 def moving_mean(values: Floats, interval: float, width: float) -> Floats:
@@ -134,9 +115,10 @@ FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
     "mean_50ms": lambda force, interval: moving_mean(force, interval, 0.05),
     "cfc60": lambda force, interval: cfc_filter(force, interval, 60),
     "cfc180": lambda force, interval: cfc_filter(force, interval, 180),
-    "cutoff_60hz": cutoff_60hz,
+    "cutoff_60hz": lambda force, interval: low_pass(force, interval, 60.0),
 }
-"""Peaks of a force [N] with this interval [s]."""
+"""Curves of a force [N] with this interval [s]. "SAE filter, 60 Hz cut-off" says `low_pass` at 60 Hz: CFC 60 is 3 dB
+down at 100 Hz."""
 
 
 @dataclass(frozen=True)
@@ -207,246 +189,41 @@ def _valley(falling: Floats) -> int:
     return low + (int(np.argmax(rising)) if rising.any() else rising.size)
 
 
-KIP, FOOT = 4448.2216152605, 0.3048
-"""[N], [m]"""
-
-LEVELS = tuple(f"TL-{number}" for number in range(1, 7))
+KIP = 4448.2216152605
+"""[N]"""
 
 
 @dataclass(frozen=True)
 class DesignForce:
-    """A transverse force for a test level [kip], as given, and its source.
+    """A transverse force on a railing [kip], as given, and its source."""
 
-    longitudinal: force along the rail [kip]; length: of rail over which both are spread [ft]; None: not given. where:
-    the rails that it is meant for.
-    """
-
-    test_level: str
     name: str
     kip: float
     source: str
-    longitudinal: float | None = None
-    length: float | None = None
-    where: str = ""
 
     @property
     def force(self) -> float:
         """Transverse force [N]."""
         return self.kip * KIP
 
-    @property
-    def longitudinal_force(self) -> float | None:
-        """Force along the rail [N]."""
-        return None if self.longitudinal is None else self.longitudinal * KIP
-
-    @property
-    def length_m(self) -> float | None:
-        """Length over which the forces are spread [m]."""
-        return None if self.length is None else self.length * FOOT
-
 
 AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; whether later editions changed it is not confirmed"
-LRFD = tuple(
-    DesignForce(level, "AASHTO LRFD", transverse, AASHTO, longitudinal, length)
-    for level, transverse, longitudinal, length in zip(
-        LEVELS,
-        (13.5, 27.0, 54.0, 54.0, 124.0, 175.0),
-        (4.5, 9.0, 18.0, 18.0, 41.0, 58.0),
-        (4.0, 4.0, 4.0, 3.5, 8.0, 8.0),
-        strict=True,
-    )
+LRFD = {"TL-1": 13.5, "TL-2": 27.0, "TL-3": 54.0, "TL-4": 54.0, "TL-5": 124.0, "TL-6": 175.0}
+"""AASHTO's forces by test level [kip]."""
+
+TTI = (
+    "Sheikh, Bligh and Menges, Determination of minimum height and lateral design load for MASH test level 4 "
+    "bridge rails, Texas Transportation Institute, Report 9-1002-5 (2011)"
 )
-MASH = (
-    DesignForce(
-        "TL-4",
-        "MASH, TTI",
-        80.0,
-        "Sheikh, Bligh and Menges, Determination of minimum height and lateral design load for MASH test level 4 "
-        "bridge rails, Texas Transportation Institute, Report 9-1002-5 (2011)",
-        where="rails of 36 in. or higher",
-    ),
-    DesignForce(
-        "TL-4", "MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"
-    ),
+MASH_TL_4 = (
+    DesignForce("MASH, TTI", 80.0, TTI),  # for rails of 36 in. or higher
+    DesignForce("MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
 )
 
 
 def design_forces(test_level: str) -> Sequence[DesignForce]:
     """Forces for "TL-1" to "TL-6", AASHTO's first. ValueError for another level."""
-    if test_level not in LEVELS:
-        raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LEVELS)}")
-    return tuple(row for row in (*LRFD, *MASH) if row.test_level == test_level)
-
-
-AHEAD, ASIDE = 0.6, 0.3
-"""Free distances [m]: to the dashboard, to either side."""
-
-
-@dataclass(frozen=True)
-class VehicleMotion:
-    """Motion of the centre of mass in the plane from first touch; arrays of shape (n,).
-
-    t: even instants [s]; ax, ay: acceleration along the vehicle's own axes [m/s^2]; yaw_rate [rad/s]; yaw [rad].
-    """
-
-    t: Floats
-    ax: Floats
-    ay: Floats
-    yaw_rate: Floats
-    yaw: Floats
-
-    def __post_init__(self) -> None:
-        shapes = {values.shape for values in vars(self).values()}
-        if len(shapes) != 1 or self.t.ndim != 1 or self.t.size < 3:
-            why = f"motion with arrays of shapes {sorted(shapes)}: must be one shape (n,), n at least 3"
-            raise ValueError(why)
-        steps = np.diff(self.t)
-        if not (steps > 0.0).all() or np.ptp(steps) > 1e-6 * steps.mean():
-            raise ValueError(f"instants {steps.min():g} to {steps.max():g} s apart: must rise evenly")
-
-    @property
-    def interval(self) -> float:
-        """Time between instants [s]."""
-        return float((self.t[-1] - self.t[0]) / (self.t.size - 1))
-
-
-@dataclass(frozen=True)
-class FlightEnd:
-    """End of a free flight: instant [s], velocity relative to the vehicle [m/s], forward and to the left."""
-
-    time: float
-    forward: float
-    sideways: float
-
-    @property
-    def speed(self) -> float:
-        """Resultant [m/s]."""
-        return math.hypot(self.forward, self.sideways)
-
-
-def occupant_contact(motion: VehicleMotion) -> FlightEnd | None:
-    """Flail space: both axes by themselves, the vehicle's turning left out; None if neither distance is used up."""
-    speeds = [_integral(motion.t, -values) for values in (motion.ax, motion.ay)]
-    displacements = [_integral_of_linear(motion.t, -values) for values in (motion.ax, motion.ay)]
-    return _first_contact(motion.t, displacements, speeds)
-
-
-def head_contact(motion: VehicleMotion, ahead: float = 0.0) -> FlightEnd | None:
-    """Free head, in the plane: straight on as the vehicle turns about it; None if it touches nothing.
-
-    ahead: how far in front of the centre of mass it sits [m].
-    """
-    t, turned = motion.t - motion.t[0], motion.yaw - motion.yaw[0]
-    cos, sin = np.cos(turned), np.sin(turned)
-    along = cos * motion.ax - sin * motion.ay, sin * motion.ax + cos * motion.ay
-    start = np.array([ahead, 0.0]), np.array([0.0, ahead * motion.yaw_rate[0]])
-    x, y = (p + v * t - _integral_of_linear(t, a) for p, v, a in zip(*start, along, strict=True))
-    u, v = (v - _integral(t, a) for v, a in zip(start[1], along, strict=True))
-    inside = np.array([cos * x + sin * y, cos * y - sin * x])
-    speeds = np.array([cos * u + sin * v, cos * v - sin * u])
-    speeds += motion.yaw_rate * np.array([inside[1], -inside[0]])
-    return _first_contact(motion.t, [inside[0] - ahead, inside[1]], list(speeds))
-
-
-def _first_contact(t: Floats, displacements: list[Floats], speeds: list[Floats]) -> FlightEnd | None:
-    """The first instant at which a way reaches its distance, by cubics through displacements and speeds."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    both = zip(displacements, speeds, strict=True)
-    forward, sideways = (CubicHermiteSpline(t, way, speed) for way, speed in both)
-    limits = ((forward, AHEAD), (sideways, ASIDE), (sideways, -ASIDE))
-    found = np.concatenate([way.solve(limit, extrapolate=False) for way, limit in limits])
-    if not found.size:
-        return None
-    time = float(found.min())
-    return FlightEnd(time, *(float(way.derivative()(time)) for way in (forward, sideways)))
-
-
-def _integral(t: Floats, values: Floats) -> Floats:
-    """From the first instant, values linear in between."""
-    return np.concatenate(([0.0], np.cumsum(0.5 * np.diff(t) * (values[1:] + values[:-1]))))
-
-
-def _integral_of_linear(t: Floats, values: Floats) -> Floats:
-    """The integral of `_integral`, exact as well."""
-    steps = np.diff(t)
-    gained = steps * _integral(t, values)[:-1] + steps**2 * (2.0 * values[:-1] + values[1:]) / 6.0
-    return np.concatenate(([0.0], np.cumsum(gained)))
-
-
-GRAVITY = 9.80665
-"""[m/s^2]"""
-
-RIDEDOWN = 0.01
-"""Width of the means after contact [s]."""
-
-PLANAR = "planar: without vertical acceleration, roll and pitch a lower bound"
-AXES = "planar; the vehicle's turning left out"
-HEAD = "planar; head above the centre of mass, not in a seat"
-LIMITS = "limits not given"
-
-
-@dataclass(frozen=True)
-class RiskMeasure:
-    """A measure: value in its unit, None where the flight does not end; instant [s]; what it lacks; limits."""
-
-    name: str
-    value: float | None
-    unit: str
-    time: float | None
-    lacks: str
-    limits: str = LIMITS
-
-
-def occupant_risk(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
-    """All measures. ValueError for a motion sampled below 1800 Hz, or shorter than 77 ms (a period of 13 Hz)."""
-    return (*severity_indices(motion), *head_measures(motion), *flail_measures(motion))
-
-
-def severity_indices(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
-    """ASI after both editions. Before first touch there is no acceleration."""
-    interval = motion.interval
-    both = (motion.ax, 12.0), (motion.ay, 9.0)
-    axes = [np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in both]
-    means = [moving_mean(a, interval, 0.05) for a in axes]
-    filtered = [low_pass(cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
-    return tuple(
-        _largest(f"ASI {edition}", "-", PLANAR, motion.t, np.hypot(*found)[1:])
-        for edition, found in (("1998, 50 ms mean", means), ("2010, 13 Hz", filtered))
-    )
-
-
-def head_measures(motion: VehicleMotion) -> tuple[RiskMeasure, RiskMeasure]:
-    """THIV [m/s] and PHD [g]."""
-    contact = head_contact(motion)
-    time, speed = (contact.time, contact.speed) if contact else (None, None)
-    resultant = np.hypot(motion.ax, motion.ay)
-    return (RiskMeasure("THIV", speed, "m/s", time, HEAD), _after("PHD", HEAD, motion, contact, resultant))
-
-
-def flail_measures(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
-    """OIV [m/s] and ORA [g], each longitudinal and lateral, without sign."""
-    contact = occupant_contact(motion)
-    time, speeds = (contact.time, (contact.forward, contact.sideways)) if contact else (None, (None, None))
-    axes = (("longitudinal", speeds[0], motion.ax), ("lateral", speeds[1], motion.ay))
-    return (
-        *(RiskMeasure(f"OIV {axis}", speed and abs(speed), "m/s", time, AXES) for axis, speed, _ in axes),
-        *(_after(f"ORA {axis}", AXES, motion, contact, values) for axis, _, values in axes),
-    )
-
-
-def _after(
-    name: str, lacks: str, motion: VehicleMotion, contact: FlightEnd | None, values: Floats
-) -> RiskMeasure:
-    """The largest 10 ms mean [g] that begins after the contact and ends within the history."""
-    t, half = motion.t, 0.5 * RIDEDOWN
-    means = np.abs(moving_mean(values, motion.interval, RIDEDOWN)) / GRAVITY
-    later = np.zeros(t.size, bool) if contact is None else (t >= contact.time + half) & (t <= t[-1] - half)
-    return _largest(name, "g", lacks, t[later], means[later])
-
-
-def _largest(name: str, unit: str, lacks: str, t: Floats, values: Floats) -> RiskMeasure:
-    if not values.size:
-        return RiskMeasure(name, None, unit, None, lacks)
-    place = int(values.argmax())
-    return RiskMeasure(name, float(values[place]), unit, float(t[place]), lacks)
+    if test_level not in LRFD:
+        raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
+    first = DesignForce("AASHTO LRFD", LRFD[test_level], AASHTO)
+    return (first, *MASH_TL_4) if test_level == "TL-4" else (first,)

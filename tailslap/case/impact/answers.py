@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.signals import filters
+from postprocess.signals import filters, occupant
 from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
@@ -84,13 +84,13 @@ class ImpactAnswer:
             }
         return found
 
-    def occupant_risk(self, mass: float) -> tuple[filters.RiskMeasure, ...]:
+    def occupant_risk(self, mass: float) -> tuple[occupant.RiskMeasure, ...]:
         """Measures of the planar motion; mass [kg]."""
         h = {name: values[1:] for name, values in self.history.items()}
         along, across = h["force_tangential"] / mass, h["force_normal"] / mass
         sine, cosine = np.sin(h["theta"]), np.cos(h["theta"])
         ahead, left = cosine * along - sine * across, sine * along + cosine * across
-        return filters.occupant_risk(filters.VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
+        return occupant.occupant_risk(occupant.VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
 
     def numbers(self) -> dict[str, Any]:
         """Part of `summary.json` on one of the two models."""
