@@ -14,7 +14,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from postprocess.figures.studies import MapAxis, draw_map, draw_meanings
+from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.report import RIGID, SOFT, charts

@@ -18,7 +18,7 @@ from fem.modal.model import ModalMotion
 from fem.model.plate_model import PlateModel
 from fem.plate import elastic
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
-from postprocess.figures.studies import draw_mode
+from postprocess.figures.plates import draw_mode
 from postprocess.report.page import Column, Section, Table, columns
 from postprocess.report.report import Report, printed, shown_in
 from postprocess.units import SYSTEMS, measure, percent

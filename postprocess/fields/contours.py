@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from postprocess.fields.series import ELEMENTS, UNITS, FieldSeries
-from postprocess.svg.marks import round_step, round_ticks
+from postprocess.svg.scales import round_step, round_ticks
 from postprocess.units import SI, Units
 
 SIZE = (1600, 700)

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from postprocess.svg import chart, marks
+from postprocess.svg import chart, marks, scales
 
-History = Mapping[str, marks.Floats]
+History = Mapping[str, scales.Floats]
 
 STRETCHES = 200
 COLOURS = ("fe", "red", "green", "violet")
@@ -117,7 +117,7 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
     return chart.draw_chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
 
 
-def thinned(t: marks.Floats, values: marks.Floats) -> tuple[marks.Floats, marks.Floats]:
+def thinned(t: scales.Floats, values: scales.Floats) -> tuple[scales.Floats, scales.Floats]:
     """Times and values, shape (k,), k <= 402: both ends, smallest and largest value of each stretch."""
     if len(t) <= 2 * STRETCHES:
         return t, values
@@ -129,7 +129,7 @@ def thinned(t: marks.Floats, values: marks.Floats) -> tuple[marks.Floats, marks.
     return t[index], values[index]
 
 
-def power_of_ten(values: marks.Floats) -> int:
+def power_of_ten(values: scales.Floats) -> int:
     """Exponent, a multiple of three, that leaves the largest magnitude between 1 and 1000; 0 for zeros."""
     size = float(np.max(np.abs(values), initial=0.0))
     return 3 * math.floor(math.log10(size) / 3) if 1e-250 < size < math.inf else 0
@@ -139,15 +139,15 @@ def unit_with_power(unit: str, power: int) -> str:
     """A unit with a power of ten before it, or where it has one, with its prefix."""
     if power == 3 and unit in ("N", "J"):
         return "k" + unit
-    return f"10{str(power).translate(marks.SUPERSCRIPTS)} {unit}" if power else unit
+    return f"10{str(power).translate(scales.SUPERSCRIPTS)} {unit}" if power else unit
 
 
 class Curve(NamedTuple):
     """A history of some origin: its label, instants [s] and values, shape (instants,) each."""
 
     label: str
-    t: marks.Floats
-    values: marks.Floats
+    t: scales.Floats
+    values: scales.Floats
 
 
 ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")

@@ -13,7 +13,8 @@ import numpy as np
 from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Floats, Layer, Level, Line, Mark, Outline, Shades, Span, Words
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Span, Swatch, Words
+from postprocess.svg.scales import Floats, Shades
 from postprocess.units import SI, Units, measure
 
 CORNERS = {"front": "red", "rear": "fe"}
@@ -208,7 +209,8 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, stri
     cells = Boxes("force", along, across, shades.colours(pressed), said, at)
     x = replace(START, high=float(t[-1]))
     y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
-    plot = chart.Plot((*shades.keys(unit), cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
+    keys = [Swatch(*each) for each in shades.keys(unit)]
+    plot = chart.Plot((*keys, cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
     return chart.draw_chart("side-force", caption, (plot,), x, "Force", WIDE)
 
 

@@ -2,21 +2,19 @@
 
 On logarithmic axes: error against run time, a small plot for each line with the others behind
 it in grey; sizes over the first frequency of a plate, stiff plates on the left.
-
-Of plates: verdicts over pairs of axes as small maps, and mode shapes over the plate at rest.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import cycle
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from postprocess.svg import chart, marks
-from postprocess.svg.marks import Boxes, Floats, Level, Line, Mark, Span, Swatch, Words, cells_about, key
+from postprocess.svg import chart
+from postprocess.svg.marks import Boxes, Level, Line, Mark, Span, Words, key
+from postprocess.svg.scales import Floats
 from postprocess.units import measure
 
 WIDTH, WIDE, NARROW = 400.0, 480.0, 320.0
@@ -351,117 +349,3 @@ def draw_plates(
     caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
     x = chart.Axis("first frequency of the plate [Hz]", is_log=True)
     return chart.draw_chart("plates", caption, plots, x, width=WIDE)
-
-
-VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"} | {"caught": "rigid", "wrong": "red"}
-"""Colours of the verdicts; all else is an error."""
-
-MAP_WIDTH, HEIGHT, LEGEND, TICKS = 260.0, 190.0, 320.0, 5
-
-
-@dataclass(frozen=True)
-class MapAxis:
-    """Label of an axis and the values along it: evenly spaced, at even ratios, or 0 and then even ratios."""
-
-    label: str
-    values: Sequence[float]
-
-    @property
-    def is_even(self) -> bool:
-        """True if the values have even steps; two values have, unless a decade or more lies between them."""
-        steps = np.diff(self.values)
-        if len(self.values) == 2:
-            return bool(self.values[0] == 0.0 or self.values[1] < 10.0 * self.values[0])
-        return bool(np.ptp(steps) < 1e-6 * abs(steps[0]))
-
-    @property
-    def places(self) -> Floats:
-        """The values on the axis' own scale; on one of ratios 0 lies one of them below the next value."""
-        places = np.array(self.values, float)
-        if not self.is_even and places[0] == 0.0:
-            places[0] = places[1] ** 2 / places[2]
-        return places
-
-    @property
-    def axis(self) -> chart.Axis:
-        """Its axis, with ticks at round values."""
-        cells = cells_about(self.places, not self.is_even)
-        low, high = float(cells.min()), float(cells.max())
-        ticks = marks.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
-        named = list(zip(ticks, marks.tick_texts(ticks, not self.is_even), strict=True))
-        if self.places[0] != self.values[0]:
-            first = float(self.places[0])
-            named = [(first, "0"), *(each for each in named if each[0] > 2.0 * first)]
-        return chart.Axis(self.label, low, high, not self.is_even, named=tuple(named))
-
-
-def draw_map(
-    name: str, across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]], caption: str
-) -> chart.Chart:
-    """Cells of equal size, verdicts[row][column]: rows go up, columns across; pages show the values of each."""
-    x, y = (places.ravel() for places in np.meshgrid(across.places, up.places))
-    kinds = [kind for row in verdicts for kind in row]
-    at = [f"{_rounded(a)}; {_rounded(b)}" for b in up.values for a in across.values]
-    ends = cells_about(x, not across.is_even), cells_about(y, not up.is_even)
-    cells = Boxes("verdict", *ends, [VERDICTS[kind] for kind in kinds], kinds, at)
-    plot = chart.Plot((cells,), up.axis, HEIGHT, nearest="xy", has_grid=False)
-    return chart.draw_chart(name, caption, (plot,), across.axis, "Maps", MAP_WIDTH)
-
-
-def _rounded(value: float) -> str:
-    return marks.power_text(float(f"{value:.3g}"))
-
-
-def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
-    """Draw the meaning of every colour of all maps."""
-    keys = [Swatch(f"{kind}: {meaning}", VERDICTS[kind]) for kind, meaning in meanings.items()]
-    return chart.draw_legend("map-legend", caption, keys, "Maps", LEGEND)
-
-
-Integers = NDArray[np.integer]
-
-REACH = 0.3
-"""Largest displacement as drawn, over the plate's width."""
-
-MAX_EDGES = 3000
-"""A finer mesh is drawn by its outline alone: the page stays small."""
-
-
-def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> chart.Chart:
-    """One mode: positions [m] and displacements of largest length one, shape (nodes, 2); cells (elements, corners).
-    Pages show the length of the displacement on the outline."""
-    edges, outline = mesh_edges(cells)
-    reach = REACH * np.ptp(positions, axis=0).min()
-    deformed, sizes = positions + reach * shape, np.linalg.norm(shape, axis=1)
-    nodes = np.unique(outline)
-    boxes = (
-        _segments(positions, outline, "grey", 0.9),
-        *([_segments(deformed, edges, "steel", 0.6)] if len(edges) <= MAX_EDGES else []),
-        _segments(deformed, outline, "fe", 1.6),
-        Line(
-            "displacement",
-            deformed[nodes, 0],
-            deformed[nodes, 1],
-            width=0.0,
-            values=sizes[nodes].tolist(),
-            at=[f"{measure(x, 'm', '.3g')}; {measure(y, 'm', '.3g')}" for x, y in positions[nodes]],
-        ),
-    )
-    (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
-    x, y = chart.Axis(low=left, high=right, named=()), chart.Axis(low=low, high=high, named=())
-    plot = chart.Plot(boxes, y, None, nearest="xy", has_grid=False, has_legend=False)
-    return chart.draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
-
-
-def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:
-    """Straight lines between pairs of places."""
-    ends = np.pad(places[pairs], ((0, 0), (0, 1), (0, 0)), constant_values=np.nan)
-    return Line("", ends[..., 0].ravel(), ends[..., 1].ravel(), colour, width)
-
-
-def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:
-    """Edges inside the mesh and on its outline, as pairs of nodes: shape (edges, 2) each."""
-    sides = [np.stack([cells[:, i], np.roll(cells, -1, 1)[:, i]], 1) for i in range(cells.shape[1])]
-    pairs = np.concatenate(sides)
-    edges, times = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)
-    return edges[times > 1], edges[times == 1]

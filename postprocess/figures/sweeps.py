@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from postprocess.comparison import quantities
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
-from postprocess.svg.marks import Boxes, Line, Mark, Scale, Shades, Swatch, Words, cells_about, power_text
+from postprocess.svg.marks import Boxes, Line, Mark, Swatch, Words
+from postprocess.svg.scales import Scale, Shades, cells_about, power_text
 from postprocess.units import measure
 
 Values = NDArray[Any]
@@ -159,7 +160,7 @@ def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Va
     shades = Shades.of(values, is_log)
     colours[known] = shades.colours(values[known])
     said = np.array([measure(value, unit, ".5g", named=bool(unit)) for value in values], dtype=object)
-    return colours, said, shades.keys(unit)
+    return colours, said, [Swatch(*each) for each in shades.keys(unit)]
 
 
 def _draw_map(

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from postprocess.svg import marks
+from postprocess.svg import scales
 from postprocess.units import SI, Units, number, shown
 
 if TYPE_CHECKING:
@@ -362,7 +362,7 @@ def prose(text: str) -> Any:
 def printed_numbers(text: str) -> str:
     """The text with powers of ten as such, a true minus, superscripts, and the letters ω, θ and μ by their names."""
     text = EXPONENT.sub(lambda found: _power(found[1], int(found[2])), text)
-    text = SQUARE.sub(lambda found: found[0][1:].translate(marks.SUPERSCRIPTS), MINUS.sub("−", text))
+    text = SQUARE.sub(lambda found: found[0][1:].translate(scales.SUPERSCRIPTS), MINUS.sub("−", text))
     return LETTER.sub(lambda found: LETTERS[found[0]], text)
 
 
@@ -372,7 +372,7 @@ def _power(factor: str, power: int) -> str:
     if power in PLAIN:
         return f"{Decimal(f'{factor}e{power}'):{'+' if factor[0] == '+' else ''}f}"
     times = factor[:-1] if factor.lstrip("+-") == "1" else f"{factor}×"
-    return f"{times}10{str(power).translate(marks.SUPERSCRIPTS)}"
+    return f"{times}10{str(power).translate(scales.SUPERSCRIPTS)}"
 
 
 def glued(text: str) -> str:

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from postprocess.svg import marks
+from postprocess.svg import marks, scales
 from postprocess.svg.marks import Level, Mark, found_ranges
 from postprocess.units import SI, Units
 
@@ -33,12 +33,12 @@ class Axis:
     margin: float = 0.05
     named: tuple[tuple[float, str], ...] | None = None
 
-    def scale(self, found: tuple[float, float]) -> marks.Scale:
+    def scale(self, found: tuple[float, float]) -> scales.Scale:
         """A scale for what is drawn, without its places."""
-        low, high = marks.fitted(*found, self.margin, self.is_log)
+        low, high = scales.fitted(*found, self.margin, self.is_log)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
-        return marks.Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
+        return scales.Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
 
     @property
     def unit(self) -> str:
@@ -52,13 +52,13 @@ class Axis:
         label = self.label.replace(f"[{self.unit}]", f"[{unit}]")
         return replace(self, label=label, low=low, high=high, named=named)
 
-    def ticks(self, scale: marks.Scale, room: float) -> list[tuple[float, str]]:
+    def ticks(self, scale: scales.Scale, room: float) -> list[tuple[float, str]]:
         """Values and their texts; room: for one of them."""
         if self.named is not None:
             low, high = sorted((scale.low, scale.high))
             return [(value, text) for value, text in self.named if low <= value <= high]
         values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
-        return list(zip(values, marks.tick_texts(values, self.is_log), strict=True))
+        return list(zip(values, scales.tick_texts(values, self.is_log), strict=True))
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ class Frame:
     """A plot with its scales in place, and its ticks."""
 
     plot: Plot
-    x: marks.Scale
-    y: marks.Scale
+    x: scales.Scale
+    y: scales.Scale
     y_ticks: list[tuple[float, str]]
 
 

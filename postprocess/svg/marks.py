@@ -1,13 +1,10 @@
 """Marks that a plot shows, each a record that draws itself and the SVG text of marks and charts.
 
 A colour is a name of `PALETTE`, which a page may give another colour (`page.css`, where it is dark), or "#rrggbb".
-
-Scales of a plot's axes lead from values to places, with ticks at round values.
 """
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -16,12 +13,9 @@ from itertools import compress, pairwise
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from postprocess.units import SI, measure
-
-Floats = NDArray[np.float64]
-Range = tuple[float, float]
+from postprocess.svg.scales import Floats, Range, Scale, extent
+from postprocess.units import SI
 
 PALETTE = {
     "fe": "#14467c",
@@ -36,7 +30,6 @@ PALETTE = {
     "ink": "#1b1f24",
     "grid": "#e3e6ea",
 }
-NOTHING: Range = (np.inf, -np.inf)
 SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
@@ -49,12 +42,6 @@ _WIDTHS = {
     **dict.fromkeys("ijlI.,:;'|![]()ft ", 0.37),
     **dict.fromkeys("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", 0.42),
 }
-
-
-def extent(values: Floats) -> Range:
-    """Smallest and largest finite value; `NOTHING` without any."""
-    finite = values[np.isfinite(values)]
-    return (float(finite.min()), float(finite.max())) if finite.size else NOTHING
 
 
 def path(places: Floats) -> str:
@@ -103,117 +90,6 @@ def text_width(text: str, size: float = 12.0) -> float:
     return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
 
 
-KNOTS = """
-    440154 46075a 470d60 471365 48186a 481d6f 482374 482878 472d7b 46327e 453781 443b84 424086
-    404588 3e4989 3d4e8a 3b528b 39568c 375b8d 355f8d 33638d 31678e 2f6b8e 2e6f8e 2c728e 2a768e
-    297a8e 277e8e 26828e 25858e 23898e 228d8d 21918c 1f948c 1f988b 1e9c89 1fa088 20a386 22a785
-    25ab82 28ae80 2db27d 32b67a 38b977 3fbc73 46c06f 4ec36b 56c667 5ec962 67cc5c 70cf57 7ad151
-    84d44b 8ed645 98d83e a2da37 addc30 b8de29 c2df23 cde11d d8e219 e2e418 ece51b f6e620 fde725
-"""
-"""Every fourth of its 256 colours and the last, by van der Walt and Smith (2015), dedicated to the public domain."""
-
-
-def viridis(count: int) -> Floats:
-    """So many colours of the map viridis from end to end, red, green and blue from 0 to 1, shape (count, 3)."""
-    knots = np.array([[int(knot[i : i + 2], 16) for i in (0, 2, 4)] for knot in KNOTS.split()]) / 255.0
-    numbers = np.minimum(4 * np.arange(len(knots)), 255)
-    asked = np.minimum(np.floor(256.0 * np.linspace(0.0, 1.0, count)), 255.0)
-    return np.column_stack([np.interp(asked, numbers, part) for part in knots.T])
-
-
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-SMALLEST, LARGEST = 1e-4, 1e6
-"""Values of a linear axis outside these are written as powers of ten."""
-
-
-@dataclass(frozen=True)
-class Scale:
-    """Values from `low` to `high` on places from `start` to `end`; is_log: by their logarithms, low > 0."""
-
-    low: float
-    high: float
-    start: float = 0.0
-    end: float = 1.0
-    is_log: bool = False
-
-    def at(self, values: ArrayLike) -> Any:
-        """Places of values, of their shape."""
-        low, high, given = (self._measure(each) for each in (self.low, self.high, values))
-        return self.start + (given - low) * ((self.end - self.start) / (high - low))
-
-    def _measure(self, values: ArrayLike) -> Floats:
-        given = np.asarray(values, float)
-        return np.log10(given) if self.is_log else given
-
-    def ticks(self, most: int) -> list[float]:
-        """Round values in range, about `most`; of a logarithmic axis powers of ten, between few also 2 and 5."""
-        find = log_ticks if self.is_log else round_ticks
-        low, high = sorted((self.low, self.high))
-        tried = (find(low, high, most + more) for more in range(4))
-        return next((ticks for ticks in tried if len(ticks) > 1), find(low, high, most))
-
-
-def round_step(span: float, most: int) -> float:
-    """The smallest of 1, 2 and 5 times a power of ten that parts a span into at most `most` steps."""
-    size = 10.0 ** math.floor(math.log10(span / most))
-    return next(
-        factor * size for factor in (1.0, 2.0, 5.0, 10.0) if span / (factor * size) <= most * (1.0 + 1e-9)
-    )
-
-
-def round_ticks(low: float, high: float, most: int) -> list[float]:
-    """Multiples of a round step between low and high."""
-    step = round_step(high - low, most)
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [float(f"{number * step:.12g}") for number in range(first, last + 1)]
-
-
-def log_ticks(low: float, high: float, most: int) -> list[float]:
-    """Powers of ten between low and high; with 2 and 5 times these where that is not too many, or leaves one; else
-    round values."""
-    first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
-    every = max(1, math.ceil((last - first) / most))
-    tens = [10.0**power for power in range(first // every * every, last + 1, every)]
-    more = [factor * ten for ten in tens for factor in (1.0, 2.0, 5.0)]
-    for found in [more] if 3 * (last - first) <= most else [tens, more]:
-        inside = [value for value in found if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
-        if len(inside) > 1:
-            return inside
-    return round_ticks(low, high, most)
-
-
-def tick_texts(ticks: list[float], is_log: bool = False) -> list[str]:
-    """Ticks as people read them: alike in decimals, with a true minus, and powers of ten as such."""
-    sizes = [abs(tick) for tick in ticks if tick]
-    if is_log or (sizes and (max(sizes) >= LARGEST or max(sizes) < SMALLEST)):
-        return [power_text(tick) for tick in ticks]
-    step = min((b - a for a, b in pairwise(ticks)), default=max(sizes, default=1.0))
-    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    return [f"{tick:.{decimals}f}".replace("-", "−") for tick in ticks]
-
-
-def power_text(value: float) -> str:
-    """A value with a power of ten: 10⁻³, 2×10⁵; plain between a thousandth and a thousand."""
-    if value == 0.0 or SMALLEST * 9.99 < abs(value) < 1e4:
-        return f"{value:g}".replace("-", "−")
-    digits, power = f"{value:.3g}".split("e") if "e" in f"{value:.3g}" else f"{value:.2e}".split("e")
-    factor = f"{float(digits):g}".replace("-", "−")
-    ten = "10" + str(int(power)).translate(SUPERSCRIPTS)
-    return ten if factor == "1" else f"−{ten}" if factor == "−1" else f"{factor}×{ten}"
-
-
-def fitted(low: float, high: float, margin: float = 0.05, is_log: bool = False) -> tuple[float, float]:
-    """A range a little wider than that of the values; one of a single value is widened about it."""
-    if not (math.isfinite(low) and math.isfinite(high)):
-        return (0.1, 1.0) if is_log else (0.0, 1.0)
-    if is_log:
-        more = max((high / low) ** margin, 1.1)
-        return low / more, high * more
-    size = max(abs(low), abs(high))
-    more = margin * (high - low) if high - low > 1e-9 * size else 0.1 * size or 1.0
-    return low - more, high + more
-
-
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
 
 
@@ -221,8 +97,8 @@ class Mark:
     """Something drawn in a plot. Its label stands in the legend, if it has a key; ranges are of its finite values."""
 
     label: str
-    ACROSS: ClassVar[tuple[str, ...]] = ()
-    UP: ClassVar[tuple[str, ...]] = ()
+    ACROSS: ClassVar[tuple[str, ...]] = ("x",)
+    UP: ClassVar[tuple[str, ...]] = ("y",)
 
     def ranges(self) -> tuple[Range, Range]:
         """Smallest and largest x and y, of the entries that ACROSS and UP name."""
@@ -250,8 +126,6 @@ class Line(Mark):
     """A line through points, shape (n,), with gaps where they are not finite. Pages show y of each, or `values`, and
     where it is, or `at`. width: 0 for points alone; dots: their radius."""
 
-    ACROSS = ("x",)
-    UP = ("y",)
     label: str
     x: Floats
     y: Floats
@@ -290,6 +164,7 @@ class Line(Mark):
 class Level(Mark):
     """A line across the plot at a value of y, its name beside the plot."""
 
+    ACROSS = ()
     UP = ("value",)
     label: str
     value: float
@@ -306,8 +181,6 @@ class Level(Mark):
 class Words(Mark):
     """A text at a point, shifted by pixels, y downwards; anchor: "start", "middle" or "end"."""
 
-    ACROSS = ("x",)
-    UP = ("y",)
     label: str
     x: float
     y: float
@@ -325,6 +198,8 @@ class Words(Mark):
 class Swatch(Mark):
     """An entry of the legend alone: a colour, and what it stands for."""
 
+    ACROSS = ()
+    UP = ()
     label: str
     colour: str
 
@@ -333,9 +208,9 @@ class Swatch(Mark):
         return patch(self.colour)
 
 
-def key(label: str, colour: str, width: float, dashes: str = "", dots: float = 0.0) -> Line:
+def key(label: str, colour: str, width: float, dashes: str = "") -> Line:
     """A line of no points: an entry of the legend alone."""
-    return Line(label, np.zeros(0), np.zeros(0), colour, width, dashes, dots)
+    return Line(label, np.zeros(0), np.zeros(0), colour, width, dashes)
 
 
 def patch(colour: str, strength: float = 1.0) -> str:
@@ -358,7 +233,6 @@ SMALL_BOX = 4.0
 class Layer(Mark):
     """Area between two lines over the same x, shape (n,); the value shown on pages is their distance."""
 
-    ACROSS = ("x",)
     UP = ("low", "high")
     label: str
     x: Floats
@@ -385,8 +259,6 @@ class Boxes(Mark):
     """Bars and cells: boxes between two values of x and two of y, shape (n, 2) each, all of one colour or each of its
     own. Pages show the value of each, and where it is; strength: how much covers what is behind."""
 
-    ACROSS = ("x",)
-    UP = ("y",)
     label: str
     x: Floats
     y: Floats
@@ -425,6 +297,7 @@ class Span(Mark):
     """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top."""
 
     ACROSS = ("start", "end")
+    UP = ()
     label: str
     start: float
     end: float
@@ -446,8 +319,6 @@ class Span(Mark):
 class Outline(Mark):
     """A closed polygon through points, shape (n,), its area faintly filled."""
 
-    ACROSS = ("x",)
-    UP = ("y",)
     x: Floats
     y: Floats
     colour: str = "fe"
@@ -460,51 +331,3 @@ class Outline(Mark):
         edge = path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
         return coloured(f'<path d="{edge}Z" {look}/>', self.colour)
-
-
-COUNT = 65
-"""Colours of a scale."""
-
-UNIFORM = 1e-3
-"""Range of values, over their size, that has all colours at least: less would make much of next to nothing."""
-
-
-@dataclass(frozen=True)
-class Shades:
-    """Colours of values between two ends; is_log: by their logarithms."""
-
-    low: float
-    high: float
-    is_log: bool = False
-
-    @classmethod
-    def of(cls, values: Floats, is_log: bool = False) -> Shades:
-        """Shades of the finite values, one at least."""
-        low, high = extent(values)
-        if is_log:
-            return cls(low, high if high > low else 10.0 * low, True)
-        more = 0.5 * max(0.0, UNIFORM * max(abs(low), abs(high), 1e-300) - (high - low))
-        return cls(low - more, high + more)
-
-    def colours(self, values: Floats) -> list[str]:
-        """Colours of finite values, as "#rrggbb"."""
-        fraction = np.clip(Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
-        table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * viridis(COUNT)).astype(np.uint8)]
-        return [table[number] for number in np.rint((COUNT - 1) * fraction).astype(int)]
-
-    def keys(self, unit: str) -> list[Swatch]:
-        """Round values for the legend, in this unit."""
-        ticks = Scale(self.low, self.high, is_log=self.is_log).ticks(6)
-        texts = tick_texts(ticks, self.is_log)
-        texts = [measure(tick, unit, "g") for tick in ticks] if unit else texts
-        return [Swatch(*pair) for pair in zip(texts, self.colours(np.array(ticks)), strict=True)]
-
-
-def cells_about(values: Floats, is_log: bool) -> Floats:
-    """Ends of the cell about each value, half-way to its neighbours, by ratios if is_log: shape (n, 2) for values of
-    shape (n,), two different ones at least. No cell reaches below zero where no value does."""
-    centres, place = np.unique(np.log(values) if is_log else values, return_inverse=True)
-    middle = 0.5 * (centres[1:] + centres[:-1])
-    edges = np.concatenate([[2.0 * centres[0] - middle[0]], middle, [2.0 * centres[-1] - middle[-1]]])
-    edges = np.exp(edges) if is_log else np.maximum(edges, 0.0) if centres[0] >= 0.0 else edges
-    return np.stack([edges[:-1], edges[1:]], axis=-1)[place]

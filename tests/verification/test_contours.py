@@ -12,7 +12,7 @@ import pyvista
 from matplotlib.image import imread
 
 from postprocess.fields import contours
-from postprocess.svg.marks import viridis
+from postprocess.svg.scales import viridis
 
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
 COLUMNS, ROWS = 20, 6

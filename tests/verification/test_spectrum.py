@@ -18,7 +18,7 @@ from fem.plate.spectrum import FREE, Spectrum, Windows, element_stiffness, hold_
 from fem.stability.flutter import deformed_frequency
 from fem.start.inertia_relief import RigidStart, relieved_fields
 from meshes import plate_mesh
-from postprocess.figures.studies import draw_mode, mesh_edges
+from postprocess.figures.plates import draw_mode, mesh_edges
 from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.files.manifest import NAME as MANIFEST
 

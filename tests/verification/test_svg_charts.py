@@ -10,26 +10,10 @@ import pytest
 
 from postprocess.figures import studies
 from postprocess.figures.histories import draw_histories, power_of_ten, thinned
-from postprocess.figures.studies import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
+from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
 from postprocess.svg.chart import Axis, Plot, draw_chart
-from postprocess.svg.marks import (
-    PALETTE,
-    Boxes,
-    Layer,
-    Level,
-    Line,
-    Scale,
-    Shades,
-    Span,
-    Swatch,
-    Words,
-    cells_about,
-    fitted,
-    power_text,
-    round_ticks,
-    text_width,
-    tick_texts,
-)
+from postprocess.svg.marks import PALETTE, Boxes, Layer, Level, Line, Span, Swatch, Words, text_width
+from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
 from postprocess.units import SI
 from tailslap.scene.read import read_scene
 from tailslap.studies.stability.compute import MAP_KINDS as KINDS
@@ -201,7 +185,7 @@ def test_colours_of_numbers():
     """Ends and middle of viridis; next to no variation is drawn in next to one colour."""
     shades = Shades.of(np.array([1.0, np.nan, 100.0]), is_log=True)
     assert shades.colours(np.array([1.0, 10.0, 100.0])) == ["#440154", "#21918c", "#fde725"]
-    labels = [SI.rendered(key.label) for key in shades.keys("kN")]
+    labels = [SI.rendered(label) for label, _ in shades.keys("kN")]
     assert labels == [f"{n} kN" for n in (1, 2, 5, 10, 20, 50, 100)]
     assert set(Shades.of(np.array([5.0, 5.0 + 1e-5])).colours(np.array([5.0, 5.0 + 1e-5]))) == {"#21918c"}
 

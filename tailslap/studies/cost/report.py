@@ -10,7 +10,7 @@ from postprocess.figures.studies import Series, draw_precision
 from postprocess.report.page import Column, Section, Table, columns, listed
 from postprocess.report.report import Report
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import power_text
+from postprocess.svg.scales import power_text
 from postprocess.units import duration, known, measure
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute

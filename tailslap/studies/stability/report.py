@@ -4,7 +4,7 @@ from collections import Counter
 from itertools import combinations
 from typing import Any
 
-from postprocess.figures.studies import MapAxis, draw_map, draw_meanings
+from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.report.page import Column, Section, Table, columns, text_table
 from postprocess.report.report import Report
 from postprocess.svg.chart import Chart
