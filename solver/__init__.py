@@ -4,7 +4,8 @@ B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307; equation numbers a
 SI units and radians. NumPy alone is imported; `integrate_odes` imports SciPy when it is called.
 """
 
-from solver.motion import OdeMotion, PlaneMotion, integrate_odes, plane_motion, tail_slap
+from solver.motion import PlaneMotion, plane_motion, tail_slap
+from solver.odes import OdeMotion, integrate_odes
 from solver.rules import REACTIONS, MotionState, RectangularBody, RigidBodyError
 from solver.stage_1 import CONVENTIONS, ImpulseResult, corner_impulse
 from solver.stage_3 import (

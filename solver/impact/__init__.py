@@ -6,26 +6,19 @@ layer along its sides, follow a crush law (`CrushLaw`) and Coulomb's friction. O
 hinges; each states its error. Signs are those of `solver.MotionState`; SI units and radians.
 """
 
-from solver.impact.solve import (
-    ImpactMotion,
-    Impacts,
-    Strike,
-    Trajectories,
-    solve_impact,
-    solve_impacts,
-    solve_trains,
-    strikes_of,
-)
-from solver.impact.step import Train
+from solver.impact.solve import ImpactMotion, Impacts, solve_impact, solve_impacts
+from solver.impact.strikes import Strike, strikes_of
 from solver.impact.train import (
     CORNERS,
     CrushLaw,
     ImpactState,
     ImpactVehicle,
+    Train,
     WallContact,
     first_touch,
     train_of,
 )
+from solver.impact.trajectories import Trajectories, solve_trains
 
 __all__ = [
     "CORNERS",

@@ -35,58 +35,6 @@ SUMS = ("force_normal", "force_tangential", "impulse_normal", "impulse_tangentia
 moment about the origin [N m s], works of friction and on the crush, energies stored and lost [J]."""
 
 
-class Train(NamedTuple):
-    """Trains of one make, n samples: units (units, n), hinges (hinges, n), points (points, n).
-
-    Attributes
-    ----------
-    mass, inertia : ndarray, shape (units, n)
-        [kg], [kg m^2].
-    hitch, kingpin : ndarray, shape (hinges, n)
-        Where hinge h joins unit h and unit h + 1: from the centre of mass of each along its heading [m].
-    unit, corner : ndarray, shape (points,)
-        Unit of each point, and the number of the corner whose strikes it belongs to.
-    along, across : ndarray, shape (points, n)
-        From the unit's centre of mass, along its heading and to the left [m].
-    stiffness, initial_force, restitution, friction : ndarray, shape (points, n)
-        k [N/m], F0 [N], e and mu [-] of each point.
-    load : ndarray, shape (units, 3, n)
-        Constant outside force along X and Y [N], and moment that closes the angle [N m].
-    """
-
-    mass: np.ndarray
-    inertia: np.ndarray
-    hitch: np.ndarray
-    kingpin: np.ndarray
-    unit: np.ndarray
-    corner: np.ndarray
-    along: np.ndarray
-    across: np.ndarray
-    stiffness: np.ndarray
-    initial_force: np.ndarray
-    restitution: np.ndarray
-    friction: np.ndarray
-    load: np.ndarray
-
-
-class Timing(NamedTuple):
-    """Times of n samples: step [s] and steps a row, shape (n,); end [s], shape (n,), infinite where it is open: then
-    `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any more.
-
-    longest: latest open end [s]; most: steps at most. reached, shape (n,): the end, NaN where the steps did not do;
-    counted, shape (n,): strikes.
-    """
-
-    step: np.ndarray
-    stride: np.ndarray
-    end: np.ndarray
-    after: float
-    longest: float
-    most: int
-    reached: np.ndarray
-    counted: np.ndarray
-
-
 class Work(NamedTuple):
     """Workspace of one sample; columns of its tables are named below.
 

@@ -6,17 +6,50 @@ Signs are those of `solver.MotionState`; SI units and radians.
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver import rules
-from solver.impact.step import Train
 from solver.rules import Array, Gate, Number
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
+
+
+class Train(NamedTuple):
+    """Trains of one make, n samples: units (units, n), hinges (hinges, n), points (points, n).
+
+    Attributes
+    ----------
+    mass, inertia : ndarray, shape (units, n)
+        [kg], [kg m^2].
+    hitch, kingpin : ndarray, shape (hinges, n)
+        Where hinge h joins unit h and unit h + 1: from the centre of mass of each along its heading [m].
+    unit, corner : ndarray, shape (points,)
+        Unit of each point, and the number of the corner whose strikes it belongs to.
+    along, across : ndarray, shape (points, n)
+        From the unit's centre of mass, along its heading and to the left [m].
+    stiffness, initial_force, restitution, friction : ndarray, shape (points, n)
+        k [N/m], F0 [N], e and mu [-] of each point.
+    load : ndarray, shape (units, 3, n)
+        Constant outside force along X and Y [N], and moment that closes the angle [N m].
+    """
+
+    mass: np.ndarray
+    inertia: np.ndarray
+    hitch: np.ndarray
+    kingpin: np.ndarray
+    unit: np.ndarray
+    corner: np.ndarray
+    along: np.ndarray
+    across: np.ndarray
+    stiffness: np.ndarray
+    initial_force: np.ndarray
+    restitution: np.ndarray
+    friction: np.ndarray
+    load: np.ndarray
 
 
 def uniform_inertia(length: Number, width: Number, mass: Number) -> Any:

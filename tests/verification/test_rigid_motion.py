@@ -460,7 +460,7 @@ def test_the_integrator_refuses_on_its_way(monkeypatch):
     assert float(refused.value.why.split()[-3]) == pytest.approx(STEEPEST, abs=1e-4)
     with pytest.raises(RigidBodyError, match=r"time is 1 at index 1, but .*from 0 to 0.3839597401 s"):
         integrate_odes(TRUCK, *BEGUN).at([0.0, 1.0])
-    monkeypatch.setattr("solver.motion._LONGEST", 0.1)
+    monkeypatch.setattr("solver.odes._LONGEST", 0.1)
     with pytest.raises(RigidBodyError, match=r"friction is 0.47, but the angular velocity changes too abr"):
         integrate_odes(TRUCK, *BEGUN)
 

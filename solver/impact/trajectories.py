@@ -1,0 +1,210 @@
+"""Motions of rigid trains that strike a wall, one or a million, in steps of one length.
+
+The step is taken from the stiffest contact, the turning and the tolerance; what it leaves of error is stated from a run
+at twice the step, and where that is more than the tolerance, which doubles with it, the step is halved.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
+from solver.impact.step import STRIKE, SUMS, advance, workspace
+from solver.impact.train import Train
+from solver.rules import Array, RigidBodyError
+
+TOLERANCE = 1e-5
+"""Error of peaks, impulses and spin of one impact by which the step is chosen."""
+
+PHASE, TURN = 0.7, 0.025
+"""The step, over the tolerance's root: of the stiffest oscillation's radian, and of that times size over speed."""
+
+REFUSED = 1e-3
+"""Error, or ten times the tolerance, at which there is no answer."""
+
+LONGEST_RUN, STEP_COST, POINT_COST = 4.0, 3e-7, 2e-8
+"""Seconds that an impact may take at most, and about what a step and a point of it cost."""
+
+MOST_ROWS = 1_000_000
+
+
+class Timing(NamedTuple):
+    """Times of n samples: step [s] and steps a row, shape (n,); end [s], shape (n,), infinite where it is open: then
+    `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any more.
+
+    longest: latest open end [s]; most: steps at most. reached, shape (n,): the end, NaN where the steps did not do;
+    counted, shape (n,): strikes.
+    """
+
+    step: np.ndarray
+    stride: np.ndarray
+    end: np.ndarray
+    after: float
+    longest: float
+    most: int
+    reached: np.ndarray
+    counted: np.ndarray
+
+
+class Trajectories(NamedTuple):
+    """Motions of n trains.
+
+    Attributes
+    ----------
+    end : ndarray, shape (n,)
+        How far each was followed [s].
+    state : ndarray, shape (n, units, 6)
+        There, in the order of `step.UNIT`.
+    strikes : ndarray, shape (n, strikes, columns)
+        In the order of their starts, columns as of `step.STRIKE`; NaN where there is none.
+    rows : ndarray, shape (n, rows, columns)
+        Columns as of `step.UNIT` of each unit and `step.SUMS`; undefined behind the end.
+    interval : ndarray, shape (n,)
+        Between rows [s].
+    step : ndarray, shape (n,)
+        [s].
+    error : ndarray, shape (n,)
+        Largest relative change of the first two peaks and impulses, and of the spin at the end, against twice the step.
+    """
+
+    end: Array
+    state: Array
+    strikes: Array
+    rows: Array
+    interval: Array
+    step: Array
+    error: Array
+
+
+def solve_trains(
+    train: Train,
+    state: Array,
+    *,
+    step: float | None = None,
+    end: float | None = None,
+    interval: float | None = None,
+    after_second: float = 0.1,
+    longest: float = 5.0,
+    tolerance: float = TOLERANCE,
+    strikes: int = 2,
+    on_compile: OnCompile = ignore_compiling,
+) -> Trajectories:
+    """Whole impacts of rigid trains.
+
+    Parameters
+    ----------
+    train : Train
+        n samples.
+    state : ndarray, shape (n, units, 6)
+        At the start, in the order of `step.UNIT` [m, rad, m/s, rad/s]; hinges closed.
+    step : float or None
+        [s]; None: chosen by the tolerance.
+    end : float or None
+        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
+        nothing can touch any more, but for `after_second` at least.
+    interval : float or None
+        Between rows [s]; 0: every step, or what `MOST_ROWS` allow; None: no rows.
+    after_second, longest : float
+        [s]; with end None: how far at most.
+    tolerance : float
+        Of peaks, impulses and spin, by which the step is chosen [-].
+    strikes : int
+        For how many there is room.
+    on_compile : callable
+        Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
+
+    Returns
+    -------
+    Trajectories
+        With their errors.
+
+    Raises
+    ------
+    RigidBodyError
+        Where the steps become too short, or what they leave of error too large.
+    """
+    most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
+    latest = longest if end is None else end
+    rate, turning = _rates(train, state)
+    h = PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
+    if step is not None:
+        h = np.full(len(state), step)
+    h = np.maximum(h, latest / most)  # coarser, and finer then, as far as the end that is found allows
+    whole = interval or latest
+    h = whole / np.ceil(whole / h)
+
+    def run(chosen: NDArray[np.int64], h: Array, interval: float | None) -> Trajectories:
+        few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
+        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes, on_compile)
+
+    chosen = np.arange(len(state))
+    found = run(chosen, h, interval)
+    error = _difference(found, run(chosen, 2.0 * h, None), turning)
+    while step is None:
+        rough = ~(error <= tolerance * h / found.step)
+        chosen = np.flatnonzero(rough & (2.0 * found.end <= most * found.step))
+        if not chosen.size:
+            break
+        finer = run(chosen, 0.5 * found.step[chosen], interval)
+        coarse = Trajectories(*(value[chosen] for value in found))
+        error[chosen] = _difference(finer, coarse, turning[chosen])
+        if len(chosen) == len(found.end):
+            found = finer
+            continue
+        for old, new in zip(found, finer, strict=True):
+            old[chosen] = new
+    bad = ~(error <= max(REFUSED, 10.0 * tolerance))
+    if bad.any() and step is None:
+        i = int(np.argmax(bad))
+        place = f" at index {i}" if len(bad) > 1 else ""
+        why = f"steps of {found.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
+        raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
+    return found._replace(error=error)
+
+
+def _rates(train: Train, state: Array) -> tuple[Array, Array]:
+    """The stiffest oscillation on loading, and speed over size [1/s], shape (n,)."""
+    reach2, stiffness = np.zeros_like(train.mass), np.zeros_like(train.mass)
+    np.maximum.at(reach2, train.unit, train.along**2 + train.across**2)
+    np.add.at(stiffness, train.unit, 0.5 * train.stiffness)  # two corners and one side at once
+    rate = np.sqrt((stiffness * (1.0 / train.mass + reach2 / train.inertia)).max(axis=0))
+    velocity = np.moveaxis(state[..., 3:], -1, 0).swapaxes(1, 2)
+    turning = np.hypot(velocity[0], velocity[1]) / np.sqrt(reach2) + np.abs(velocity[2])
+    return rate, np.maximum(turning.max(axis=0), 1e-300)
+
+
+def _run(
+    train: Train, state: Array, h: Array, end: float | None, interval: float | None,
+    after: float, longest: float, most: int, strikes: int, on_compile: OnCompile,
+) -> Trajectories:  # fmt: skip
+    n, units = state.shape[:2]
+    latest = longest if end is None else end
+    stride, count = np.ones(n, dtype=np.int64), 0
+    if interval is not None:
+        stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
+        count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
+    rows, found = np.empty((n, count, 6 * units + len(SUMS))), np.full((n, strikes, len(STRIKE)), np.nan)
+    ends, out = np.full(n, math.inf if end is None else end), np.array(state)
+    longest = latest if end is not None else longest
+    clock = Timing(h, stride, ends, after, longest, most, np.full(n, np.nan), np.zeros(n, dtype=np.int64))
+    given = train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found
+    compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
+    if clock.counted.max() > strikes > 2:
+        room = int(clock.counted.max())
+        return _run(train, state, h, end, interval, after, longest, most, room, on_compile)
+    return Trajectories(clock.reached, out, found, rows, h * stride, h, np.zeros(n))
+
+
+def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Array:
+    """Largest change, of spin against its own and a tenth of speed over size; infinite where strikes differ, or
+    anything is not finite."""
+    one, two = fine.strikes[:, :2], coarse.strikes[:, :2]
+    same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
+    spin, other = fine.state[..., 5], coarse.state[..., 5]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        changes = np.nan_to_num(np.abs(two[..., 3:5] / one[..., 3:5] - 1.0), nan=0.0).max(axis=(1, 2))
+        spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
+    known = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
+    return np.where(known & same.all(axis=1), np.maximum(changes, spins), math.inf)
