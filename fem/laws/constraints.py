@@ -17,7 +17,7 @@ The law of a scene without friction is None, and is compiled to nothing.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,7 +84,7 @@ class Constraint(Law):
     forces: Callable[[Any, float, float, float], tuple[float, float]]
     energy: Callable[[Any, float], float]
     stiffness: Callable[[Any], float]
-    damping: Callable[[Any], float] = lambda constants: 0.0
+    damping: Callable[[Any], float] = field(default_factory=lambda: lambda constants: 0.0)
     text: str
     keys: tuple[str, ...] = ()
 
