@@ -74,8 +74,8 @@ class Plot:
     has_legend: bool = True
 
 
-HEAD, RIGHT, BARE = 23.0, 12.0, 4.0
-"""Room above a plot, to the right of the plots, and beside a bare axis."""
+HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 11.0
+"""Room above a plot, to the right of the plots, beside a bare axis, and of a line of a level's name."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def drawn(frame: Frame) -> str:
         *(mark.draw(x, y) for mark in plot.marks),
         _stroked(f"<rect {box}", "grey") if places else "",
         marks.coloured("".join(texts), "soft"),
-        marks.coloured(marks.words(plot.y.label, 0.0, y.end - 7.0), "ink"),
+        marks.coloured(marks.words(plot.y.label, 0.0, y.end - 10.0), "ink"),
         _level_names(frame),
     ]
     return "".join(parts) + "</g>"
@@ -148,19 +148,21 @@ def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
 
 
 def _level_names(frame: Frame) -> str:
-    """Names of levels beside the plot, from below, each clear of the one before and none above the plot."""
-    lowest, placed = np.inf, []
-    for level, lines in _levels(frame.plot):
-        lowest = min(float(frame.y.at(level.value)) + 3.0, lowest - 12.0 * len(lines))
-        placed.append((level, lines, lowest))
-    lower = max(0.0, frame.y.end + 22.0 - lowest) if placed else 0.0
+    """Names of levels beside the plot, each at its line, or as near as the others and the plot's ends leave it."""
+    levels = _levels(frame.plot)[::-1]
+    rooms = [LEVEL_ROW * len(lines) for _, lines in levels]
+    places, end = [], frame.y.end - 5.0
+    for (level, _), room in zip(levels, rooms, strict=True):
+        end = max(float(frame.y.at(level.value)) + 3.0, end + room)
+        places.append(end)
+    end = frame.y.start + 3.0
+    for number in reversed(range(len(levels))):
+        places[number] = min(places[number], end)
+        end = places[number] - rooms[number]
     drawn = [
-        marks.coloured(
-            marks.words(line, frame.x.end + 5.0, at + lower - 11.0 * (len(lines) - 1 - number), size=10.0),
-            level.colour,
-        )
-        for level, lines, at in placed
-        for number, line in enumerate(lines)
+        marks.coloured(marks.words(line, frame.x.end + 5.0, place - LEVEL_ROW * row, size=10.0), level.colour)
+        for (level, lines), place in zip(levels, places, strict=True)
+        for row, line in enumerate(reversed(lines))
     ]
     return "".join(drawn)
 

@@ -128,6 +128,21 @@ def test_levels_stay_in_the_picture_and_clear_of_each_other():
     assert all(float(each.get("x", "nan")) + 6.0 * len(each.text or "") <= width for each in names)
 
 
+def test_names_of_levels_stand_at_their_lines():
+    """Only one too near to the level above it stands lower."""
+    marks = [Level("", value) for value in (0.1, 1.0, 5.0, 10.0)]
+    y = Axis("size [%]", low=1e-6, high=20.0, is_log=True)
+    root = ElementTree.fromstring(draw_chart("name", "caption", (Plot(tuple(marks), y),), Axis()).svg)
+    names = [(text.text, text.get("y")) for text in root.iter(SVG + "text") if "%" in (text.text or "")]
+    heights = {name: float(height) for name, height in names}
+    frame = next(each for each in root.iter() if each.get("data-box")).get("data-box").split()
+    top, bottom = float(frame[1]), float(frame[3])
+    for value, below in ((10.0, 0.0), (5.0, 11.0), (1.0, 0.0), (0.1, 0.0)):
+        line = top + (bottom - top) * math.log10(20.0 / value) / math.log10(20.0 / 1e-6)
+        found = heights[f"{value:g} %"] - 3.0 - line
+        assert found == pytest.approx(0.0, abs=0.1 + below)
+
+
 def test_the_legend_names_what_is_drawn_once():
     marks = (Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X))
     marks = (*marks, Swatch("60 kN", "#123456"))
