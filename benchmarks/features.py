@@ -39,8 +39,7 @@ from fem.explicit.point_force import (
 from fem.explicit.time_loop import LoopParameters, State, advance, copy_state, drift
 from fem.laws.constraints import Penalty
 from fem.laws.materials import stress
-from fem.machine_code.compiled import compiled, inlined
-from fem.machine_code.kernel import Kernel
+from fem.machine_code.compiled import Kernel, compiled, inlined
 from fem.machine_code.numba_code import compile_for, make_dispatcher
 from fem.plate.kinds import ElementTable
 from fem.run.corner import Stepper

@@ -1,16 +1,23 @@
-"""The decorators by which everything in this package is compiled, and how laws get into compiled code.
+"""Compiled functions: the decorators, how laws get into compiled code, and the call by machine code on disk.
 
-Nothing here imports Numba: see `fem.machine_code`.
+Numba compiles first where there is no machine code. Where another Numba lacks a name that this needs and Numba does not
+promise, a call goes through Numba itself: slower, for Numba is imported and compiles in every process, and as right.
 """
 
 from __future__ import annotations
 
+import functools
+import hashlib
+import json
+import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
-from fem.machine_code.folder import expected_time, keep_time, one_process_compiles
-from fem.machine_code.kernel import Kernel, replace_in_code
+from fem.machine_code import folder, object_code
+from fem.machine_code.object_code import Call, Prepared, UnknownTypeError, codes, flattened, spelled
 from fem.registry import LawRegistry
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
@@ -27,6 +34,119 @@ OnCompile = Callable[[str], None]
 """Callback of what there is to say while something is compiled."""
 
 LOOP = "the time loop of this kind of model"
+
+_FINDING = threading.RLock()
+
+_PENDING: list[tuple[Callable[..., Any], Callable[..., Any], str]] = []
+"""What Numba has not been given yet: a generic function; a function of Numba's types of its arguments, which returns
+what the generic is in compiled code; and "always" or "never", whether that is merged into its caller."""
+
+CALLABLE = {"no_cpython_wrapper": False, "inline": "never"}
+"""Options by which Python can call what Numba makes."""
+
+NAMELESS = (AttributeError, ImportError, LookupError, TypeError)
+"""Errors by which a name shows that another Numba lacks, or has with another meaning."""
+
+
+def _numba_code() -> Any:
+    """The module that compiles, with everything that it is to know."""
+    from fem.machine_code import numba_code
+
+    numba_code.know(Kernel)
+    while _PENDING:
+        numba_code.replace_generic(*_PENDING.pop(0))
+    return numba_code
+
+
+class Kernel:
+    """A function that is compiled for the types that it is called with, on the first call of each.
+
+    function: in the part of Python that Numba compiles. options: of `numba.njit`. A call raises UnknownTypeError for
+    arguments and results other than numbers, arrays, None and tuples of these.
+    """
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func, self.targetoptions = function, options
+        self._found: dict[tuple[Any, ...], Call] = {}
+
+    def __reduce__(self) -> str:
+        return self.py_func.__qualname__
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.bound(*arguments)()
+
+    def bound(self, *arguments: Any) -> Callable[[], Any]:
+        """The call with these arguments, laid out once for many times; arrays in them must stay where they are."""
+        kinds, values = flattened(arguments)
+        call = self._found.get(kinds) or self._find(kinds, arguments)
+        if call is None:
+            return functools.partial(self._through_numba, *_plain(arguments))
+        return lambda kept=arguments: call(values)  # type: ignore[misc]  # values are addresses: what is there must live
+
+    def has_code(self, *arguments: Any) -> bool:
+        """True if there is machine code for arguments of these types in this process, or on disk: it is then loaded."""
+        return self._find(flattened(arguments)[0]) is not None
+
+    def path(self, *arguments: Any) -> Path:
+        """The file of the machine code for arguments of these types."""
+        return self._file(flattened(arguments)[0])[0]
+
+    @functools.cached_property
+    def dispatcher(self) -> Any:
+        """Numba's dispatcher of the function, for other compiled code to call."""
+        return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
+
+    def _file(self, kinds: tuple[Any, ...]) -> tuple[Path, dict[str, Any]]:
+        """The file of the code for these types, and all that the code depends on: the file must say the same."""
+        function = self.py_func
+        identity = object_code.machine() | {
+            "kernel": f"{function.__module__}.{function.__qualname__}",
+            "arguments": " ".join(map(spelled, kinds)),
+            "values": "".join(map(codes, kinds)),
+            "sources": folder.sources() + folder.own_sources(function),
+        }
+        digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
+        return folder.cache_folder() / f"{function.__name__}-{digest}.code", identity
+
+    @functools.cached_property
+    def _through_numba(self) -> Any:
+        """Callable of the function by Numba itself."""
+        return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
+
+    def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None = None) -> Call | None:
+        """Callable of the machine code, compiled where arguments are given and none is kept.
+
+        None without arguments where there is none, and where Numba lacks a name that this needs.
+        """
+        with _FINDING:
+            try:
+                if kinds not in self._found and "_through_numba" not in vars(self):
+                    self._load(kinds, arguments)
+            except UnknownTypeError:
+                raise
+            except NAMELESS:
+                self._through_numba  # noqa: B018  # from now on
+            return self._found.get(kinds)
+
+    def _load(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None) -> None:
+        path, identity = self._file(kinds)
+        code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
+        if code is None:
+            if arguments is None:
+                return
+            code = _numba_code().compile_for(self.dispatcher, _plain(arguments))
+            if code.arguments != identity["values"]:
+                raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
+            with suppress(OSError):  # it is as right, and `compile_once` says so
+                folder.write(path, object_code.encoded(code, identity))
+        if object_code.helpers_of(code):  # a law calls what only Numba has
+            _numba_code().offer_helpers()
+        self._found[kinds] = object_code.load_code(code)
+
+
+def _plain(arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(each.value if isinstance(each, Prepared) else each for each in arguments)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -53,16 +173,16 @@ def compile_once(
     """
     if not kernel.has_code(*arguments):
         code = kernel.path(*arguments)
-        with one_process_compiles(
+        with folder.one_process_compiles(
             code, lambda: on_compile(f"waiting for another process that compiles {LOOP}")
         ):
             if not kernel.has_code(*arguments):
-                on_compile(f"compiling {LOOP}, once on this machine: about {expected_time():.0f} s")
+                on_compile(f"compiling {LOOP}, once on this machine: about {folder.expected_time():.0f} s")
                 began = time.perf_counter()
                 compile_all()
                 spent, kept = time.perf_counter() - began, ""
                 try:
-                    keep_time(spent)
+                    folder.keep_time(spent)
                 except OSError as error:
                     kept = f", not kept for the next run: {code.parent}: {error.strerror or error}"
                 on_compile(f"compiled in {spent:.0f} s{kept}")
@@ -95,7 +215,7 @@ def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[..., Any]:
         return choose
 
     for merged, inline in ((True, "always"), (False, "never")):
-        replace_in_code(generic, chooser(merged), inline)
+        _PENDING.append((generic, chooser(merged), inline))
     return generic
 
 
@@ -121,7 +241,7 @@ def implements(generic: Callable[..., Any], kind: type, merged: bool = False) ->
 
             return implementation if python_type(first) is kind else None
 
-        replace_in_code(generic, choose, "always" if merged else "never")
+        _PENDING.append((generic, choose, "always" if merged else "never"))
         return implementation
 
     return register
@@ -131,7 +251,7 @@ def chosen(generic: Callable[..., Any]) -> Callable[..., Any]:
     """Decorator: in compiled code `generic` is what the decorated function says of Numba's types of the arguments."""
 
     def register(choose: Callable[..., Any]) -> Callable[..., Any]:
-        replace_in_code(generic, choose, "always")
+        _PENDING.append((generic, choose, "always"))
         return choose
 
     return register

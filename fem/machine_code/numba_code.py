@@ -8,8 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from fem.lazy import unseen
-from fem.machine_code.arguments import ADDRESS, FLOAT, INTEGER, LOGICAL, UnknownTypeError
-from fem.machine_code.object_code import ObjectCode
+from fem.machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, UnknownTypeError
 
 with unseen("coverage", "cffi"):  # Numba loads them where it finds them, at length
     import numba

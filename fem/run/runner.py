@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from fem.explicit import internal_force
-from fem.machine_code.arguments import Prepared
+from fem.machine_code.object_code import Prepared
 from fem.model.plate_model import PlateModel
 from fem.stability import flutter
 

@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +21,9 @@ import pytest
 from fem.explicit.parallel import _meet, new_meeting
 from fem.explicit.time_loop import advance
 from fem.machine_code import folder, object_code
-from fem.machine_code.arguments import Prepared, UnknownTypeError, flattened
 from fem.machine_code.compiled import compile_once, compiled
 from fem.machine_code.folder import USUAL_S, one_process_compiles
+from fem.machine_code.object_code import Prepared, UnknownTypeError, flattened
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
@@ -262,7 +263,8 @@ def test_without_a_name_of_numbas_own_it_goes_through_numba(kernel, missing, mon
     if missing == "to compile":
         monkeypatch.delattr(CodeLibrary, "_get_compiled_object")
     else:
-        monkeypatch.setattr(object_code, "EXTENSION_SUFFIXES", [])  # its functions for memory are not found
+        nowhere = SimpleNamespace(find_spec=lambda *given: None)
+        monkeypatch.setattr(object_code, "PathFinder", nowhere)  # its functions for memory are not found
         monkeypatch.setattr(object_code, "_engine", object_code._engine.__wrapped__)
     in_python, in_code = arguments(0.25, 2), arguments(0.25, 2)
     prepared = (Prepared(in_code[0]), *in_code[1:])
