@@ -41,7 +41,7 @@ from fem.laws.constraints import Penalty
 from fem.laws.materials import stress
 from fem.machine_code.compiled import Kernel, compiled, inlined
 from fem.machine_code.numba_code import compile_for, make_dispatcher
-from fem.plate.kinds import ElementTable
+from fem.plate.discretisation import ElementTable
 from fem.run.corner import Stepper
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.plan import CornerPlan

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.model.impact_model import build_impact_model
-from fem.plate.kinds import ContactProperties, PlateProperties, StepProperties
+from fem.plate.properties import ContactProperties, PlateProperties, StepProperties
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 from postprocess.report.page import pairs

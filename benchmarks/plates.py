@@ -43,7 +43,7 @@ def make_model(elements: tuple[int, int], distortion: float = 0.0, bare: bool = 
     """The plate with friction and exact inertia; bare: as in the other codes, exact corner, no friction, row sums."""
     from fem.laws.friction import Drag
     from fem.model.plate_model import build_model
-    from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
+    from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
 
     plate = PlateProperties(0.053, 7800.0, 200e9, 0.3, lumping="row-sum" if bare else "exact")
     corner = CornerProperties(constraint="exact") if bare else CornerProperties(Drag(0.47))

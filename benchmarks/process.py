@@ -32,7 +32,7 @@ STEPS = """
 import statistics, sys, time
 from dataclasses import replace
 from fem.model.plate_model import static_model
-from fem.plate.kinds import CornerProperties, PlateProperties
+from fem.plate.properties import CornerProperties, PlateProperties
 from fem.run.corner import Stepper
 from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh

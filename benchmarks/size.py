@@ -66,7 +66,7 @@ def measure(elements: tuple[int, int]) -> None:
     """One size, in this process: set-up, steps, then inertia relief, the hungriest, last."""
     from fem.laws.friction import Drag
     from fem.model.plate_model import build_model
-    from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
+    from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
     from fem.run.corner import Stepper
     from fem.start.inertia_relief import RigidStart
     from meshes import plate_mesh

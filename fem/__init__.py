@@ -16,8 +16,8 @@ __all__, __getattr__ = lazily(
         "laws.constraints": "CONSTRAINTS Constraint",
         "laws.friction": "FRICTION_LAWS FrictionLaw",
         "model.plate_model": "PlateModel build_model",
-        "plate.kinds": "ELEMENT_KINDS LUMPINGS CornerProperties ElementKind Lumping ModelError PlateProperties "
-        "StepProperties",
+        "plate.kinds": "ELEMENT_KINDS LUMPINGS ElementKind Lumping",
+        "plate.properties": "CornerProperties ModelError PlateProperties StepProperties",
         "explicit.columns": "COLUMNS HistoryColumn",
         "run.corner": "Run simulate",
         "start.inertia_relief": "RigidStart",

@@ -15,7 +15,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from fem.laws.friction import Drag, Signed
 from fem.model.plate_model import PlateModel, build_model
-from fem.plate.kinds import ELEMENT_KINDS, CornerProperties, PlateProperties, StepProperties
+from fem.plate.kinds import ELEMENT_KINDS
+from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
 from tailslap.case import case_of
 from tailslap.errors import InputError

@@ -19,7 +19,7 @@ from fem.laws.wall_contact import (
     tilted,
 )
 from fem.machine_code.compiled import compiled, implements
-from fem.plate.kinds import ElementTable
+from fem.plate.discretisation import ElementTable
 
 
 class ImpactLoop(NamedTuple):

@@ -50,7 +50,7 @@ from fem.explicit.point_force import (
     to_modes,
 )
 from fem.machine_code.compiled import compiled, implements, optional
-from fem.plate.kinds import ElementTable, Hourglass
+from fem.plate.discretisation import ElementTable, Hourglass
 
 SUMS = 6
 """Mass times x, y, v_x, v_y; moment of momentum and second moment about the origin."""

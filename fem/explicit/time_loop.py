@@ -12,7 +12,7 @@ from fem.explicit.internal_force import damp, gained, subtract_forces_of
 from fem.explicit.point_force import slot_count
 from fem.laws.constraints import CornerConstraint, add_corner_reaction
 from fem.machine_code.compiled import compiled, implements
-from fem.plate.kinds import ElementTable
+from fem.plate.discretisation import ElementTable
 
 
 class LoopParameters(NamedTuple):

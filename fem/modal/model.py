@@ -29,7 +29,8 @@ import numpy as np
 from fem.modal import motion
 from fem.modal.motion import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
-from fem.plate import elastic, kinds
+from fem.plate import elastic
+from fem.plate.discretisation import stiffness_matrix
 from fem.start import inertia_relief
 from fem.start.inertia_relief import ElasticFields
 
@@ -246,7 +247,7 @@ def mode_kinds(model: PlateModel, modes: elastic.FreeModes, thickness: float) ->
     symmetric = 0.5 * (1.0 + (shapes[:, 0] * mirrored[:, 0] - shapes[:, 1] * mirrored[:, 1]) @ masses)
     along = shapes[:, 0] ** 2 @ masses
     moduli = model.tangent_moduli._replace(c_11=0.0, c_12=0.0)  # shear alone
-    stiffness = kinds.stiffness_matrix(model.discretisation.scalar, thickness, moduli)
+    stiffness = stiffness_matrix(model.discretisation.scalar, thickness, moduli)
     flat = shapes.reshape(len(shapes), -1)
     shear = ((stiffness @ flat.T).T * flat).sum(axis=1) / modes.frequencies**2
     fractions = zip(symmetric, along, shear, strict=True)

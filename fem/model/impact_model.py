@@ -16,6 +16,14 @@ from fem.laws.wall_contact import BoundaryContact, ElasticWall
 from fem.model import plate_model
 from fem.model.plate_model import PlateModel
 from fem.plate import kinds, spectrum
+from fem.plate.discretisation import Discretisation, stiffness_matrix
+from fem.plate.properties import (
+    ContactProperties,
+    ModelError,
+    PlateProperties,
+    StepProperties,
+    WallProperties,
+)
 
 if TYPE_CHECKING:
     import meshio
@@ -23,10 +31,10 @@ if TYPE_CHECKING:
 
 def build_impact_model(
     mesh: meshio.Mesh,
-    plate: kinds.PlateProperties,
-    contact: kinds.ContactProperties,
-    step: kinds.StepProperties,
-    wall: kinds.WallProperties | None = None,
+    plate: PlateProperties,
+    contact: ContactProperties,
+    step: StepProperties,
+    wall: WallProperties | None = None,
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
@@ -63,10 +71,10 @@ def build_impact_model(
 
 
 def wall_contact(
-    discretisation: kinds.Discretisation,
+    discretisation: Discretisation,
     masses: np.ndarray,
-    plate: kinds.PlateProperties,
-    contact: kinds.ContactProperties,
+    plate: PlateProperties,
+    contact: ContactProperties,
 ) -> BoundaryContact:
     """Contact points with their law. A corner that crushes and has a layer is there twice.
 
@@ -89,7 +97,7 @@ def wall_contact(
     return BoundaryContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
 
 
-def boundary_of(discretisation: kinds.Discretisation) -> tuple[np.ndarray, np.ndarray]:
+def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of the boundary, and lengths of the sides that each stands for [m], of shape (boundary nodes,) each."""
     import skfem
 
@@ -101,7 +109,7 @@ def boundary_of(discretisation: kinds.Discretisation) -> tuple[np.ndarray, np.nd
 
 
 def _crushing(
-    positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: kinds.ContactProperties
+    positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
 ) -> tuple[list[Any], unilateral.Crush]:
     """The corners, each a node or a patch of its side, and with a layer all nodes of the boundary.
 
@@ -139,7 +147,7 @@ MOST = 4000
 """Unknowns of a wall, whose modes are found all at once."""
 
 
-def with_wall(model: PlateModel, wall: kinds.WallProperties, step: kinds.StepProperties) -> PlateModel:
+def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> PlateModel:
     """The model with this wall in place of the rigid one. Its step is the plate's, unless the wall needs a shorter one,
     and the wall moves in all modes that the step is stable for.
 
@@ -160,30 +168,30 @@ def with_wall(model: PlateModel, wall: kinds.WallProperties, step: kinds.StepPro
     return replace(model, undamped_time_step=stable, stable_time_step=stable, loop=loop)
 
 
-def _basis(wall: kinds.WallProperties) -> Any:
+def _basis(wall: WallProperties) -> Any:
     """Nine-node elements: one across the depth bends as a beam does, where four-node ones are far too stiff."""
     import skfem
     from skfem.io.meshio import from_meshio
 
     if wall.foundation_stiffness <= 0.0:
-        raise kinds.ModelError(
+        raise ModelError(
             "wall.foundation_stiffness",
             f"the foundation's stiffness is {wall.foundation_stiffness:g}; it must be above 0",
         )
     scalar = skfem.CellBasis(from_meshio(wall.mesh), skfem.ElementQuad2(), intorder=4)
     if 2 * scalar.N > MOST:
         given = f"the wall has {2 * scalar.N} unknowns; it may have up to {MOST}"
-        raise kinds.ModelError("wall.elements", given)
+        raise ModelError("wall.elements", given)
     return scalar
 
 
-def _free_modes(scalar: Any, masses: np.ndarray, wall: kinds.WallProperties) -> tuple[np.ndarray, np.ndarray]:
+def _free_modes(scalar: Any, masses: np.ndarray, wall: WallProperties) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [rad/s] of the wall without foundation, and mass-normalised modes, shape (2, nodes, modes)."""
     from scipy.linalg import eigh
 
     moduli = materials.st_venant_kirchhoff(wall.youngs_modulus, wall.poissons_ratio)
     root = 1.0 / np.sqrt(np.tile(masses, 2))
-    scaled = root[:, None] * kinds.stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
+    scaled = root[:, None] * stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
     squares, vectors = eigh(scaled)
     return np.sqrt(np.maximum(squares, 0.0)), (root[:, None] * vectors).reshape(2, masses.size, -1)
 
@@ -196,7 +204,7 @@ def _elastic_wall(
     places = scalar.doflocs[0, nodes]
     spacing = float(places[-1] - places[0]) / (nodes.size - 1)
     if not np.allclose(np.diff(places), spacing, rtol=1e-9):
-        raise kinds.ModelError("wall.elements", "the nodes on the wall's face are not evenly spaced")
+        raise ModelError("wall.elements", "the nodes on the wall's face are not evenly spaced")
     return ElasticWall(
         start=float(places[0]),
         spacing=spacing,

@@ -17,13 +17,22 @@ from fem.explicit import internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
 from fem.plate import kinds
+from fem.plate.discretisation import (
+    Discretisation,
+    Hourglass,
+    discretise,
+    hourglass_control,
+    hourglass_matrix,
+    stiffness_matrix,
+)
 from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
+from fem.plate.properties import CornerProperties, ModelError, PlateProperties, StepProperties
 from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
 
 if TYPE_CHECKING:
     import meshio
 
-    from fem.plate.spectrum import WindowBound
+    from fem.plate.windows import WindowBound
 
 
 LARGE = 10_000
@@ -46,13 +55,13 @@ class UnitPlate:
         Of the stiffness, which it holds, over the modulus [m].
     """
 
-    discretisation: kinds.Discretisation
+    discretisation: Discretisation
     masses: np.ndarray
-    hourglass: kinds.Hourglass | None
+    hourglass: Hourglass | None
     inverse: Inverse
 
 
-def unit_plate(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
+def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     """The plate of these properties but for modulus and material, which it has none of.
 
     Raises ModelError where the mesh cannot carry the inertia.
@@ -63,17 +72,17 @@ def unit_plate(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
 
 
 @lazy.cached("assembly")
-def _assembled(mesh: meshio.Mesh, plate: kinds.PlateProperties) -> UnitPlate:
-    d = kinds.discretise(mesh, plate.thickness, plate.element)
+def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
+    d = discretise(mesh, plate.thickness, plate.element)
     moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
     masses = kinds.LUMPINGS[plate.lumping].masses(d.scalar, plate.density, plate.thickness)
     if plate.inertia is not None:
         masses = kinds.given_inertia_masses(d.positions, masses, plate.inertia)
-    stiffness: Any = kinds.stiffness_matrix(d.scalar, plate.thickness, moduli)
+    stiffness: Any = stiffness_matrix(d.scalar, plate.thickness, moduli)
     hourglass = None
     if kinds.ELEMENT_KINDS[plate.element].hourglass:
-        hourglass = kinds.hourglass_control(d, plate.thickness, moduli)
-        stiffness = stiffness + kinds.hourglass_matrix(d.table, hourglass, masses.size)
+        hourglass = hourglass_control(d, plate.thickness, moduli)
+        stiffness = stiffness + hourglass_matrix(d.table, hourglass, masses.size)
     return UnitPlate(d, masses, hourglass, Inverse(stiffness, masses, d.positions))
 
 
@@ -106,7 +115,7 @@ class PlateModel:
         not known.
     """
 
-    discretisation: kinds.Discretisation
+    discretisation: Discretisation
     highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
@@ -129,9 +138,9 @@ class PlateModel:
 
 def build_model(
     mesh: meshio.Mesh,
-    plate: kinds.PlateProperties,
-    corner: kinds.CornerProperties,
-    step: kinds.StepProperties,
+    plate: PlateProperties,
+    corner: CornerProperties,
+    step: StepProperties,
 ) -> PlateModel:
     """Assemble the model on a plate mesh in its body frame.
 
@@ -161,22 +170,20 @@ def build_model(
 
 def finished_model(
     model: PlateModel,
-    plate: kinds.PlateProperties,
-    corner: kinds.CornerProperties,
-    step: kinds.StepProperties,
+    plate: PlateProperties,
+    corner: CornerProperties,
+    step: StepProperties,
 ) -> PlateModel:
     """The static model of the same properties with its highest frequency, damping and time step."""
     held = hold_of(model.loop.corner, corner.angles, plate.youngs_modulus)
     return with_time_step(model, held, plate, step)
 
 
-def with_time_step(
-    model: PlateModel, held: Hold, plate: kinds.PlateProperties, step: kinds.StepProperties
-) -> PlateModel:
+def with_time_step(model: PlateModel, held: Hold, plate: PlateProperties, step: StepProperties) -> PlateModel:
     """The model with what its spectrum tells, its corner held like that, and damping."""
     d, spectrum = model.discretisation, _spectrum(model, held, step)
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
-    damping = None if viscosity is None else kinds.stiffness_matrix(d.scalar, plate.thickness, viscosity)
+    damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
     model = replace(
         model,
         highest_frequency=spectrum.frequency,
@@ -187,7 +194,7 @@ def with_time_step(
     return with_elastic_damping(model, step)
 
 
-def _spectrum(model: PlateModel, held: Hold, step: kinds.StepProperties) -> ScaledSpectrum | WindowBound:
+def _spectrum(model: PlateModel, held: Hold, step: StepProperties) -> ScaledSpectrum | WindowBound:
     """The spectrum, or of large uniform plates without other damping than of elastic velocities its bound."""
     damped = held.dashpot or step.damping_ratio or step.bulk_viscosity
     if (
@@ -195,7 +202,7 @@ def _spectrum(model: PlateModel, held: Hold, step: kinds.StepProperties) -> Scal
         and model.discretisation.table.weights.shape[1] == 1
         and not damped
     ):
-        from fem.plate.spectrum import Windows
+        from fem.plate.windows import Windows
 
         windows = Windows(model.discretisation, model.loop.mass, model.tangent_moduli, model.loop.hourglass)
         if windows.even:
@@ -203,15 +210,13 @@ def _spectrum(model: PlateModel, held: Hold, step: kinds.StepProperties) -> Scal
     return spectrum_of(model.elastic, held)
 
 
-def with_constraint(
-    model: PlateModel, plate: kinds.PlateProperties, corner: kinds.CornerProperties
-) -> PlateModel:
+def with_constraint(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
     """The static model with another constraint of its corner."""
     constrained = _corner(model.discretisation, model.loop.mass, plate, corner)
     return replace(model, loop=model.loop._replace(corner=constrained))
 
 
-def with_elastic_damping(model: PlateModel, step: kinds.StepProperties) -> PlateModel:
+def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
     """The model with the step's rate of damping of elastic velocities, and the time step for it."""
     # The step that is stable without it belongs to a mode of this frequency; with it, that mode bounds the step.
     stable = internal_force.damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
@@ -221,16 +226,14 @@ def with_elastic_damping(model: PlateModel, step: kinds.StepProperties) -> Plate
     return replace(model, stable_time_step=stable, loop=loop)
 
 
-def static_model(
-    mesh: meshio.Mesh, plate: kinds.PlateProperties, corner: kinds.CornerProperties
-) -> PlateModel:
+def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
     """The model for statics alone: without damping, its frequency and time steps are NaN. Raises as `build_model`."""
     unit = unit_plate(mesh, plate)
     held = _corner(unit.discretisation, unit.masses, plate, corner)
     return unfinished_model(unit, plate, time_loop.LoopParameters, corner=held, friction=corner.friction)
 
 
-def unfinished_model(unit: UnitPlate, plate: kinds.PlateProperties, loop: Any, **others: Any) -> PlateModel:
+def unfinished_model(unit: UnitPlate, plate: PlateProperties, loop: Any, **others: Any) -> PlateModel:
     """A model of this plate without frequency, time step and damping; others: fields of its loop for the contact."""
     d, modulus, hourglass = unit.discretisation, plate.youngs_modulus, unit.hourglass
     if hourglass is not None:
@@ -258,7 +261,7 @@ def unfinished_model(unit: UnitPlate, plate: kinds.PlateProperties, loop: Any, *
     )
 
 
-def modulus_for(mesh: meshio.Mesh, plate: kinds.PlateProperties, first_frequency: float) -> float:
+def modulus_for(mesh: meshio.Mesh, plate: PlateProperties, first_frequency: float) -> float:
     """Young's modulus [Pa] that gives the free plate this first elastic frequency in its plane [Hz].
 
     The stiffness is in proportion to the modulus: the frequency with the modulus of `plate` tells the other.
@@ -269,7 +272,7 @@ def modulus_for(mesh: meshio.Mesh, plate: kinds.PlateProperties, first_frequency
 
 
 def _corner(
-    d: kinds.Discretisation, masses: np.ndarray, plate: kinds.PlateProperties, corner: kinds.CornerProperties
+    d: Discretisation, masses: np.ndarray, plate: PlateProperties, corner: CornerProperties
 ) -> CornerConstraint:
     nodes, weights = corner_weights(d, corner.patch_length)
     mobility = float((weights**2 / masses[nodes]).sum())
@@ -279,7 +282,7 @@ def _corner(
     return CornerConstraint(nodes, weights, mobility, constraints.CONSTRAINTS[corner.constraint].make(given))
 
 
-def corner_weights(discretisation: kinds.Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
+def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights by which the corner P is held; length [m] of side PE, 0 for the node alone.
 
     The weights are the nodes' parts of w(s) = (4 - 6 s / a) / a over 0 <= s <= a: its integral is 1 and its
@@ -296,7 +299,7 @@ def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.nd
     """Nodes and weights of a patch of this length [m]; side: nodes of a side from its corner on, s: their distances
     from it [m]. Raises ModelError if the length is not between two nodes and the side."""
     if not s[1] * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
-        raise kinds.ModelError(
+        raise ModelError(
             "patch_length",
             f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
         )
@@ -323,7 +326,7 @@ def _hat_integrals(s: np.ndarray, length: float) -> np.ndarray:
 
 
 def plate_viscosity(
-    d: kinds.Discretisation, plate: kinds.PlateProperties, step: kinds.StepProperties, frequency: float
+    d: Discretisation, plate: PlateProperties, step: StepProperties, frequency: float
 ) -> internal_force.Viscosity | None:
     if not (step.damping_ratio or step.bulk_viscosity):
         return None

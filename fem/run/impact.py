@@ -11,7 +11,7 @@ from fem.explicit import impact_loop, time_loop
 from fem.laws.wall_contact import ContactState
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
-from fem.plate.kinds import ModelError
+from fem.plate.properties import ModelError
 from fem.run import runner
 from fem.start import inertia_relief
 

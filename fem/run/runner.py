@@ -19,7 +19,7 @@ import numpy as np
 from fem.explicit import internal_force
 from fem.machine_code.object_code import Prepared
 from fem.model.plate_model import PlateModel
-from fem.stability import flutter
+from fem.stability import deformed
 
 Arrays = Mapping[str, np.ndarray]
 Size = tuple[int, ...]
@@ -227,7 +227,7 @@ class Shapes(Observer):
 def highest_frequency(model: PlateModel, shapes: Iterable[np.ndarray]) -> float:
     """The highest [rad/s] of the plate in these positions, but for what is not finite; infinite without any."""
     finite = [positions for positions in shapes if np.isfinite(positions).all()]
-    return max((flutter.deformed_frequency(model, positions) for positions in finite), default=np.inf)
+    return max((deformed.deformed_frequency(model, positions) for positions in finite), default=np.inf)
 
 
 @dataclass(frozen=True)

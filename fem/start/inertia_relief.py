@@ -19,7 +19,8 @@ import scipy.sparse as sp
 from fem.explicit import internal_force
 from fem.laws import friction
 from fem.model.plate_model import PlateModel
-from fem.plate import elastic, kinds
+from fem.plate import elastic
+from fem.plate.discretisation import hourglass_matrix
 from fem.plate.elastic import without_rigid_motion
 
 
@@ -354,7 +355,7 @@ def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
     coupling = block(0, 1)
     matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))
     if model.loop.hourglass is not None:
-        matrix = matrix + kinds.hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
+        matrix = matrix + hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
     return matrix
 
 

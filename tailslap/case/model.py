@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.plate.kinds import Inertia, ModelError, PlateProperties, StepProperties
+    from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
 
 
 MAX_STEPS = 2_000_000_000
@@ -66,7 +66,7 @@ def resolved_plate(
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
     from fem.model import plate_model
-    from fem.plate.kinds import ModelError
+    from fem.plate.properties import ModelError
 
     stiff = plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS})
     reference = plate_properties(scene, stiff, inertia)
@@ -130,7 +130,7 @@ def plate_density(scene: Scene, plate: Plate) -> float:
 
 def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None) -> PlateProperties:
     """Make the properties of the plate; inertia: that its masses carry, where it is not the plate's own."""
-    from fem.plate.kinds import PlateProperties
+    from fem.plate.properties import PlateProperties
 
     given = plate.thickness, plate_density(scene, plate), plate.modulus, plate.poissons_ratio
     law = scene.material.law if scene.material else "st-venant-kirchhoff"
@@ -139,7 +139,7 @@ def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None)
 
 def step_properties(scene: Scene, longest: float) -> StepProperties:
     """Time step, no longer than this [s], and damping."""
-    from fem.plate.kinds import StepProperties
+    from fem.plate.properties import StepProperties
 
     damping = scene.damping
     return StepProperties(

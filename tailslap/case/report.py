@@ -361,9 +361,9 @@ def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
 
 
 def _elemental(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
-    from fem.stability import flutter
+    from fem.stability.deformed import element_stress
 
-    found = np.array([flutter.element_stress(model, each) for each in positions])
+    found = np.array([element_stress(model, each) for each in positions])
     s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)
     middle, radius = 0.5 * (s_xx + s_yy), np.hypot(0.5 * (s_xx - s_yy), s_xy)
     return {

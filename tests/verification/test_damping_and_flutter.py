@@ -11,7 +11,7 @@ import pytest
 from fem.explicit.internal_force import SUMS, ElasticDamping, damp, damped_time_step
 from fem.laws.constraints import Exact
 from fem.laws.friction import friction_slope
-from fem.plate.kinds import stiffness_matrix
+from fem.plate.discretisation import stiffness_matrix
 from fem.run.corner import Stepper, simulate
 from fem.stability import flutter
 from fem.start.inertia_relief import RigidStart, to_global

@@ -16,9 +16,10 @@ from fem.explicit.internal_force import Viscosity, scratch_for, subtract_interna
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
 from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
 from fem.model.plate_model import corner_weights
-from fem.plate.kinds import ELEMENT_KINDS, discretise, hourglass_control, hourglass_matrix, stiffness_matrix
+from fem.plate.discretisation import discretise, hourglass_control, hourglass_matrix, stiffness_matrix
+from fem.plate.kinds import ELEMENT_KINDS
 from fem.run.corner import simulate
-from fem.stability.flutter import deformed_frequency
+from fem.stability.deformed import deformed_frequency
 from fem.start.inertia_relief import RigidStart, to_global
 from meshes import distorted, plate_mesh
 

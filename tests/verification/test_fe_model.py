@@ -6,7 +6,8 @@ import scipy.linalg
 
 from fem.laws.constraints import CornerConstraint, Penalty, add_corner_reaction
 from fem.laws.friction import Drag, Signed
-from fem.plate.kinds import discretise, exact_inertia_masses, row_sum_masses
+from fem.plate.discretisation import discretise
+from fem.plate.kinds import exact_inertia_masses, row_sum_masses
 from fem.plate.spectrum import Spectrum, hold_of
 from fem.run.corner import Stepper
 from fem.start.inertia_relief import RigidStart

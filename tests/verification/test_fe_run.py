@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.explicit.time_loop import State
-from fem.plate.kinds import nodal_spin
+from fem.plate.discretisation import nodal_spin
 from fem.run.corner import Stepper, simulate
 from fem.start import inertia_relief, start_kinds
 

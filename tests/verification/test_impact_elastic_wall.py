@@ -11,7 +11,13 @@ import pytest
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
-from fem.plate.kinds import ContactProperties, ModelError, PlateProperties, StepProperties, WallProperties
+from fem.plate.properties import (
+    ContactProperties,
+    ModelError,
+    PlateProperties,
+    StepProperties,
+    WallProperties,
+)
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh, wall_mesh
 

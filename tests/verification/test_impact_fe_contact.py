@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
-from fem.plate.kinds import ContactProperties, Inertia, PlateProperties, StepProperties
+from fem.plate.properties import ContactProperties, Inertia, PlateProperties, StepProperties
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 

@@ -12,10 +12,11 @@ from fem.modal import model as modal
 from fem.model import plate_model as models
 from fem.plate import elastic, spectrum
 from fem.plate import elastic as multigrid
-from fem.plate import spectrum as module
+from fem.plate import windows as module
 from fem.plate.elastic import ElasticSolver, Inverse, free_modes, lowest_frequency, most_modes
-from fem.plate.spectrum import FREE, Spectrum, Windows, element_stiffness, hold_of, largest_eigenpair
-from fem.stability.flutter import deformed_frequency
+from fem.plate.spectrum import FREE, Spectrum, hold_of, largest_eigenpair
+from fem.plate.windows import Windows, element_stiffness
+from fem.stability.deformed import deformed_frequency
 from fem.start.inertia_relief import RigidStart, relieved_fields
 from meshes import plate_mesh
 from postprocess.figures.plates import draw_mode, mesh_edges
@@ -53,7 +54,7 @@ def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
 @pytest.mark.parametrize("given", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
 def test_damped_step_is_safe_and_close(plate_model, given):
     """dt^2 K + 2 dt C has no eigenvalue above 4, and one within the residual of it."""
-    from fem.plate.kinds import stiffness_matrix
+    from fem.plate.discretisation import stiffness_matrix
 
     model = plate_model(elements=(6, 3), **given)
     viscosity = model.loop.viscosity

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from fem.plate.kinds import nodal_spin
+from fem.plate.discretisation import nodal_spin
 from postprocess.comparison.quantities import largest
 from tailslap.case.corner import decisions
 from tailslap.case.corner.case import CornerCase

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.plate.kinds import CornerProperties, PlateProperties, StepProperties
+    from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
     from fem.start.inertia_relief import RigidStart
 
 MIN_STEPS = 1000
@@ -33,7 +33,7 @@ goes with its magnitude. 0.08 to 0.10 where nothing grows, from a tenth to ten t
 
 def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerProperties, StepProperties]:
     """Properties of the plate, which has a modulus, its corner and the time step, in the terms of `fem`."""
-    from fem.plate.kinds import CornerProperties
+    from fem.plate.properties import CornerProperties
 
     scene, corner, angle = case.scene, case.scene.corner, case.start.angle
     properties, step = plate_properties(scene, plate), step_properties(scene, case.duration / MIN_STEPS)
@@ -49,7 +49,7 @@ def static_models(
 ) -> list[PlateModel]:
     """The models of plates, without what needs their frequencies, on these meshes. Raises InputError."""
     from fem.model import plate_model
-    from fem.plate.kinds import ModelError
+    from fem.plate.properties import ModelError
 
     resolved = [resolved_plate(case.scene, *each) for each in zip(plates, meshes, strict=True)]
     inputs, models = [fe_input(case, plate) for plate in resolved], []

@@ -182,13 +182,13 @@ def _curves(outcome: checks.CornerOutcome) -> list[Section]:
 def draw_pictures(outcome: checks.CornerOutcome, folder: Path, units: Units = SI) -> checks.CornerOutcome:
     """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
     reached."""
-    from fem.plate import kinds
+    from fem.plate.discretisation import nodal_spin
 
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:
         return outcome
     discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
-    spin = kinds.nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
+    spin = nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
     # Corner nodes; those on the sides of quadratic elements come after.
     drawn = discretisation.cells.max() + 1
     fields = [

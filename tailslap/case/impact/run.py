@@ -76,7 +76,7 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
 
     snapshots: instants at which the motion of all nodes is kept.
     """
-    from fem.plate.kinds import ModelError
+    from fem.plate.properties import ModelError
     from fem.run import impact
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end

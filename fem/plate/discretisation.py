@@ -1,0 +1,235 @@
+"""The discretised plate: tables for the compiled loop, from scikit-fem's mesh, element and quadrature.
+
+With them hourglass control, the linear stiffness of the unstrained plate, and fields over it for pictures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from fem.plate.kinds import ELEMENT_KINDS
+
+if TYPE_CHECKING:
+    import meshio
+    from scipy.sparse import csr_matrix
+
+
+MIDDLE = (np.array([[0.5], [0.5]]), np.array([1.0]))
+"""Quadrature of the reference square by its middle: points, shape (2, 1), and weights."""
+
+PATTERN = np.array([1.0, -1.0, 1.0, -1.0])
+"""xi eta at the corners of a quadrilateral."""
+
+GAUSS = tuple((x, y) for x in (-(3.0**-0.5), 3.0**-0.5) for y in (-(3.0**-0.5), 3.0**-0.5))
+"""Points of a square's quadrature, each of weight 1."""
+
+UNIFORM_TOLERANCE = 1e-12
+"""Relative spread of the gradients below which all elements count as congruent."""
+
+
+class Mapping(NamedTuple):
+    """How elements are mapped from the reference element: by their nodes.
+
+    gradients: of the shape functions on the reference element, of all nodes but the first, (a, direction) in a row, a
+    tuple a point; of bilinear elements the coordinates of the point, which give them. weights: quadrature weight times
+    thickness [m], a tuple with one a point. reference: reference positions of the nodes [m], shape (2, nodes).
+    """
+
+    gradients: tuple[tuple[float, ...], ...]
+    weights: tuple[float, ...]
+    reference: np.ndarray
+
+
+class ElementTable(NamedTuple):
+    """Constants of the internal forces, as contiguous arrays.
+
+    connectivity: node of each element corner, shape (nodes per element, elements).
+    gradients: shape-function gradients in the reference configuration [1/m], shape
+        (points x nodes per element x 2, elements), or one column if all elements are congruent.
+    weights: quadrature weight times thickness [m^3], shape (points, elements) or (points, 1).
+    per_element: a tuple as long as an element has nodes: its length is a constant to the compiler.
+    mapping: of elements with several points that are not congruent; the time loop uses it for the gradients.
+    """
+
+    connectivity: np.ndarray
+    gradients: np.ndarray
+    weights: np.ndarray
+    per_element: tuple[int, ...]
+    mapping: Mapping | None = None
+
+
+class Hourglass(NamedTuple):
+    """Stabilisation of the motions that one point does not see.
+
+    With q = sum gamma_a x_a and p = F^T q, F at the middle, an element's energy is
+    (k_11 p_1^2 + k_22 p_2^2 + 2 k_12 p_1 p_2)/2.
+
+    vectors: gamma, orthogonal to linear fields, shape (nodes per element, elements or 1); stiffness: k_11, k_22, k_12
+    [N/m], shape (3, elements or 1).
+    """
+
+    vectors: np.ndarray
+    stiffness: np.ndarray
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """The plate's discretisation: scikit-fem's basis beside the tables drawn from it."""
+
+    scalar: Any  # skfem.CellBasis of one unknown a node
+    positions: np.ndarray  # reference positions of the nodes [m], shape (2, nodes)
+    corner: int  # node at corner P
+    side: np.ndarray  # nodes of side PE
+    table: ElementTable
+
+    @property
+    def cells(self) -> np.ndarray:
+        """Corner nodes of the elements, shape (elements, 3 or 4); corner nodes come first in the numbering."""
+        return np.asarray(self.scalar.mesh.t.T)
+
+
+def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Discretisation:
+    """Elements of this kind on the mesh's cells; corner P and side PE from its groups."""
+    import skfem
+    from skfem.io.meshio import from_meshio
+
+    chosen = ELEMENT_KINDS[kind]
+    rule: dict[str, Any] = {"intorder": chosen.order} if chosen.order else {"quadrature": MIDDLE}
+    scalar = skfem.CellBasis(from_meshio(mesh), getattr(skfem, chosen.element)(), **rule)
+    positions = np.ascontiguousarray(scalar.doflocs)
+    side = scalar.get_dofs("side_pe").flatten()
+    return Discretisation(scalar, positions, _corner(mesh, positions), side, _table(scalar, thickness))
+
+
+def hourglass_control(discretisation: Discretisation, thickness: float, moduli: Any) -> Hourglass:
+    """Stabilisation by an assumed strain, without a constant to choose (Belytschko and Bindeman 1991, "ASQBI").
+
+    moduli: plane stress constants, c_11 and c_12 [Pa]. The strain that goes with h = xi eta is that of pure bending:
+    e_11 = h,1 p_1 - nu h,2 p_2, e_22 = h,2 p_2 - nu h,1 p_1 and no shear; so that k_11 = E t int h,1^2,
+    k_22 = E t int h,2^2 and k_12 = -nu E t int h,1 h,2. A rectangle bends as the beam does, and no shear locks it.
+    """
+    table = discretisation.table
+    columns = table.weights.shape[1]
+    nodes = discretisation.positions[:, table.connectivity[:, :columns]]
+    gradients = table.gradients.reshape(4, 2, -1)
+    slope = np.einsum("a,iae->ie", PATTERN, nodes)
+    vectors = 0.25 * (PATTERN[:, None] - np.einsum("ie,aie->ae", slope, gradients))
+    ratio = moduli.c_12 / moduli.c_11
+    modulus = moduli.c_11 * (1.0 - ratio**2)
+    h_11, h_22, h_12 = _twist(nodes)
+    stiffness = modulus * thickness * np.array([h_11, h_22, -ratio * h_12])
+    return Hourglass(np.ascontiguousarray(vectors), np.ascontiguousarray(stiffness))
+
+
+def _twist(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Integrals of h,1^2, h,2^2 and h,1 h,2 over quadrilaterals, h = xi eta; nodes: shape (2, 4, elements)."""
+    xi, eta = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
+    sums = np.zeros((3, nodes.shape[2]))
+    for x, y in GAUSS:
+        by_xi, by_eta = 0.25 * xi * (1.0 + y * eta), 0.25 * eta * (1.0 + x * xi)
+        (x_xi, y_xi), (x_eta, y_eta) = (np.einsum("a,iae->ie", d, nodes) for d in (by_xi, by_eta))
+        area = x_xi * y_eta - x_eta * y_xi
+        h_1, h_2 = (y * y_eta - x * y_xi) / area, (x * x_xi - y * x_eta) / area
+        sums += np.abs(area) * np.array([h_1 * h_1, h_2 * h_2, h_1 * h_2])
+    return sums[0], sums[1], sums[2]
+
+
+def _corner(mesh: meshio.Mesh, positions: np.ndarray) -> int:
+    ((cell,),) = mesh.cells_dict["vertex"][mesh.cell_sets_dict["corner_p"]["vertex"]][None]
+    distance = np.linalg.norm(positions.T - mesh.points[cell, :2], axis=-1)
+    return int(distance.argmin())
+
+
+def _table(scalar: Any, thickness: float) -> ElementTable:
+    gradients = np.array([field[0].grad for field in scalar.basis])  # node, direction, element, point
+    gradients = gradients.transpose(3, 0, 1, 2)
+    points, nodes, _, elements = gradients.shape
+    gradients = gradients.reshape(points * nodes * 2, elements)
+    weights = scalar.dx.T * thickness
+    mapping = None
+    if _congruent(gradients) and _congruent(weights):
+        gradients, weights = gradients[:, :1], weights[:, :1]
+    elif points > 1:
+        mapping = _mapping(scalar, thickness)
+    return ElementTable(
+        np.ascontiguousarray(scalar.element_dofs, dtype=np.int32),
+        np.ascontiguousarray(gradients),
+        np.ascontiguousarray(weights),
+        (0,) * nodes,
+        mapping,
+    )
+
+
+def _mapping(scalar: Any, thickness: float) -> Mapping:
+    from skfem import ElementQuad1
+
+    natural = np.array([scalar.elem.lbasis(scalar.X, a)[1] for a in range(1, scalar.Nbfun)])
+    if isinstance(scalar.elem, ElementQuad1):
+        natural = scalar.X[None]
+    gradients = natural.transpose(2, 0, 1).reshape(len(scalar.W), -1)
+    reference = np.ascontiguousarray(scalar.doflocs)
+    return Mapping(tuple(map(tuple, gradients.tolist())), tuple((scalar.W * thickness).tolist()), reference)
+
+
+def _congruent(rows: np.ndarray) -> bool:
+    return bool(np.ptp(rows, axis=1).max() <= UNIFORM_TOLERANCE * np.abs(rows).max())
+
+
+def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> csr_matrix:
+    """Plane-stress stiffness [N/m] in the body frame, shape (2 nodes, 2 nodes): all x unknowns, then all y.
+
+    moduli: anything with c_11, c_12, c_33: a `StVenantKirchhoff` [Pa], or a `Viscosity` [Pa s] for a damping matrix.
+    """
+    import skfem
+    from scipy import sparse
+    from skfem.helpers import grad
+
+    def assemble(k: int, m: int) -> csr_matrix:
+        return skfem.BilinearForm(lambda u, v, w: grad(v)[k] * grad(u)[m]).assemble(scalar)
+
+    xx, yy, xy = assemble(0, 0), assemble(1, 1), assemble(0, 1)
+    coupling = moduli.c_12 * xy + moduli.c_33 * xy.T
+    normal = moduli.c_11 * xx + moduli.c_33 * yy, moduli.c_11 * yy + moduli.c_33 * xx
+    blocks = [[normal[0], coupling], [coupling.T, normal[1]]]
+    return sparse.csr_matrix(thickness * sparse.bmat(blocks))
+
+
+def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> csr_matrix:
+    """Stiffness [N/m] of the hourglass control at rest, shape (2 nodes, 2 nodes)."""
+    from scipy import sparse
+
+    elements = table.connectivity.shape[1]
+    vectors = np.broadcast_to(hourglass.vectors, (hourglass.vectors.shape[0], elements))
+    columns = np.broadcast_to(np.arange(elements), vectors.shape)
+    gather = sparse.csr_matrix(
+        (vectors.ravel(), (table.connectivity.ravel(), columns.ravel())), shape=(nodes, elements)
+    )
+    k_11, k_22, k_12 = (
+        gather @ sparse.diags(np.broadcast_to(row, elements)) @ gather.T for row in hourglass.stiffness
+    )
+    return sparse.csr_matrix(sparse.bmat([[k_11, k_12], [k_12, k_22]]))
+
+
+def nodal_spin(scalar: Any, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+    """Local angular velocity [rad/s] at the corner nodes, half the curl of the velocity, shape (corner nodes,).
+
+    positions [m], velocities [m/s]: shape (2, nodes). Evaluated at the quadrature points of the deformed plate,
+    L = F' F^-1, and carried to the corner nodes by the lumped projection on linear functions: the quadratic ones of
+    a triangle's corners have no integral to divide by.
+    """
+    import skfem
+
+    def gradient(values: np.ndarray) -> np.ndarray:
+        return np.array([scalar.interpolate(component).grad for component in values])
+
+    deformation, rate = gradient(positions), gradient(velocities)
+    inverse = np.linalg.inv(np.moveaxis(deformation, (0, 1), (-2, -1)))
+    velocity_gradient = np.moveaxis(rate, (0, 1), (-2, -1)) @ inverse
+    spin = 0.5 * (velocity_gradient[..., 1, 0] - velocity_gradient[..., 0, 1])
+    linear = skfem.ElementQuad1() if scalar.mesh.refdom is skfem.refdom.RefQuad else skfem.ElementTriP1()
+    corners = scalar.with_element(linear)
+    weighted = skfem.LinearForm(lambda v, w: w.spin * v).assemble(corners, spin=spin)
+    return np.asarray(weighted / skfem.LinearForm(lambda v, w: v).assemble(corners))

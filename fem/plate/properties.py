@@ -1,0 +1,192 @@
+"""The plate's description: properties of plate, corner, contact, wall and time step, and choices by name."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import meshio
+
+
+class ModelError(ValueError):
+    """No model can be made of these properties.
+
+    Parameters
+    ----------
+    wrong : str
+        The property at fault, "elements", "patch_length" or "inertia", or one of the wall's: "wall.length",
+        "wall.elements" or "wall.foundation_stiffness"; also an attribute.
+    why : str
+        The message.
+    """
+
+    def __init__(self, wrong: str, why: str) -> None:
+        self.wrong = wrong
+        super().__init__(why)
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Inertia of a vehicle that is no uniform rectangle.
+
+    Attributes
+    ----------
+    centre : float
+        Of mass, behind the front on the middle line [m].
+    yaw_inertia : float
+        About that centre [kg m^2].
+    """
+
+    centre: float
+    yaw_inertia: float
+
+
+@dataclass(frozen=True)
+class PlateProperties:
+    """Size and material of the plate, and choices by name.
+
+    Attributes
+    ----------
+    thickness : float
+        [m].
+    density : float
+        [kg/m^3].
+    youngs_modulus : float
+        [Pa].
+    poissons_ratio : float
+        [-].
+    lumping : str
+        A name of `LUMPINGS`.
+    element : str
+        A name of `ELEMENT_KINDS`.
+    material : str
+        A name of `MATERIALS`.
+    inertia : Inertia or None
+        That the nodal masses carry; None for the plate's own.
+    """
+
+    thickness: float
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    lumping: str = "exact"
+    element: str = "quad4"
+    material: str = "st-venant-kirchhoff"
+    inertia: Inertia | None = None
+
+
+@dataclass(frozen=True)
+class CornerProperties:
+    """How the corner is held on the wall.
+
+    Attributes
+    ----------
+    friction : NamedTuple or None
+        Constants of a law of `FRICTION_LAWS`.
+    constraint : str
+        A name of `CONSTRAINTS`.
+    penalty_scale : float
+        Multiple of the constraint's usual stiffness [-].
+    patch_length : float
+        Of the support patch [m]; 0 for the corner node alone.
+    damping_ratio : float
+        Of the constraint's dashpot, to critical [-].
+    angles : tuple of float
+        Angles of the plate during the run [rad], at which the time step is looked at.
+    """
+
+    friction: Any = None
+    constraint: str = "penalty"
+    penalty_scale: float = 1.0
+    patch_length: float = 0.0
+    damping_ratio: float = 0.0
+    angles: tuple[float, ...] = (0.26, 0.13, 0.0)
+
+
+@dataclass(frozen=True)
+class ContactProperties:
+    """How the boundary touches a wall that only pushes.
+
+    Attributes
+    ----------
+    friction : NamedTuple or None
+        Constants of a law of `FRICTION_LAWS`.
+    law : str
+        "crush" for a vehicle that crushes; "penalty" or "exact" for one that does not.
+    stiffness, initial_force : float
+        Of the crush at each corner, k [N/m] and F0 [N].
+    restitution : float
+        Its square is the fraction of the energy that unloading returns [-].
+    side_stiffness : float
+        Of a crush layer along the sides [N/m per m]; 0 for none, then the corners alone touch.
+    penalty_scale : float
+        Of a penalty, multiple of Young's modulus times thickness [-].
+    patch_length : float
+        Of the long side, over which a corner that crushes is spread [m]; 0 for its node alone.
+    """
+
+    friction: Any = None
+    law: str = "crush"
+    stiffness: float = 0.0
+    initial_force: float = 0.0
+    restitution: float = 1.0
+    side_stiffness: float = 0.0
+    penalty_scale: float = 1.0
+    patch_length: float = 0.0
+
+
+@dataclass(frozen=True)
+class WallProperties:
+    """A deformable wall, on a foundation all along it; its ends are free.
+
+    Attributes
+    ----------
+    mesh : meshio.Mesh
+        Of quadrilaterals, with the group "wall_face": the wall in Y <= 0, its face Y = 0, X counted from the place of
+        the first touch. Its elements have nine nodes.
+    thickness : float
+        Its height above the deck [m].
+    density : float
+        [kg/m^3].
+    youngs_modulus : float
+        [Pa].
+    poissons_ratio : float
+        [-].
+    foundation_stiffness : float
+        Force across the wall on a length of it, over its displacement [N/m per m]; the same along the wall, so that
+        friction does not carry it off. Spread over the depth in proportion to the mass.
+    """
+
+    mesh: meshio.Mesh
+    thickness: float
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    foundation_stiffness: float
+
+
+@dataclass(frozen=True)
+class StepProperties:
+    """The time step, and damping of the plate.
+
+    Attributes
+    ----------
+    safety_factor : float
+        Fraction of the stable time step that is taken [-].
+    longest : float
+        Upper bound on the time step [s].
+    damping_ratio : float
+        Stiffness-proportional, to critical at the highest frequency [-].
+    bulk_viscosity : float
+        Linear: coefficient of density x wave speed x element size [-].
+    elastic_rate : float
+        Rate at which elastic velocities are damped [1/s].
+    """
+
+    safety_factor: float = 0.9
+    longest: float = math.inf
+    damping_ratio: float = 0.0
+    bulk_viscosity: float = 0.0
+    elastic_rate: float = 0.0
