@@ -310,18 +310,6 @@ def gauss_step(place, speed, stages, step, model, workspace, vector):
 
 
 @compiled
-def _copy(source, target):
-    for i in range(source.size):
-        target[i] = source[i]
-
-
-@compiled
-def _read_row(row, place, speed):
-    for i in range(place.size):
-        place[i], speed[i] = row[1 + i], row[1 + place.size + i]
-
-
-@compiled
 def run_to_strike(step, model, table, workspace, vector):
     """Fill `table`, shape (rows, 1 + 2 (3 + modes)), with time, place and speed at each step, up to angle zero.
 
@@ -329,18 +317,16 @@ def run_to_strike(step, model, table, workspace, vector):
     step is as long as it takes to end at angle zero. Returns how the run ended, the number of rows filled, and the
     iterations of all steps.
     """
-    size = table.shape[1] // 2
+    half = 1 + table.shape[1] // 2
     stages, guess, place, speed = workspace[8:10], workspace[10:12], workspace[12], workspace[13]
-    _read_row(table[0], place, speed)
+    place[:], speed[:] = table[0, 1:half], table[0, half:]
     accelerate(place, speed, model, workspace[3:, 3:], stages[0])
-    _copy(stages[0], guess[0])
-    _copy(stages[0], guess[1])
+    guess[0], guess[1] = stages[0], stages[0]
     iterations = 0
     for row in range(1, table.shape[0]):
         length = step
         for _ in range(MAX_ITERATIONS):
-            _copy(guess[0], stages[0])
-            _copy(guess[1], stages[1])
+            stages[:] = guess
             taken = gauss_step(place, speed, stages, length, model, workspace, vector)
             iterations += taken
             if not taken:
@@ -351,15 +337,14 @@ def run_to_strike(step, model, table, workspace, vector):
             if abs(miss) <= 1e-14 * step:
                 break
             length -= miss
-            _read_row(table[row - 1], place, speed)
+            place[:], speed[:] = table[row - 1, 1:half], table[row - 1, half:]
         table[row, 0] = table[row - 1, 0] + length
-        for i in range(size):
-            table[row, 1 + i], table[row, 1 + size + i] = place[i], speed[i]
+        table[row, 1:half], table[row, half:] = place, speed
         if not speed[0] > 0.0:
             return STOPPED, row + 1, iterations
         if length != step:
             return REACHED, row + 1, iterations
-        for i in range(size):  # the next step's stages lie near the straight line through these
+        for i in range(place.size):  # the next step's stages lie near the straight line through these
             slope = (stages[1, i] - stages[0, i]) / (1.0 - 2.0 * NODE)
             guess[0, i], guess[1, i] = stages[0, i] + slope, stages[1, i] + slope
     return LATE, table.shape[0], iterations

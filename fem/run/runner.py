@@ -92,14 +92,11 @@ class PlateStepper:
     def _all_parts(self) -> tuple[Any, ...]:
         return self._fixed, *self._parts, self._reference, self._force, self._workspace
 
-    def nodal_velocities(self, state: Any) -> np.ndarray:
-        """Velocities [m/s] at the state's instant, shape (2, nodes)."""
-        later = self.record(state, 1, 1).state
-        return np.asarray(0.5 * (state.velocities + later.velocities))
-
     def nodal(self, state: Any) -> tuple[np.ndarray, np.ndarray]:
         """Positions [m] and velocities [m/s] at the state's instant in the wall's frame, shape (2, nodes) each."""
-        return state.positions + np.array([[state.origin[0]], [0.0]]), self.nodal_velocities(state)
+        later = self.record(state, 1, 1).state
+        velocities = 0.5 * (state.velocities + later.velocities)
+        return state.positions + np.array([[state.origin[0]], [0.0]]), velocities
 
 
 def run(

@@ -33,7 +33,6 @@ and the grid convergence index is F_s |f_1 - f_2| / (|f_1| (r_21^p - 1)), with F
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,19 +65,17 @@ class ComparisonRow:
     paper_abaqus: float | None = None
 
 
-QUANTITIES = MappingProxyType(
-    {
-        quantity.key: quantity
-        for quantity in (
-            ComparedQuantity("t", "Time to the tail-slap", "t", "s"),
-            ComparedQuantity("v_gx", "Velocity of G along the wall", "v_GX", "m/s"),
-            ComparedQuantity("v_gy", "Velocity of G across the wall", "v_GY", "m/s"),
-            ComparedQuantity("omega", "Angular velocity", "ω", "rad/s"),
-            ComparedQuantity("slide", "Slide of the corner along the wall", "s", "m"),
-        )
-    }
-)
+def _by_key(*quantities: ComparedQuantity) -> dict[str, ComparedQuantity]:
+    return {quantity.key: quantity for quantity in quantities}
 
+
+QUANTITIES = _by_key(
+    ComparedQuantity("t", "Time to the tail-slap", "t", "s"),
+    ComparedQuantity("v_gx", "Velocity of G along the wall", "v_GX", "m/s"),
+    ComparedQuantity("v_gy", "Velocity of G across the wall", "v_GY", "m/s"),
+    ComparedQuantity("omega", "Angular velocity", "ω", "rad/s"),
+    ComparedQuantity("slide", "Slide of the corner along the wall", "s", "m"),
+)
 KEYS = tuple(QUANTITIES)
 
 
@@ -94,35 +91,23 @@ class Compared:
 TAIL_SLAP = Compared(QUANTITIES, "v_gy", "at the tail-slap")
 """Quantities of the constrained corner."""
 
-STRIKES = Compared(
-    {
-        quantity.key: quantity
-        for quantity in (
-            ComparedQuantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),
-            ComparedQuantity("strike_1.impulse", "First strike's impulse", "J₁", "N s"),
-            ComparedQuantity("strike_2.mean_50ms", "Second strike's peak, 50 ms mean", "F₂, 50 ms", "N"),
-            ComparedQuantity("strike_2.impulse", "Second strike's impulse", "J₂", "N s"),
-            ComparedQuantity("strike_2.duration", "Second strike's duration", "Δt₂", "s"),
-        )
-    },
-    "strike_2.mean_50ms",
-    "of both strikes",
+OF_STRIKES = _by_key(
+    ComparedQuantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),
+    ComparedQuantity("strike_1.impulse", "First strike's impulse", "J₁", "N s"),
+    ComparedQuantity("strike_2.mean_50ms", "Second strike's peak, 50 ms mean", "F₂, 50 ms", "N"),
+    ComparedQuantity("strike_2.impulse", "Second strike's impulse", "J₂", "N s"),
+    ComparedQuantity("strike_2.duration", "Second strike's duration", "Δt₂", "s"),
 )
+STRIKES = Compared(OF_STRIKES, "strike_2.mean_50ms", "of both strikes")
 """Quantities of a whole impact."""
 
 PAPER_SOURCE = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307, Table 3"
 
 # The paper prints the magnitude of v_GY; here it carries this program's sign, negative towards the wall.
-PAPER_TABLE_3: Mapping[str, Mapping[str, float]] = MappingProxyType(
-    {
-        "analytical": MappingProxyType(
-            {"t": 0.383, "v_gx": 23.270, "v_gy": -3.274, "omega": 0.65, "slide": 9.420}
-        ),
-        "abaqus": MappingProxyType(
-            {"t": 0.37, "v_gx": 23.305, "v_gy": -3.289, "omega": 0.66, "slide": 8.915}
-        ),
-    }
-)
+PAPER_TABLE_3: Mapping[str, Mapping[str, float]] = {
+    "analytical": {"t": 0.383, "v_gx": 23.270, "v_gy": -3.274, "omega": 0.65, "slide": 9.420},
+    "abaqus": {"t": 0.37, "v_gx": 23.305, "v_gy": -3.289, "omega": 0.66, "slide": 8.915},
+}
 
 
 def relative_difference(

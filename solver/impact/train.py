@@ -15,6 +15,9 @@ from solver import rules
 from solver.rules import Array, Gate, Number
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
+HALVES = ((0, 1), (1, 0), (2, 3), (3, 2), (0, 2), (2, 0), (1, 3), (3, 1))
+"""Of the sides: the corner that each begins at, to the middle, and the one beyond it."""
+
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
 
 
@@ -307,16 +310,7 @@ def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array,
         return corners, np.arange(4), np.ones(4)
     nodes, weights = np.polynomial.legendre.leggauss(contact.side_points)
     places, index, lengths = [corners], [np.arange(4)], [np.ones(4)]
-    for i, j in (
-        (0, 1),
-        (1, 0),
-        (2, 3),
-        (3, 2),
-        (0, 2),
-        (2, 0),
-        (1, 3),
-        (3, 1),
-    ):  # from a corner to the middle
+    for i, j in HALVES:
         side = corners[j] - corners[i]
         places.append(corners[i] + (1.0 + nodes)[:, None] / 4.0 * side)
         index.append(np.full(nodes.size, i))

@@ -135,9 +135,22 @@ def solve_trains(
     whole = interval or latest
     h = whole / np.ceil(whole / h)
 
-    def run(chosen: NDArray[np.int64], h: Array, interval: float | None) -> Trajectories:
+    def run(chosen: NDArray[np.int64], h: Array, interval: float | None, room: int = strikes) -> Trajectories:
         few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
-        return _run(few, state[chosen], h, end, interval, after_second, longest, most, strikes, on_compile)
+        out, n = np.array(state[chosen]), len(chosen)
+        stride, count = np.ones(n, dtype=np.int64), 0
+        if interval is not None:
+            stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
+            count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
+        rows = np.empty((n, count, 6 * out.shape[1] + len(SUMS)))
+        found, ends = np.full((n, room, len(STRIKE)), np.nan), np.full(n, math.inf if end is None else end)
+        reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
+        clock = Timing(h, stride, ends, after_second, latest, most, reached, counted)
+        given = few, out, clock, workspace(out.shape[1], len(few.hitch), few.unit.size), rows, found
+        compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
+        if counted.max() > room > 2:
+            return run(chosen, h, interval, int(counted.max()))
+        return Trajectories(reached, out, found, rows, h * stride, h, np.zeros(n))
 
     chosen = np.arange(len(state))
     found = run(chosen, h, interval)
@@ -173,28 +186,6 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
     velocity = np.moveaxis(state[..., 3:], -1, 0).swapaxes(1, 2)
     turning = np.hypot(velocity[0], velocity[1]) / np.sqrt(reach2) + np.abs(velocity[2])
     return rate, np.maximum(turning.max(axis=0), 1e-300)
-
-
-def _run(
-    train: Train, state: Array, h: Array, end: float | None, interval: float | None,
-    after: float, longest: float, most: int, strikes: int, on_compile: OnCompile,
-) -> Trajectories:  # fmt: skip
-    n, units = state.shape[:2]
-    latest = longest if end is None else end
-    stride, count = np.ones(n, dtype=np.int64), 0
-    if interval is not None:
-        stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
-        count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
-    rows, found = np.empty((n, count, 6 * units + len(SUMS))), np.full((n, strikes, len(STRIKE)), np.nan)
-    ends, out = np.full(n, math.inf if end is None else end), np.array(state)
-    longest = latest if end is not None else longest
-    clock = Timing(h, stride, ends, after, longest, most, np.full(n, np.nan), np.zeros(n, dtype=np.int64))
-    given = train, out, clock, workspace(units, len(train.hitch), train.unit.size), rows, found
-    compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
-    if clock.counted.max() > strikes > 2:
-        room = int(clock.counted.max())
-        return _run(train, state, h, end, interval, after, longest, most, room, on_compile)
-    return Trajectories(clock.reached, out, found, rows, h * stride, h, np.zeros(n))
 
 
 def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Array:
