@@ -51,13 +51,6 @@ class State(NamedTuple):
         return self.positions + np.array([[self.origin[0]], [0.0]])
 
 
-def copy_state(state: Any) -> Any:
-    """A state of its own, for the loop advances in place; of those within it too."""
-    if state is None or isinstance(state, np.ndarray):
-        return None if state is None else state.copy()
-    return type(state)(*map(copy_state, state))
-
-
 def react(loop: Any, state: Any, lost: float, force: Any) -> float:
     """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums; returns the place [m] of the
     node that the origin follows. Compiled code only."""

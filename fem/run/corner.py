@@ -122,7 +122,7 @@ class Stepper(runner.PlateStepper):
 
     def advance(self, state: time_loop.State, steps: int) -> time_loop.State:
         """The state this many steps later; the one given stays as it is."""
-        later: time_loop.State = time_loop.copy_state(state)
+        later: time_loop.State = runner.copy_state(state)
         if self._team:
             self._team.advance(later, steps)
         else:
@@ -139,7 +139,7 @@ class Stepper(runner.PlateStepper):
         where the last has an angle that is not above zero, or a number that is not finite."""
         if self._team or any(column.value for column in columns.COLUMNS.values()):
             return self._record_singly(state, stride, count)
-        later, before = time_loop.copy_state(state), time_loop.copy_state(state)
+        later, before = runner.copy_state(state), runner.copy_state(state)
         rows = np.empty((count, len(columns.Measures._fields)))
         made = advance_and_measure(later, before, stride, *self._all_parts, rows)
         return runner.Recorded(rows[:made], before, later)

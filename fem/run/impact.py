@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.explicit import impact_loop, time_loop
+from fem.explicit import impact_loop
 from fem.laws.wall_contact import ContactState
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
@@ -114,7 +114,7 @@ class ImpactStepper(runner.PlateStepper):
 
         Raises ModelError where the plate presses on a deformable wall beyond its end.
         """
-        later, rows = time_loop.copy_state(state), self._room(count)
+        later, rows = runner.copy_state(state), self._room(count)
         impact_loop.advance_and_record(later, stride, *self._all_parts, rows)
         if later.wall is not None and (beyond := later.wall.beyond[0]) > 0.0:
             why = f"the plate presses {beyond:.3g} m beyond the wall's end; make it longer"
@@ -122,9 +122,7 @@ class ImpactStepper(runner.PlateStepper):
         return runner.Recorded(np.hstack(rows), state, later)
 
 
-def compile_impact_loop(
-    model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling
-) -> None:
+def compile_impact_loop(model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling) -> None:
     """Compile, or load from disk, all that a run of this model needs; see `fem.run.corner.compile_loop`."""
     stepper = ImpactStepper(model)
     touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))

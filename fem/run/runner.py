@@ -353,6 +353,13 @@ class Saver(Observer):
         return kept | {"rows": rows}
 
 
+def copy_state(state: Any) -> Any:
+    """A state of its own, for the loop advances in place; of those within it too."""
+    if state is None or isinstance(state, np.ndarray):
+        return None if state is None else state.copy()
+    return type(state)(*map(copy_state, state))
+
+
 def packed(name: str, value: Any) -> dict[str, np.ndarray]:
     """Arrays of a tuple with named fields, of those within it too, by dotted names; None has none."""
     if value is None or isinstance(value, np.ndarray):

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.explicit.time_loop import copy_state
 from fem.laws import constraints, materials
 from fem.laws.friction import Drag
 from fem.run.corner import Stepper
+from fem.run.runner import copy_state
 from fem.start.inertia_relief import RigidStart
 from meshes import distorted, plate_mesh
 from tailslap.cli import _status
