@@ -24,8 +24,17 @@ class Named(Protocol):
 class Law:
     """A law of compiled code: fields that are functions of its constants are its kernels.
 
-    constants: a NamedTuple, by whose type the kernels are chosen; the type of None for a law without code. inlined:
-    fields whose kernels must be merged into the loop that calls them. helpers: plain functions that the kernels call.
+    Attributes
+    ----------
+    name : str
+        In a scene.
+    constants : type
+        NamedTuple of the kernels' constants, by whose type the kernels are chosen; the type of None for a law without
+        code.
+    inlined : tuple of str
+        Fields whose kernels must be merged into the loop that calls them.
+    helpers : tuple of callable
+        Plain functions that the kernels call.
     """
 
     name: str

@@ -114,12 +114,8 @@ def _geometry(
     geo: Any, origin: tuple[float, float], size: tuple[float, float], elements: tuple[int, int]
 ) -> Any:
     (x, y), (width, height) = origin, size
-    points = [
-        geo.addPoint(x, y, 0.0),
-        geo.addPoint(x + width, y, 0.0),
-        geo.addPoint(x + width, y + height, 0.0),
-        geo.addPoint(x, y + height, 0.0),
-    ]
+    places = (x, y), (x + width, y), (x + width, y + height), (x, y + height)
+    points = [geo.addPoint(*place, 0.0) for place in places]
     curves = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
     surface = geo.addPlaneSurface([geo.addCurveLoop(curves)])
     for curve, count in zip(curves, (*elements, *elements), strict=True):

@@ -173,10 +173,7 @@ def advance_and_measure(state, before, stride, loop, viscosity, hourglass, refer
 
 @compiled
 def _copy_state(state, other):
-    for i in range(2):
-        for node in range(state.positions.shape[1]):
-            other.positions[i, node] = state.positions[i, node]
-            other.velocities[i, node] = state.velocities[i, node]
-    for k in range(state.sums.size):
-        other.sums[k] = state.sums[k]
-    other.origin[0] = state.origin[0]
+    other.positions[:] = state.positions
+    other.velocities[:] = state.velocities
+    other.sums[:] = state.sums
+    other.origin[:] = state.origin

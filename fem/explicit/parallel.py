@@ -95,9 +95,10 @@ def advance_thread(
     t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, meeting
 ):
     """Advance the part of thread t; see `fem.explicit.time_loop.advance` for the step."""
-    positions, velocities = state.positions, state.velocities
-    threads, nodes = forces.shape[0], loop.mass.size
-    slots = slot_count(loop.table.connectivity, shared.lattice)
+    positions, velocities, own = state.positions, state.velocities, forces[t]
+    table, material, mass, time_step = loop.table, loop.material, loop.mass, loop.time_step
+    damping, threads, nodes = loop.elastic_damping, forces.shape[0], loop.mass.size
+    slots = slot_count(table.connectivity, shared.lattice)
     blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
@@ -106,44 +107,25 @@ def advance_thread(
         rows[t], shared.gradients, shared.weights, shared.lattice, motion, shared.hourglass, shared.reference
     )
     for step in range(steps):
-        forces[t] = 0.0
+        own[:] = 0.0
         powers[0, t] = subtract_forces_of(
-            first,
-            last,
-            positions,
-            velocities,
-            viscosity,
-            hourglass,
-            forces[t],
-            loop.table,
-            loop.material,
-            scratch,
+            first, last, positions, velocities, viscosity, hourglass, own, table, material, scratch
         )
-        add_up(loop.elastic_damping, positions, velocities, loop.mass, begin, end, motions[0, t])
+        add_up(damping, positions, velocities, mass, begin, end, motions[0, t])
         _meet(meeting, threads, 3 * step + 1)
         _sum_forces(forces, begin, end)
         _add_up_threads(motions[0], motion)
-        powers[0, t] -= resist(
-            loop.elastic_damping,
-            motion,
-            positions,
-            velocities,
-            loop.mass,
-            loop.time_step,
-            begin,
-            end,
-            forces[0],
-        )
+        powers[0, t] -= resist(damping, motion, positions, velocities, mass, time_step, begin, end, forces[0])
         if _is_last(meeting, threads, 3 * step + 2):
             place = react(loop, state, powers[0].sum(), forces[0])
             shift[0] = follow(place, loop.span, state.origin)
             _end(meeting, 3 * step + 2)
         else:
             _wait_for_end(meeting, 3 * step + 2)
-        powers[1, t] = gained(loop.elastic_damping, motion, state, loop.time_step, begin, end, forces[0])
-        drift(positions, velocities, forces[0], loop.mass, loop.time_step, shift[0], begin, end)
+        powers[1, t] = gained(damping, motion, state, time_step, begin, end, forces[0])
+        drift(positions, velocities, forces[0], mass, time_step, shift[0], begin, end)
         if _is_last(meeting, threads, 3 * step + 3):
-            state.sums[1] += loop.time_step * powers[1].sum()
+            state.sums[1] += time_step * powers[1].sum()
             _end(meeting, 3 * step + 3)
         else:
             _wait_for_end(meeting, 3 * step + 3)

@@ -201,11 +201,7 @@ def add_point(others, material, viscosity, rows, gradients, weights):
         if viscosity is not None:
             r = _gradient(4 * nodes + 2, others, rows, gradients, slot)
         power, weight = (6 * nodes) * BLOCK_SIZE + slot, at_slot(weights, 0, slot)
-        p_11, p_12, p_21, p_22 = _stress(f, r, material, viscosity, rows, power, weight)
-        for a in range(len(others)):
-            g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
-            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
+        _add_to_nodes(_stress(f, r, material, viscosity, rows, power, weight), others, rows, gradients, slot)
 
 
 @compiled
@@ -213,31 +209,21 @@ def add_mapped_point(others, material, viscosity, rows, gradients, weights):
     """Add the forces of a quadrature point of mapped elements; gradients: on the reference element."""
     nodes = len(others) + 1
     for slot in range(BLOCK_SIZE):
-        j_11, j_12, j_21, j_22 = _gradient(6 * nodes + 3, others, rows, gradients, slot)
-        area = j_11 * j_22 - j_12 * j_21
-        once = 1.0 / area  # one division, the slowest of all operations here
-        inverse = (once * j_22, -once * j_12, -once * j_21, once * j_11)
+        area, inverse = _inverse(_gradient(6 * nodes + 3, others, rows, gradients, slot))
         f = _product(_gradient(2, others, rows, gradients, slot), inverse)
         r = f
         if viscosity is not None:
             r = _product(_gradient(4 * nodes + 2, others, rows, gradients, slot), inverse)
         power, weight = (6 * nodes) * BLOCK_SIZE + slot, at_slot(weights, 0, slot) * abs(area)
         p = _stress(f, r, material, viscosity, rows, power, weight)
-        q_11, q_12, q_21, q_22 = _product_with_transpose(p, inverse)
-        for a in range(len(others)):
-            g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += q_11 * g_1 + q_12 * g_2
-            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += q_21 * g_1 + q_22 * g_2
+        _add_to_nodes(_product_with_transpose(p, inverse), others, rows, gradients, slot)
 
 
 @compiled
 def add_bilinear_point(material, viscosity, rows, place, weights):
     """Add the forces of a quadrature point of bilinear elements in their modes; place: xi and eta of the point."""
     for slot in range(BLOCK_SIZE):
-        j_11, j_12, j_21, j_22 = _bilinear_gradient(27, rows, place, slot)
-        area = j_11 * j_22 - j_12 * j_21
-        once = 1.0 / area
-        inverse = (once * j_22, -once * j_12, -once * j_21, once * j_11)
+        area, inverse = _inverse(_bilinear_gradient(27, rows, place, slot))
         f = _product(_bilinear_gradient(2, rows, place, slot), inverse)
         r = f
         if viscosity is not None:
@@ -344,6 +330,16 @@ def _stress(f, r, material, viscosity, rows, power, weight):
 
 
 @inlined
+def _add_to_nodes(p, others, rows, gradients, slot):
+    """Add P grad N_a to the forces of all nodes but the first."""
+    nodes, (p_11, p_12, p_21, p_22) = len(others) + 1, p
+    for a in range(len(others)):
+        g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
+        rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
+        rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
+
+
+@inlined
 def _gradient(row, others, rows, gradients, slot):
     """Gradient of the vector field in the rows from `row`: F from positions, its rate from velocities."""
     t_11 = t_12 = t_21 = t_22 = 0.0
@@ -368,6 +364,14 @@ def _bilinear_gradient(row, rows, place, slot):
         rows[(row + 1) * BLOCK_SIZE + slot] + place[1] * y_twist,
         rows[(row + 5) * BLOCK_SIZE + slot] + place[0] * y_twist,
     )
+
+
+@inlined
+def _inverse(a):
+    """Determinant and inverse of a 2 x 2 matrix."""
+    determinant = a[0] * a[3] - a[1] * a[2]
+    once = 1.0 / determinant  # one division, the slowest of all operations here
+    return determinant, (once * a[3], -once * a[1], -once * a[2], once * a[0])
 
 
 @inlined

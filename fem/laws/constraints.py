@@ -58,14 +58,6 @@ class Constraint(Law):
 
     Attributes
     ----------
-    name : str
-        In a scene.
-    constants : type
-        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
-    inlined : tuple of str
-        Fields whose kernels must be merged into the loop that calls them.
-    helpers : tuple of callable
-        Plain functions that the kernels call.
     make : callable
         Constants from a `ConstraintInput`.
     forces : callable
@@ -219,11 +211,8 @@ def add_corner_reaction(positions, velocities, mass, time_step, corner, friction
     `force` must already hold the other forces, and `velocities` those half a step back. Returns normal and
     tangential reaction [N], the corner's slip speed half a step back and ahead [m/s], power of the dashpot [W].
     """
-    gap, rate, slip = (
-        weighted(positions[1], corner),
-        weighted(velocities[1], corner),
-        weighted(velocities[0], corner),
-    )
+    gap, rate = weighted(positions[1], corner), weighted(velocities[1], corner)
+    slip = weighted(velocities[0], corner)
     pull_x = pull_y = 0.0
     for i in range(corner.nodes.size):
         node, fraction = corner.nodes[i], corner.weights[i]

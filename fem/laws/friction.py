@@ -21,14 +21,6 @@ class FrictionLaw(Law):
 
     Attributes
     ----------
-    name : str
-        In a scene.
-    constants : type
-        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
-    inlined : tuple of str
-        Fields whose kernels must be merged into the loop that calls them.
-    helpers : tuple of callable
-        Plain functions that the kernels call.
     force : callable
         Kernel (constants, normal, stopping) -> R [N]: the stopping force, cut to what the law allows.
     slope : callable

@@ -47,14 +47,6 @@ class Material(Law):
 
     Attributes
     ----------
-    name : str
-        In a scene.
-    constants : type
-        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
-    inlined : tuple of str
-        Fields whose kernels must be merged into the loop that calls them.
-    helpers : tuple of callable
-        Plain functions that the kernels call.
     make : callable
         Constants from Young's modulus [Pa] and Poisson's ratio.
     stress : callable

@@ -24,14 +24,6 @@ class ContactLaw(Law):
 
     Attributes
     ----------
-    name : str
-        Of the law.
-    constants : type
-        NamedTuple of the kernels' constants, by whose type the kernels are chosen.
-    inlined : tuple of str
-        Fields whose kernels must be merged into the loop that calls them.
-    helpers : tuple of callable
-        Plain functions that the kernels call.
     force : callable
         Kernel (constants, i, before, free, deepest, inertia) -> normal force [N].
     stored : callable

@@ -26,9 +26,6 @@ TOLERANCE, MOST = 1e-10, 300
 """Residual over the load at which conjugate gradients end, and iterations that they may take: 15 to 45 are usual, more
 on elements that are very long."""
 
-SWEEPS = {"presmoother": "forward", "postsmoother": "backward"}
-"""Sweeps of Gauss and Seidel before and after; together they make a symmetric cycle."""
-
 PROLONGATION = ("jacobi", {"weighting": "local", "omega": 1.8})
 """Weights by sums of rows need no eigenvalues; of factors from 4/3 to 2 this one takes the fewest iterations."""
 
@@ -68,7 +65,8 @@ class Multigrid:
             improve_candidates=None,
             smooth=PROLONGATION,
             max_coarse=COARSEST,
-            **{name: ("gauss_seidel", {"sweep": sweep}) for name, sweep in SWEEPS.items()},
+            presmoother=("gauss_seidel", {"sweep": "forward"}),  # with the other one a symmetric cycle
+            postsmoother=("gauss_seidel", {"sweep": "backward"}),
         )
         *finer, coarsest = self._levels.levels
         for level in finer:  # without blocks SciPy multiplies a third faster
@@ -85,7 +83,9 @@ class Multigrid:
         ordered, status = cg(stiffness, load[self._order], rtol=TOLERANCE, maxiter=MOST, M=cycle)
         if status != 0 or not np.isfinite(ordered).all():
             raise NotConvergedError(f"{MOST} iterations leave a residual above {TOLERANCE:g} of the load")
-        return self._in_order(ordered)
+        placed = np.empty_like(ordered)
+        placed[self._order] = ordered
+        return placed
 
     def _improved(self, residual: np.ndarray) -> np.ndarray:
         """One cycle, free of rigid motion before and after: what the coarsest level makes of it is rounding, divided
@@ -119,11 +119,6 @@ class Multigrid:
         if np.linalg.norm(stiffness @ mode - square * weights * mode) > 10.0 * tolerance:
             raise NotConvergedError(f"{MODE_STEPS} steps do not find the lowest mode")
         return float(square)
-
-    def _in_order(self, values: np.ndarray) -> np.ndarray:
-        placed = np.empty_like(values)
-        placed[self._order] = values
-        return placed
 
 
 Solve = Callable[[np.ndarray], np.ndarray]

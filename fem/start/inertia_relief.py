@@ -277,11 +277,6 @@ def statics(model: PlateModel, start: RigidStart) -> Statics:
     return Statics(-float(model.loop.mass @ moved / model.mass), gap)
 
 
-def static_deflection(model: PlateModel, start: RigidStart) -> float:
-    """Displacement [m] of the centre of mass towards the wall by the reaction at the start."""
-    return statics(model, start).deflection
-
-
 def damping_lag(model: PlateModel, start: RigidStart) -> float:
     """Distance [m] by which the damping of elastic velocities holds back the corner in the slow change of the state."""
     behind = lag_by_damping(model, relieved_fields(model, start).rate)

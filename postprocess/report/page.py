@@ -186,19 +186,13 @@ def pairs(entries: Mapping[str, Any] | Sequence[tuple[Any, ...]], **more: Any) -
     return Table(used, [dict(zip(("what", "value", "unit"), line, strict=True)) for line in lines], **more)
 
 
-FORMAT = "%.17g"
-NOT_FINITE = re.compile(r"-?(nan|inf)")
-
-
 def write_history(path: Path, columns: Mapping[str, ArrayLike]) -> Path:
-    """Writes the columns, name -> values of shape (n,), in the mapping's order."""
+    """Writes the columns, name -> values of shape (n,), in the mapping's order; empty where they are not finite."""
     table = np.column_stack([_column(name, values) for name, values in columns.items()])
-    line = ",".join([FORMAT] * table.shape[1])
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(",".join(columns) + "\n")
-        for row in table:
-            text = line % tuple(row)
-            file.write((text if np.isfinite(row).all() else NOT_FINITE.sub("", text)) + "\n")
+        for row in table.tolist():
+            file.write(",".join(f"{value:.17g}" if math.isfinite(value) else "" for value in row) + "\n")
     return path
 
 

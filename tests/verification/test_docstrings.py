@@ -140,9 +140,11 @@ def fields_of(kind: type) -> dict[str, str]:
 
 
 def class_faults(kind: type) -> Iterator[str]:
-    """What the docstrings of a class and its public methods lack."""
-    found = sections(inspect.getdoc(kind) or "")
-    described = entries(found.get("Parameters", "")) | entries(found.get("Attributes", ""))
+    """What the docstrings of a class and its public methods lack; fields of a base class are described there."""
+    described: dict[str, str] = {}
+    for each in kind.__mro__[:-1]:
+        found = sections(inspect.cleandoc(each.__doc__ or ""))
+        described |= entries(found.get("Parameters", "")) | entries(found.get("Attributes", ""))
     properties = {n for n, value in vars(kind).items() if isinstance(value, property | cached_property)}
     given = fields_of(kind)
     yield from lacking(

@@ -98,7 +98,7 @@ def deflection_ratio(case: RigidStages, model: PlateModel) -> float:
     """Static deflection of the plate's centre at the start, over its travel to the wall."""
     from fem.start import inertia_relief
 
-    return abs(inertia_relief.static_deflection(model, rigid_start(case))) / centre_travel(case)
+    return abs(inertia_relief.statics(model, rigid_start(case)).deflection) / centre_travel(case)
 
 
 def centre_travel(case: RigidStages) -> float:
