@@ -79,12 +79,9 @@ class OdeMotion:
     ----------
     strike : MotionState
         The state at theta = 0.
-    evaluations : int
-        Evaluations of the right-hand side until then.
     """
 
     strike: MotionState[float]
-    evaluations: int
     _equations: _Equations = field(repr=False)
     _dense: Callable[[Array], Array] = field(repr=False)
 
@@ -179,7 +176,7 @@ def integrate_odes(
     y, delay = last.y[:, -1], last.y[2, -1] / last.y[1, -1]
     y = y + delay * equations.rates(t, y)
     y[2] = 0.0
-    return OdeMotion(equations.state(t + delay, y), run.nfev + last.nfev, equations, run.sol)
+    return OdeMotion(equations.state(t + delay, y), equations, run.sol)
 
 
 @dataclass(frozen=True)

@@ -45,11 +45,6 @@ class State(NamedTuple):
     sums: np.ndarray
     origin: np.ndarray
 
-    @property
-    def positions_on_wall(self) -> np.ndarray:
-        """Positions in the wall's frame [m], shape (2, nodes)."""
-        return self.positions + np.array([[self.origin[0]], [0.0]])
-
 
 def react(loop: Any, state: Any, lost: float, force: Any) -> float:
     """Add the wall's reaction, and what it and the damping, power `lost`, do to the sums; returns the place [m] of the

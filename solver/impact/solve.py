@@ -286,24 +286,30 @@ def solve_impacts(
     RigidBodyError
         As `solve_impact`, for the first row that has no answer.
     """
-    given = {
-        "length": length, "width": width, "mass": mass, "speed": speed, "angle": angle, "stiffness": stiffness,
-        "restitution": restitution, "friction": friction, "initial_force": initial_force,
-    }  # fmt: skip
-    shape, v = _gathered(given, centre_of_mass, yaw_inertia)
-    places = vehicles.corner_places(v["centre"], v["length"], v["width"])
-    stiffness, force, e, mu = (
-        np.tile(v[name], (4, 1)) for name in ("stiffness", "initial_force", "restitution", "friction")
-    )
-    n = v["mass"].size
+    size = number("length", length), number("width", width), number("mass", mass)
+    centre = 0.5 * size[0] if centre_of_mass is None else number("centre_of_mass", centre_of_mass)
+    inertia = vehicles.uniform_inertia(*size) if yaw_inertia is None else number("yaw_inertia", yaw_inertia)
+    forces = number("stiffness", stiffness), number("initial_force", initial_force)
+    ratios = number("restitution", restitution), number("friction", friction)
+    motion = number("speed", speed), number("angle", angle)
+    arrays = np.broadcast_arrays(*size, centre, inertia, *forces, *ratios, *motion)
+    shape, flat = arrays[0].shape, (np.ravel(array).astype(float) for array in arrays)
+    long, wide, m, a, i, k, force, e, mu, v, theta = flat
+    vehicles.demand_body(long, wide, m, a, i, yaw_inertia is not None)
+    vehicles.demand_law(k, force, e)
+    gate = Gate()
+    gate.positive(rules.SPEED, v)
+    gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
+    gate.not_negative(rules.FRICTION, mu)
+    places, none = vehicles.corner_places(a, long, wide), np.zeros((0, m.size))
+    k, force, e, mu = (np.tile(each, (4, 1)) for each in (k, force, e, mu))
     train = Train(
-        v["mass"][None], v["inertia"][None], np.zeros((0, n)), np.zeros((0, n)), np.zeros(4, dtype=np.int64),
-        np.arange(4), places[:, 0], places[:, 1], stiffness, force, e, mu, np.zeros((1, 3, n)),
+        m[None], i[None], none, none, np.zeros(4, dtype=np.int64), np.arange(4), places[:, 0], places[:, 1],
+        k, force, e, mu, np.zeros((1, 3, m.size)),
     )  # fmt: skip
-    start = vehicles.touching(v["centre"], v["width"], v["angle"], v["speed"])
     found = solve_trains(
-        train, np.stack(start, axis=-1)[:, None], interval=interval, after_second=after_second,
-        longest=longest, tolerance=tolerance,
+        train, np.stack(vehicles.touching(a, wide, theta, v), axis=-1)[:, None], interval=interval,
+        after_second=after_second, longest=longest, tolerance=tolerance,
     )  # fmt: skip
     corner, first, last, peak, impulse = (
         value.T.reshape(2, *shape) for value in np.moveaxis(found.strikes, -1, 0)[:5]
@@ -323,23 +329,3 @@ def _mean_forces(found: Trajectories, interval: float | None) -> Array:
     over = instants >= found.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
     last = np.where(over, -math.inf, impulse)
     return np.diff(np.maximum.accumulate(last, axis=1), axis=1).T / interval
-
-
-def _gathered(
-    given: dict[str, Number], centre: Number | None, inertia: Number | None
-) -> tuple[tuple[int, ...], dict[str, Array]]:
-    """The common shape of the arguments, and flat arrays of them that have passed the rules."""
-    values = {key: number(key, value) for key, value in given.items()}
-    size = values["length"], values["width"], values["mass"]
-    values["centre"] = 0.5 * size[0] if centre is None else number("centre_of_mass", centre)
-    values["inertia"] = vehicles.uniform_inertia(*size) if inertia is None else number("yaw_inertia", inertia)
-    arrays = np.broadcast_arrays(*values.values())
-    v = {key: np.ravel(array).astype(float) for key, array in zip(values, arrays, strict=True)}
-    size = v["length"], v["width"], v["mass"]
-    vehicles.demand_body(*size, v["centre"], v["inertia"], inertia is not None)
-    vehicles.demand_law(v["stiffness"], v["initial_force"], v["restitution"])
-    gate = Gate()
-    gate.positive(rules.SPEED, v["speed"])
-    gate.demand(rules.TOUCH_ANGLE, (v["angle"] > 0.0) & (v["angle"] < math.pi / 2.0), v["angle"])
-    gate.not_negative(rules.FRICTION, v["friction"])
-    return arrays[0].shape, v

@@ -138,11 +138,6 @@ class ImpactVehicle:
         return uniform_inertia(self.length, self.width, self.mass)
 
     @property
-    def greatest_inertia(self) -> float:
-        """Greatest inertia of any body of that mass, size and centre of mass, m (a (L - a) + B^2/4) [kg m^2]."""
-        return greatest_inertia(self.length, self.width, self.mass, self.front_distance)
-
-    @property
     def reach(self) -> float:
         """Distance from the centre of mass to the farthest corner [m]."""
         return math.hypot(max(self.front_distance, self.length - self.front_distance), self.width / 2.0)

@@ -212,7 +212,7 @@ def test_positions_stay_within_the_span(plate_model, threads):
         assert abs(state.positions[0, corner]) <= model.loop.span + 1e-2
     row = stepper.measure(state)
     assert state.origin[0] > 7.0
-    assert row.slide == pytest.approx(state.positions_on_wall[0, corner], rel=1e-14)
+    assert row.slide == pytest.approx(state.positions[0, corner] + state.origin[0], rel=1e-14)
     assert row.slide == pytest.approx(25.053 * 5000 * model.loop.time_step, rel=0.05)
 
 
