@@ -122,7 +122,9 @@ class ImpactStepper(runner.PlateStepper):
         return runner.Recorded(np.hstack(rows), state, later)
 
 
-def compile_impact_loop(model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling) -> None:
+def compile_impact_loop(
+    model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling
+) -> None:
     """Compile, or load from disk, all that a run of this model needs; see `fem.run.corner.compile_loop`."""
     stepper = ImpactStepper(model)
     touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
