@@ -1,11 +1,12 @@
 """Prints what people wait for, as ratios to another checkout: processes, rows of a sweep, a large plate, threads.
 
-    .venv/bin/python benchmarks/process.py OTHER [--rounds 7] [--only WORDS]... [--million]
+    .venv/bin/python benchmarks/process.py OTHER [--rounds 7] [--only WORDS]... [--million] [--companions]
 
 OTHER is the folder of another checkout of this repository; it runs in the same environment. Runs of the two follow each
 other in turn, after one of each that compiles. A ratio is a median of the rounds, with its least and greatest; that of
 processor time beside it is hardly touched by other programs. Threads are held against one thread of this checkout, with
-as many cores kept busy as said. Ten minutes for all but --million, which takes one more and 4 GiB.
+as many cores kept busy as said. Ten minutes for all but --million, which takes one more and 4 GiB,
+and --companions, which holds whole runs with companions against those without, of this checkout alone, for five.
 """
 
 from __future__ import annotations
@@ -164,6 +165,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--only", action="append", default=[])
     parser.add_argument("--million", action="store_true")
+    parser.add_argument("--companions", action="store_true")
     given = parser.parse_args()
     other, rounds = given.other.resolve(), given.rounds
     whole = {
@@ -206,6 +208,22 @@ def main() -> None:
             print_it()
     if given.million:
         million()
+    if given.companions:
+        with_companions()
+
+
+def with_companions() -> None:
+    """Rows of the table: whole runs with companions over those without."""
+    for mesh, rounds in (("[20,6]", 7), ("[320,96]", 2)):
+        command = ("run", "paper-table-3", "--no-pictures", "--set", f"plate.elements={mesh}")
+        without = (*command, "--set", "verify.companion=false")
+
+        def measure(
+            checkout: Path, command: Sequence[str] = command, without: Sequence[str] = without
+        ) -> Spent:
+            return process(ROOT, command if checkout == ROOT else without)
+
+        compared(f"companions, {mesh} elements", "1.25", measure, ROOT / "without", rounds)
 
 
 SHORT = "start.angle=0.001"
