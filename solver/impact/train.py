@@ -16,7 +16,7 @@ from solver.rules import Array, Gate, Number
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
 HALVES = ((0, 1), (1, 0), (2, 3), (3, 2), (0, 2), (2, 0), (1, 3), (3, 1))
-"""Of the sides: the corner that each begins at, to the middle, and the one beyond it."""
+"""Halves of the sides: the corner that each begins at, and the one that its side leads to."""
 
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
 
