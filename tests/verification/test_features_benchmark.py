@@ -1,11 +1,9 @@
 """Verification: benchmarks/features.py: its bare loop computes what the program's does and has no code for a part; its
 verdicts on made-up times, whose ratios are known; its counts of instructions and sums of imports."""
 
-import importlib.util
 import sys
-from pathlib import Path
-from typing import Any
 
+import features as benchmark
 import numpy as np
 import pytest
 
@@ -27,24 +25,11 @@ def scene_of(*changes):
     return read_scene(SCENE, changes)[0]
 
 
-def load_benchmark():
-    path = Path(__file__).parents[2] / "benchmarks" / "features.py"
-    spec = importlib.util.spec_from_file_location("features_benchmark", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # where its dataclasses look for their types
-    spec.loader.exec_module(module)
-    return module
-
-
-benchmark = load_benchmark()
-
-
 @pytest.fixture(scope="module")
 def models():
     """Of a scene that has parts itself."""
     changes = ("damping.ratio=0.1", "corner.patch_length=2", "material.law=neo-hookean", "time.threads=3")
-    found: dict[str, Any] = benchmark.models_of(scene_of(*changes))
-    return found
+    return benchmark.models_of(scene_of(*changes))
 
 
 ASSEMBLY = """
@@ -125,8 +110,8 @@ def test_each_part_is_added_alone(models):
 
 
 def test_turns_go_forwards_and_back():
-    order: list[int] = []
-    runs = [lambda i=i: float(order.append(i) or 10 * len(order) + i) for i in range(3)]  # type: ignore[func-returns-value]
+    order = []
+    runs = [lambda i=i: float(order.append(i) or 10 * len(order) + i) for i in range(3)]
     table = benchmark.take_turns(runs, 3)
     assert order == [0, 1, 2, 2, 1, 0, 0, 1, 2]
     assert table.tolist() == [[10, 21, 32], [60, 51, 42], [70, 81, 92]]

@@ -1,9 +1,9 @@
 """Verification: who may import whom, no import circles, folders that one can read, light imports."""
 
-import importlib.util
 from pathlib import Path
 
 import pytest
+import structure
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = {"solver", "meshes", "fem", "postprocess", "tailslap"}
@@ -12,19 +12,9 @@ MAX_CLIMBS = 4
 HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "numba"}
 
 
-def structure():
-    spec = importlib.util.spec_from_file_location("structure", ROOT / "benchmarks" / "structure.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def graph():
-    tool = structure()
-    paths = {tool.module_name(path): path for path in tool.sources()}
-    return {name: set(tool.imports(path, set(paths))) for name, path in paths.items()}
+    paths = {structure.module_name(path): path for path in structure.sources()}
+    return {name: set(structure.imports(path, set(paths))) for name, path in paths.items()}
 
 
 COMPILED = {f"solver.impact.{name}" for name in ("step", "trajectories", "solve")}
@@ -66,11 +56,11 @@ def test_nothing_imports_the_command_line():
 
 def test_no_import_circle():
     """Not within functions, and not for types either."""
-    assert structure().circles() == []
+    assert structure.circles() == []
 
 
 def test_no_folder_lists_more_modules_than_one_reads():
-    found = {folder: count for folder, count in structure().flat().items() if count > MOST}
+    found = {folder: count for folder, count in structure.flat().items() if count > MOST}
     assert not found
 
 
@@ -84,13 +74,12 @@ def test_importing_postprocess_loads_nothing_heavy(python):
 
 
 def test_every_package_says_what_is_in_it():
-    tool = structure()
-    packages = [path for path in tool.sources() if path.name == "__init__.py"]
+    packages = [path for path in structure.sources() if path.name == "__init__.py"]
     assert not [path for path in packages if not path.read_text(encoding="utf-8").startswith('"""')]
 
 
 def test_data_walks_one_way():
     """Up to the time loop the calls of a run return from `fem` to `tailslap` at its four decisions alone."""
-    _, climbs, meshes = structure().trace()
+    _, climbs, meshes = structure.trace()
     assert climbs <= MAX_CLIMBS
     assert meshes == 1

@@ -1,7 +1,6 @@
 """Verification: the site builds without a warning, its references are the program's, its commands and code run."""
 
 import contextlib
-import importlib.util
 import inspect
 import re
 import runpy
@@ -15,6 +14,7 @@ import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import generate
 import pytest
 
 import tailslap
@@ -68,16 +68,7 @@ ELSEWHERE = ("dask scheduler\n", "python3 bootstrap.py --dev && ")
 """Beginnings of blocks that run elsewhere: in `test_the_cluster_s_commands_run`, and the install and these tests."""
 
 
-def generator():
-    spec = importlib.util.spec_from_file_location("generate", DOCS / "generate.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-PAGES = generator().pages()
+PAGES = generate.pages()
 
 
 def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
