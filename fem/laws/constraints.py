@@ -166,7 +166,7 @@ class CornerConstraint(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What it is, for reports."""
+        """Name of the constraint in reports."""
         return CONSTRAINTS.of(self.constraint).text + (" with a dashpot" if self.dashpot else "")
 
     @property
