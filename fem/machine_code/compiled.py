@@ -38,8 +38,8 @@ LOOP = "the time loop of this kind of model"
 _FINDING = threading.RLock()
 
 _PENDING: list[tuple[Callable[..., Any], Callable[..., Any], str]] = []
-"""Functions that Numba has not been given yet: a generic function; a function of Numba's types of its arguments, which returns
-what the generic is in compiled code; and "always" or "never", whether that is merged into its caller."""
+"""Functions that Numba has not been given yet: a generic function; a function of Numba's types of its arguments, which
+returns what the generic is in compiled code; and "always" or "never", whether that is merged into its caller."""
 
 CALLABLE = {"no_cpython_wrapper": False, "inline": "never"}
 """Options by which Python can call what Numba makes."""
