@@ -25,6 +25,7 @@ import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -197,84 +198,122 @@ MADE = {
 """Commands whose results are damaged."""
 
 
-def results(count: int, seed: int) -> Judged:
-    """Files of results, then read by load, compare and export, also by force; and by the sweep, which goes on."""
-    folder = Path(tempfile.mkdtemp())
-    for kind, words in MADE.items():
-        assert said_by(*words, "--out", folder / kind)[0] in (0, 1), kind
-    whole, at_work = shutil.copytree(folder, folder.with_name(f"{folder.name}-whole")), folder / "out"
-    files = sorted(path.relative_to(whole) for path in whole.rglob("*") if path.is_file())
-    read = [name for name in files if name.suffix not in (".svg", ".html", ".png", ".gif")]
+@dataclass(frozen=True)
+class Results:
+    """Results whose files are damaged, in a folder each; whole: copies that stay as they are."""
 
-    def load(kind: str, forced: bool) -> str:
-        def numbers(place: Path) -> str:
-            found = __import__("tailslap").load(place, force=forced)
-            arrays = {label: {n: c.tolist() for n, c in h.items()} for label, h in found.histories.items()}
-            fields = vars(found.fields) if found.make_fields else {}
-            return repr((found.command, found.scene, found.passed, found.summary, arrays, fields))
+    folder: Path
+    whole: Path
 
-        def told() -> tuple[int, str]:
-            with warnings.catch_warnings(record=True) as remarks:
-                warnings.simplefilter("always")
-                try:
-                    shown.append(numbers(folder / kind))
-                except InputError as error:
-                    return 2, str(error).replace("\n", " ")
-            return 0, "".join(f": remark: {each.message}\n" for each in remarks)
+    @property
+    def at_work(self) -> Path:
+        """Where commands write that read a damaged result."""
+        return self.folder / "out"
 
+    @property
+    def expected(self) -> Path:
+        """Where they write that read a whole one."""
+        return self.folder / "expected"
+
+    def files(self) -> list[Path]:
+        """Files that are read again, beginning with the kind of result."""
+        files = sorted(path.relative_to(self.whole) for path in self.whole.rglob("*") if path.is_file())
+        return [name for name in files if name.suffix not in (".svg", ".html", ".png", ".gif")]
+
+    def restore(self, kind: str) -> None:
+        """Make a result whole again, and remove what was written."""
+        for place in (self.folder / kind, self.at_work, self.expected):
+            shutil.rmtree(place, ignore_errors=True)
+        shutil.copytree(self.whole / kind, self.folder / kind)
+
+    def load(self, kind: str, forced: bool) -> str:
+        """Judge `tailslap.load`."""
         from tailslap import InputError
 
-        shown: list[str] = []
-        with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
-            return judged(*told(), lambda: shown[0] == numbers(whole / kind), forced)
+        shown, status, refusal = "", 0, ""
+        with (
+            np.printoptions(threshold=sys.maxsize, floatmode="unique"),
+            warnings.catch_warnings(record=True) as remarks,
+        ):
+            warnings.simplefilter("always")
+            try:
+                shown = numbers_of(self.folder / kind, forced)
+            except InputError as error:
+                status, refusal = 2, str(error).replace("\n", " ")
+            told = refusal or "".join(f": remark: {each.message}\n" for each in remarks)
+            return judged(status, told, lambda: shown == numbers_of(self.whole / kind, forced), forced)
 
-    def command(words: tuple[str, ...], kind: str, forced: bool) -> str:
+    def command(self, words: tuple[str, ...], forced: bool) -> str:
+        """Judge a command; @KIND among its words is a result."""
+
         def made(place: Path, out: Path) -> tuple[int, str, str]:
             given = [str(place / word.strip("@")) if "@" in word else word for word in words]
             return said_by(*given, "--out", out, *["--force"] * forced)
 
-        status, shown, told = made(folder, at_work)
-        if status == 2 and at_work.exists():
-            return "BAD refused, and something written"
-
         def is_right() -> bool:
-            _, expected, _ = made(whole, folder / "expected")
-            return shown.replace(str(at_work), "") == expected.replace(str(folder / "expected"), "") and all(
-                path.read_bytes() == (at_work / path.name).read_bytes()
-                for path in (folder / "expected").iterdir()
-                if path.suffix in (".csv", ".json") and path.name[0] != "."
-            )
+            _, expected, _ = made(self.whole, self.expected)
+            same = shown.replace(str(self.at_work), "") == expected.replace(str(self.expected), "")
+            return same and all(map(self._is_written, self.expected.iterdir()))
 
+        status, shown, told = made(self.folder, self.at_work)
+        if status == 2 and self.at_work.exists():
+            return "BAD refused, and something written"
         return judged(status, told, is_right, forced)
 
-    def go_on() -> str:
-        line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", folder / "sweep"]
+    def _is_written(self, path: Path) -> bool:
+        """True where a file of numbers has the same bytes, and for any other file."""
+        if path.suffix not in (".csv", ".json") or path.name[0] == ".":
+            return True
+        return path.read_bytes() == (self.at_work / path.name).read_bytes()
+
+    def go_on(self) -> str:
+        """Judge the sweep, which makes anew what is lost."""
+        line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", self.folder / "sweep"]
         given = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
         done = subprocess.run(line, env=given, capture_output=True, text=True, check=False)
-        return judged(done.returncode, done.stderr, lambda: rows(folder / "sweep") == rows(whole / "sweep"))
+        found, whole = self.folder / "sweep", self.whole / "sweep"
+        return judged(done.returncode, done.stderr, lambda: rows(found) == rows(whole))
 
-    chance = random.Random(seed)
+    def readers(self, kind: str, forced: bool) -> dict[str, Callable[[], str]]:
+        """Judgements of what reads a result of this kind, by name."""
+        return {
+            "load": lambda: self.load(kind, forced),
+            "compare": lambda: self.command(("compare", "@other", f"@{kind}", "--json"), forced),
+            "export": lambda: self.command(("export", f"@{kind}", "--to", "csv"), forced),
+        }
+
+
+def numbers_of(place: Path, forced: bool) -> str:
+    """All numbers of a result, to the bit."""
+    import tailslap
+
+    found = tailslap.load(place, force=forced)
+    arrays = {label: {n: c.tolist() for n, c in h.items()} for label, h in found.histories.items()}
+    fields = vars(found.fields) if found.make_fields else {}
+    return repr((found.command, found.scene, found.passed, found.summary, arrays, fields))
+
+
+def made_results() -> Results:
+    """Results of all commands, and their copies."""
+    folder = Path(tempfile.mkdtemp())
+    for kind, words in MADE.items():
+        assert said_by(*words, "--out", folder / kind)[0] in (0, 1), kind
+    return Results(folder, shutil.copytree(folder, folder.with_name(f"{folder.name}-whole")))
+
+
+def results(count: int, seed: int) -> Judged:
+    """Files of results, then read by load, compare and export, also by force; and by the sweep, which goes on."""
+    made, chance = made_results(), random.Random(seed)
+    read = made.files()
     for _ in range(count):
         name, how, forced = chance.choice(read), chance.choice(HOWS), chance.random() < 0.3
-        kind, other = name.parts[0], whole / chance.choice([n for n in read if n != name])
-        damage(folder / name, how, other, chance)
-        readers = {
-            "load": lambda kind=kind, forced=forced: load(kind, forced),
-            "compare": lambda kind=kind, forced=forced: command(
-                ("compare", "@other", f"@{kind}", "--json"), kind, forced
-            ),
-            "export": lambda kind=kind, forced=forced: command(
-                ("export", f"@{kind}", "--to", "csv"), kind, forced
-            ),
-        }
+        kind, other = name.parts[0], made.whole / chance.choice([n for n in read if n != name])
+        damage(made.folder / name, how, other, chance)
+        readers = made.readers(kind, forced)
         reader = chance.choice([*readers, *["go on"] * (2 * (kind == "sweep"))])
-        yield (
-            f"{kind}, {reader}{' by force' * (forced and reader in readers)}, {how}",
-            in_child(readers.get(reader, go_on)),
-        )
-        for place in (folder / kind, at_work, folder / "expected"):
-            shutil.rmtree(place, ignore_errors=True)
-        shutil.copytree(whole / kind, folder / kind)
+        by_force = " by force" * (forced and reader in readers)
+        yield f"{kind}, {reader}{by_force}, {how}", in_child(readers.get(reader, made.go_on))
+        made.restore(kind)
 
 
 def rows(place: Path) -> list[str]:

@@ -23,7 +23,7 @@ from fem.run.corner import Stepper, simulate
 from fem.start.inertia_relief import RigidStart, to_global
 from fem.start.start_kinds import start_fields
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.run import CornerOutcome
+from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.scene.read import read_scene
 
 SIZES = ((4.0, 1.5), (10.0, 2.438), (19.0, 2.7))

@@ -18,7 +18,8 @@ from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.report import RIGID, SOFT, charts
-from tailslap.studies.stability.compute import MAP_KINDS, axes_of
+from tailslap.studies.stability.axes import axes_of
+from tailslap.studies.stability.compute import MAP_KINDS
 
 DOCS = Path(__file__).parents[1] / "docs"
 SHOWN = (

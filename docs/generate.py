@@ -245,7 +245,7 @@ def _entries(body: str) -> str:
 
 def commands_page() -> str:
     """What each command says of itself."""
-    from tailslap.cli import commands, study_command
+    from tailslap.commands import commands, study_command
     from tailslap.studies import find_study, study_names
 
     every: Mapping[str, click.Command] = {

@@ -17,10 +17,9 @@ __all__, __getattr__ = lazily(
         "laws.friction": "FRICTION_LAWS FrictionLaw",
         "model.plate_model": "PlateModel build_model",
         "plate.kinds": "ELEMENT_KINDS LUMPINGS ElementKind Lumping",
-        "plate.properties": "CornerProperties ModelError PlateProperties StepProperties",
+        "plate.properties": "CornerProperties ModelError PlateProperties RigidStart StepProperties",
         "explicit.columns": "COLUMNS HistoryColumn",
         "run.corner": "Run simulate",
-        "start.inertia_relief": "RigidStart",
         "start.start_kinds": "START_KINDS StartKind",
     },
 )

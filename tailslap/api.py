@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,15 +23,16 @@ from postprocess.report import page
 from postprocess.report.report import labelled_text, printed
 from postprocess.units import SYSTEMS
 from tailslap import result
-from tailslap.case import case_of
+from tailslap.case import case_of, cost
 from tailslap.case.case import Case
+from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError, Verbatim
 from tailslap.files import load
+from tailslap.files.folder import result_folder
 from tailslap.scene import read
 from tailslap.scene.vary import Source, parse_changes, shown, vary
-
-if TYPE_CHECKING:
-    from tailslap.studies.study import Study
+from tailslap.studies import find_study
+from tailslap.studies.study import Study, checked_options, prepared
 
 Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
 """Name of a scene that comes with the program, path of a TOML file, the tables themselves, or a case made of them."""
@@ -340,10 +341,6 @@ def study(
     >>> found.summary["study"], found.passed
     ('uncertainty', None)
     """
-    from tailslap.files.folder import result_folder
-    from tailslap.studies import find_study
-    from tailslap.studies.study import checked_options, prepared
-
     chosen = find_study(name)
     own, out = checked_options(chosen, options), None if folder is None else Path(folder)
     case, place, origin = prepared(chosen, os.fspath(scene), _texts(changes), out, allow_large, own)
@@ -504,8 +501,6 @@ def _case(scene: Scene, changes: Changes | None) -> Case:
 
 def _affordable(scene: Scene, changes: Changes | None, allow_large: bool) -> Case:
     """The case of a scene with a plate that this machine can carry. Raises InputError."""
-    from tailslap.case import cost
-
     case = _case(scene, changes)
     cost.demand_run(case.scene, case.duration, allow_large)
     return case
@@ -513,8 +508,6 @@ def _affordable(scene: Scene, changes: Changes | None, allow_large: bool) -> Cas
 
 def _corner_plan(scene: Scene, changes: Changes | None, allow_large: bool) -> Any:
     """The plan of a constrained corner. Raises InputError for a whole impact."""
-    from tailslap.case.corner.case import CornerCase
-
     case = _affordable(scene, changes, allow_large)
     return CornerCase(case.scene, case.source).plan()
 

@@ -14,9 +14,10 @@ import numpy as np
 
 import tailslap
 from fem.modal import model as modal
-from fem.modal.model import ModalMotion
+from fem.modal.model import ModalMotion, integrate, modal_plate, modal_start, with_fewer_modes
 from fem.model.plate_model import PlateModel
 from fem.plate import elastic
+from fem.start.inertia_relief import relieved_fields
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.figures.plates import draw_mode
 from postprocess.report.page import Column, Section, Table, columns
@@ -93,9 +94,6 @@ def modal_run(
 
     steps: to the rigid tail-slap. Raises InputError for what the modal model does not have.
     """
-    from fem.modal.model import integrate, modal_plate, modal_start, with_fewer_modes
-    from fem.start.inertia_relief import relieved_fields
-
     _admit(fe_plan, modes)
     model, start, duration = fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t
     began = time.perf_counter()
@@ -127,10 +125,8 @@ def modal_run(
 
 def _admit(fe_plan: CornerPlan, modes: int) -> None:
     """InputError for what the modal model does not have."""
-    from fem.plate.elastic import most_modes
-
     scene, plate = fe_plan.case.scene, fe_plan.plate
-    most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
+    most = max(0, (elastic.most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
     if not 0 <= modes <= most:
         raise InputError("--modes", modes, f"allowed with this mesh is a whole number from 0 to {most}")
     if plate.start != "inertia-relief":

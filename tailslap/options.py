@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from tailslap import progress
+from tailslap.scene import read, schema
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -82,16 +83,12 @@ def _progress(context: click.Context, parameter: click.Parameter, given: bool) -
 
 def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Names of shipped scenes and TOML files, for the completion of a shell."""
-    from tailslap.scene import read
-
     names = [*read.shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
     return [name for name in names if name.startswith(typed)]
 
 
 def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Keys of a scene, with the equals sign."""
-    from tailslap.scene import schema
-
     return [f"{key}=" for key in schema.MEANINGS if key.startswith(typed)]
 
 

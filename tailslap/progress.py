@@ -49,42 +49,33 @@ def announced(text: str) -> Iterator[None]:
 @contextmanager
 def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]]:
     """Yield a function that takes the fraction done, 0 to 1, of `total` things; silent where there is no terminal."""
-    began, done = time.monotonic(), 0.0
-
-    def line() -> str:
-        elapsed = time.monotonic() - began
-        count = f"{round(done * total)} of {total}" if total else f"{100.0 * done:.0f} %"
-        rate = f", {done * total / elapsed:.3g}/s" if total and done else ""
-        return f"{label}: {count}{rate}, {_left(1.0 - done, done, elapsed)}"
-
-    def show(fraction: float) -> None:
-        nonlocal done
-        done = fraction
-        log()
-
-    with _shown(line, lambda: done, None) as log:
-        yield show
+    with counted(label, total, 0, None) as show:
+        yield lambda fraction: show(fraction * max(total, 1))
 
 
 @contextmanager
-def counted(label: str, total: int, before: int) -> Iterator[Callable[..., None]]:
+def counted(
+    label: str, total: int, before: int, logged: float | None = LOGGED_EVERY
+) -> Iterator[Callable[..., None]]:
     """Yield a function that takes how many of `total` are done, and a note; it logs where there is no terminal.
 
-    before: how many were done when this begins, which count for no rate.
+    total: 0 where a fraction is shown in per cent. before: how many were done when this begins, which count for no
+    rate. logged: seconds between log lines, None for none.
     """
-    began, done, note = time.monotonic(), before, ""
+    began, done, note = time.monotonic(), float(before), ""
 
     def line() -> str:
         elapsed, own = time.monotonic() - began, done - before
-        rate = f", {own / elapsed:.3g}/s" if own else ""
-        return f"{label}: {done} of {total}{rate}, {_left(total - done, own, elapsed)}{note}"
+        count = f"{round(done)} of {total}" if total else f"{100.0 * done:.0f} %"
+        rate = f", {own / elapsed:.3g}/s" if total and own else ""
+        return f"{label}: {count}{rate}, {_left(max(total, 1) - done, own, elapsed)}{note}"
 
-    def show(count: int, remark: str = "") -> None:
+    def show(count: float, remark: str = "") -> None:
         nonlocal done, note
         done, note = count, remark
         log()
 
-    with _shown(line, lambda: done / max(total, 1), LOGGED_EVERY) as log:
+    with _shown(line, lambda: done / max(total, 1), logged) as log:
         yield show
 
 

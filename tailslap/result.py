@@ -5,36 +5,38 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from postprocess.comparison import quantities
+from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
 from postprocess.report.page import Table, plain
-from postprocess.units import SI, measure
+from postprocess.report.report import Report, in_units, printed, write_report
+from postprocess.units import SI, SYSTEMS, measure
 from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.files.folder import result_folder
+from tailslap.files.manifest import Origin
 
 if TYPE_CHECKING:
     import pyvista
 
     from postprocess.fields.series import FieldSeries
-    from postprocess.figures.histories import HistoryPlot
-    from postprocess.report.report import Report
 
 Fill = Callable[[Path, bool, str], "Report | None"]
 """Fills an empty folder with a result's files, with pictures or without, in units "si" or "us"; returns its report."""
 
-RIGID, FE = "rigid", "FE"
+RIGID: str = "rigid"
+FE: str = "FE"
 
-SHOWN = 5
-"""Rows that a notebook shows at each end."""
+SHOWN, MOST = 5, 4
+"""Rows that a notebook shows at each end; columns that are drawn at most, unless they are asked for."""
 
 FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
 """Columns that are drawn unless the caller says otherwise, where they are there."""
-
-MOST = 4
-"""Columns that are drawn at most, unless they are asked for."""
 
 
 def filled_by(make: Callable[[Path, bool, str], Report], page: str = "report.html") -> Fill:
@@ -42,8 +44,6 @@ def filled_by(make: Callable[[Path, bool, str], Report], page: str = "report.htm
 
     def fill(place: Path, pictures: bool, units: str) -> Report:
         report = make(place, pictures, units)
-        from postprocess.report.report import in_units, write_report
-        from postprocess.units import SYSTEMS
 
         if units != "si":
             report = in_units(report, SYSTEMS[units])
@@ -151,8 +151,6 @@ class Columns(Mapping[str, np.ndarray]):
 
 
 def _cells(texts: Iterable[str], tag: str = "td") -> str:
-    from html import escape
-
     return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
 
 
@@ -284,8 +282,6 @@ class Result:
         InputError
             For a column that is not there, or a result without histories.
         """
-        from postprocess.figures.histories import Curve, plot_overlays
-
         drawn = {label: columns for label, columns in self.histories.items() if "t" in columns}
         if not drawn:
             raise InputError("plot", Missing, "this result has no history over time")
@@ -321,9 +317,6 @@ class Result:
         InputError
             Where the folder cannot be written, is in use, was read or holds other files, or the result leaves none.
         """
-        from tailslap.files.folder import result_folder
-        from tailslap.files.manifest import Origin
-
         if self.fill is None:
             raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
         place, origin = Path(folder), Origin(self.command, str(self.summary.get("scene", "")))
@@ -340,13 +333,10 @@ class Result:
     def __str__(self) -> str:
         if self.text:
             return self.text
-        from postprocess.report.report import printed
 
         return printed((*self.tables.values(), self.headline or repr(self)))
 
     def _repr_html_(self) -> str:
-        from html import escape
-
         said = f"<p><b>{escape(self.headline)}</b></p>" if self.headline else ""
         shown = "".join(_table_html(title, table) for title, table in self.tables.items())
         text = "" if said or shown else f"<pre>{escape(self.text or repr(self))}</pre>"
@@ -377,23 +367,14 @@ def of_report(command: str, report: Report, tables: Mapping[str, Any], **more: A
     return Result(command, page.title, summary, said, page.passed, tables, fill=fill, **more)
 
 
-def of_run(
-    summary: dict[str, Any],
-    histories: Mapping[str, Columns],
-    fill: Fill,
-    make_fields: Callable[[], FieldSeries | None] | None,
-    make_ends: Callable[[], FieldSeries] | None = None,
-) -> Result:
-    """The result of a run, just made or read again."""
+def of_run(summary: dict[str, Any], *rest: Any) -> Result:
+    """The result of a run, just made or read again; rest: of the result, from its histories on."""
     said, passed, tables = _run_headline(summary), summary["passed"], _run_tables(summary)
-    return Result(
-        "run", summary["scene"], summary, said, passed, tables, histories, fill, make_fields, make_ends
-    )
+    return Result("run", summary["scene"], summary, said, passed, tables, *rest)
 
 
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Tables of a run from its summary: what was found, and the checks that failed."""
-    from postprocess.comparison import quantities
     from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]

@@ -28,6 +28,25 @@ class ModelError(ValueError):
 
 
 @dataclass(frozen=True)
+class RigidStart:
+    """Motion of the rigid body at t = 0.
+
+    Attributes
+    ----------
+    angle : float
+        Of side PE to the wall [rad].
+    omega : float
+        Spin that closes it [rad/s].
+    corner_speed : float
+        Of the corner along the wall [m/s].
+    """
+
+    angle: float
+    omega: float
+    corner_speed: float
+
+
+@dataclass(frozen=True)
 class Inertia:
     """Inertia of a vehicle that is no uniform rectangle.
 

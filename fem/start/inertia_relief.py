@@ -10,7 +10,6 @@ material, which all materials have at small strain.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,25 +21,7 @@ from fem.model.plate_model import PlateModel
 from fem.plate import elastic
 from fem.plate.discretisation import hourglass_matrix
 from fem.plate.elastic import without_rigid_motion
-
-
-@dataclass(frozen=True)
-class RigidStart:
-    """Motion of the rigid body at t = 0.
-
-    Attributes
-    ----------
-    angle : float
-        Of side PE to the wall [rad].
-    omega : float
-        Spin that closes it [rad/s].
-    corner_speed : float
-        Of the corner along the wall [m/s].
-    """
-
-    angle: float
-    omega: float
-    corner_speed: float
+from fem.plate.properties import RigidStart
 
 
 class RigidAccelerations(NamedTuple):

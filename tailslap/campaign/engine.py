@@ -3,276 +3,31 @@
 A batch is as large as half a second's work, so that what a call costs is shared by many parts; each worker has one
 batch to do and one in waiting. The parts of batches under which a worker died are suspects: each is made alone at the
 end, with nothing else under way, so that one that kills its worker is known for certain.
-
-Workers are processes of this machine, or those of a Dask scheduler; both are a pool that takes calls.
 """
 
-import asyncio
 import contextlib
-import fcntl
-import importlib
-import io
-import logging
 import math
-import multiprocessing
-import os
 import queue
-import select
-import signal
-import sys
 import time
-import warnings
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
-from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from tailslap import errors, progress
+from tailslap import progress
+from tailslap.campaign import pools
 from tailslap.campaign.records import Journal, Key, Records, program
 from tailslap.case import cost
-
-NEEDED = ("fem.run.corner", "tailslap.case.corner.plan", "tailslap.case.corner.run")
-"""Modules that runs need, imported before a worker has its first part."""
-LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
-"""Modules that those import when they are called."""
-
-ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
-ENDING = {signal.SIGTERM, signal.SIGHUP}
-LOGGERS = ("distributed", "asyncio", "tornado")
-ANSWER_S = 5.0
-"""Seconds within which a scheduler must reply."""
-LOOK_S = 1.0
-"""Seconds between looks at a cluster, or at workers from which nothing comes."""
-
-Errors = tuple[type[BaseException], ...]
-
-
-class LostError(OSError):
-    """The workers are gone, and what was under way with them."""
-
-
-class OtherProgramError(Exception):
-    """The worker has another version of this program than the one that sent the batch."""
-
-
-class BatchResult(NamedTuple):
-    """Results and times [s] by key, up to the first part that raised an error."""
-
-    records: dict[Key, Any]
-    seconds: dict[Key, float]
-    error: Exception | None
-
-
-def run_batch(
-    sender: str, function: Callable[..., Any], parts: list[tuple[Key, tuple[Any, ...]]]
-) -> BatchResult:
-    """Call the function with each part's arguments, one after the other; sender: the program that asks for it."""
-    if sender != program():
-        raise OtherProgramError(program())
-    records: dict[Key, Any] = {}
-    seconds: dict[Key, float] = {}
-    with contextlib.redirect_stderr(io.StringIO()):  # the progress of single runs is not for the terminal
-        for key, arguments in parts:
-            began = time.perf_counter()
-            try:
-                records[key] = function(*arguments)
-            except Exception as error:
-                return BatchResult(records, seconds, error)
-            seconds[key] = time.perf_counter() - began
-    return BatchResult(records, seconds, None)
-
-
-def make_ready() -> str:
-    """Import what runs need, once a worker; returns the program."""
-    os.environ[progress.MODE] = "none"
-    for module in NEEDED:
-        importlib.import_module(module)
-    return program()
-
-
-class Pool:
-    """Workers of one thread each: processes of this machine, forked from one that has imported what they need, and
-    started anew if one dies.
-
-    Attributes
-    ----------
-    died : tuple of exception classes
-        Of a call under which its worker died.
-    again : tuple of exception classes
-        Of a call that was lost on its way and can be made again.
-    """
-
-    died: Errors = (BrokenProcessPool,)
-    again: Errors = ()
-
-    def __init__(self, workers: int) -> None:
-        self._workers = workers
-        self._start()
-
-    def _start(self) -> None:
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload([__name__, *NEEDED, *LIBRARIES])
-        ours, self._lifeline = context.Pipe(duplex=False)
-        self._executor = ProcessPoolExecutor(self._workers, context, _begin, (ours,))
-        try:
-            with _server_environment():
-                first = self._executor.submit(make_ready)
-            first.result()
-        except BrokenProcessPool:
-            raise LostError("no worker is left") from None
-        except KeyboardInterrupt:  # processes that have just been started need this one for a moment yet
-            self.close()
-            raise
-
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a worker make the call."""
-        try:
-            return self._executor.submit(function, *arguments)
-        except BrokenProcessPool:
-            self.close()
-            self._start()
-            return self._executor.submit(function, *arguments)
-
-    def threads(self) -> int:
-        """Number of workers. Raises LostError."""
-        return self._workers
-
-    def fault(self, error: Exception) -> Exception:
-        """Error to raise for another error of a call."""
-        return error
-
-    def close(self) -> None:
-        """End all processes, whatever they do."""
-        self._lifeline.close()
-        self._executor.shutdown(cancel_futures=True)
-
-
-def _begin(lifeline: Connection) -> None:
-    """Have the kernel end this process when the other end of the pipe closes, which the death of its owner does too.
-
-    A signal of the pipe, not a thread: compiled code may hold the interpreter for minutes.
-    """
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-    own = os.open(f"/proc/self/fd/{lifeline.fileno()}", os.O_RDONLY | os.O_NONBLOCK)
-    fcntl.fcntl(own, fcntl.F_SETOWN, os.getpid())
-    # SIGIO ends a process that does not handle it.
-    fcntl.fcntl(own, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
-    if select.select([own], [], [], 0.0)[0]:
-        os._exit(1)
-
-
-@contextlib.contextmanager
-def _server_environment() -> Iterator[None]:
-    """Processes started here never get a Ctrl-C, which is for us, use one thread, and see our modules.
-
-    What else ends us waits until they are started: one that is left half-started would print its trace.
-    """
-    resource_tracker.ensure_running()  # when it starts, it would unblock the signals
-    ours = {**ONE_THREAD, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
-    given = {name: os.environ.get(name) for name in ours}
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *ENDING})
-    os.environ.update(ours)
-    try:
-        yield
-    finally:
-        for name in ours:
-            os.environ.pop(name)
-        os.environ.update({name: value for name, value in given.items() if value is not None})
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-
-
-@contextlib.contextmanager
-def local(workers: int) -> Iterator[Pool]:
-    """So many processes of this machine, ended after. Raises LostError."""
-    with progress.announced("Starting processes ..."):
-        pool = Pool(workers)
-    with contextlib.closing(pool):
-        yield pool
-
-
-class _Cluster(Pool):
-    """The workers of a scheduler, which may come and go."""
-
-    def __init__(self, client: Any, address: str) -> None:
-        from distributed import KilledWorker
-        from distributed.comm import CommClosedError
-
-        self.died = (KilledWorker,)
-        self.again = (TimeoutError, CancelledError, asyncio.CancelledError, CommClosedError)
-        self._client, self._address = client, address
-        self._executor = client.get_executor(pure=False)
-        self._workers, self._looked = 0, -LOOK_S
-
-    def threads(self) -> int:
-        """Number of threads of all workers, as of a second ago at most. Raises LostError without a scheduler."""
-        try:
-            if self._client.status != "running":
-                raise TimeoutError
-            if time.monotonic() - self._looked > LOOK_S:
-                self._workers, self._looked = sum(self._client.nthreads().values()), time.monotonic()
-        except (OSError, TimeoutError):
-            raise LostError(f"the scheduler at {self._address} is gone") from None
-        return self._workers
-
-    def fault(self, error: Exception) -> Exception:
-        """Wrong input: a worker that cannot load this program, or has another one."""
-        return _other_program(self._address, "a worker has", error)
-
-
-@contextlib.contextmanager
-def cluster(address: str) -> Iterator[Pool]:
-    """The workers of the scheduler at this address. All have been asked for their version of this program.
-
-    Raises InputError for a scheduler that does not reply, or for workers with another version.
-    """
-    with contextlib.ExitStack() as stack:
-        with progress.announced("Connecting to the scheduler ..."):
-            from distributed import Client
-
-            stack.enter_context(warnings.catch_warnings())
-            warnings.filterwarnings("ignore", module="distributed")
-            for logger in map(logging.getLogger, LOGGERS):  # what matters of connections we say ourselves
-                stack.callback(logger.setLevel, logger.level)
-                logger.setLevel(logging.CRITICAL + 1)
-            try:  # not by making a client: one that cannot connect leaves threads behind
-                kind = asyncio.run(asyncio.wait_for(_kind(address), ANSWER_S))
-            except Exception as error:  # Dask raises half a dozen kinds for addresses that are none
-                kind = str(error).splitlines()[0] if str(error) else f"nothing within {ANSWER_S:g} s"
-            if kind != "Scheduler":
-                allowed = f"no Dask scheduler answers there ({kind}); allowed is an address like tcp://127.0.0.1:8786"
-                raise errors.InputError("--cluster", address, allowed)
-            client = stack.enter_context(Client(address))
-            for worker, reply in client.run(make_ready, on_error="return").items():
-                if reply != program():
-                    raise _other_program(address, f"the worker at {worker} has", reply)
-        yield _Cluster(client, address)
-
-
-async def _kind(address: str) -> str:
-    """Part of Dask that listens at the address, like Scheduler or Worker."""
-    from distributed.core import rpc
-
-    async with rpc(address, timeout=ANSWER_S) as there:
-        return str((await there.identity())["type"])
-
-
-def _other_program(address: str, who: str, reply: Any) -> errors.InputError:
-    """The error for a worker that has another version of this program, or cannot load it."""
-    reply = str(reply) if isinstance(reply, OtherProgramError) else reply
-    has = f"tailslap {reply}" if isinstance(reply, str) else f"no tailslap that loads ({reply})"
-    allowed = f"{who} {has}; allowed is {program()}, as here, on all workers"
-    return errors.InputError("--cluster", errors.Verbatim(address), allowed)
-
 
 BATCH_S = 0.5
 MAX_IN_BATCH = 1000
 BATCHES_A_WORKER = 2
+
+
+Group = tuple[Callable[..., Any], Mapping[str, tuple[Any, ...]], str]
+"""A function, its arguments by key, and a label."""
 
 
 class Parts(NamedTuple):
@@ -304,7 +59,7 @@ class CampaignEffort:
         return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
 
 
-def perform(parts: Parts, records: Records, pool: Pool, look: Callable[[int], None]) -> CampaignEffort:
+def perform(parts: Parts, records: Records, pool: pools.Pool, look: Callable[[int], None]) -> CampaignEffort:
     """Make all parts and record them, until all is done or an error is raised in one.
 
     look: called with the number of workers, each second and whenever something came. Interrupted, it takes what is
@@ -330,18 +85,29 @@ def run_parts(
         return
     count = cost.worker_count(workers, len(left))
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(local(count)) if count > 1 else None
+        pool = stack.enter_context(pools.local(count)) if count > 1 else None
         show = stack.enter_context(progress.counted(label, len(parts), len(parts) - len(left)))
         if pool:
             todo = Parts(function, left, lambda key: parts[str(key)], _died)
             perform(todo, records, pool, lambda threads: show(len(records)))
             return
         for key in left:
-            done = run_batch(program(), function, [(key, parts[str(key)])])
+            done = pools.run_batch(program(), function, [(key, parts[str(key)])])
             if done.error:
                 raise done.error
             records.add(done.records, done.seconds)
             show(len(records))
+
+
+def run_study(
+    place: Path, definition: Mapping[str, Any], groups: Sequence[Group], workers: int | None = None
+) -> list[dict[str, Any]]:
+    """Results by key of each group of parts; an interrupted study of this definition goes on from its journal."""
+    name = definition["scene"]["name"]
+    with Journal(place, definition) as journal:
+        for function, parts, label in groups:
+            run_parts(function, parts, journal, f"{name}: {label}", workers)
+        return [{key: journal.records[key] for key in parts} for _, parts, _ in groups]
 
 
 def _died(key: Key) -> Any:
@@ -351,7 +117,7 @@ def _died(key: Key) -> Any:
 class _Engine:
     """The parts that are still to do, those under way, and how long a part takes."""
 
-    def __init__(self, parts: Parts, records: Records, pool: Pool) -> None:
+    def __init__(self, parts: Parts, records: Records, pool: pools.Pool) -> None:
         self._parts, self._records, self._pool = parts, records, pool
         self._waiting: deque[Key] = deque(parts.keys)
         self._suspects: deque[Key] = deque()
@@ -369,7 +135,7 @@ class _Engine:
                 most = max(most, self._threads)
                 look(self._threads)
                 self._fill()
-                self._collect(LOOK_S)
+                self._collect(pools.LOOK_S)
         except KeyboardInterrupt:
             self._collect(0.0)
             raise
@@ -387,7 +153,7 @@ class _Engine:
 
     def _submit(self, keys: list[Key]) -> Future[Any]:
         batch = [(key, self._parts.arguments(key)) for key in keys]
-        future = self._pool.submit(run_batch, program(), self._parts.function, batch)
+        future = self._pool.submit(pools.run_batch, program(), self._parts.function, batch)
         self._under_way[future] = keys
         future.add_done_callback(self._done.put)
         return future
@@ -411,7 +177,7 @@ class _Engine:
         """Add the records of a batch that has come back, or take up its parts again."""
         keys = self._under_way.pop(future)
         try:
-            done: BatchResult = future.result()
+            done: pools.BatchResult = future.result()
         except self._pool.died:
             if future is self._alone:
                 records[keys[0]] = self._parts.died(keys[0])

@@ -7,6 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tailslap.errors import InputError
+from tailslap.scene.units import Quantity
+from tailslap.scene.vary import parse_value
+
+# Values of --lowest and --highest.
+HERTZ = Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
+
 # Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
 # difference that is below the level with its error on top is known to be.
 KNOWN_FRACTION = 1.0 / 3.0
@@ -70,6 +77,24 @@ def _rounded_up(frequency: float) -> float:
     """The least number of two digits that is not below a frequency, but for rounding."""
     unit = 10.0 ** (math.floor(math.log10(frequency)) - 1)
     return math.ceil(frequency / unit * (1.0 - 1e-9)) * unit
+
+
+def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
+    """First frequencies [Hz] from the highest to the lowest, at even ratios. Raises InputError."""
+    ends = []
+    for option, given in (("--lowest", lowest), ("--highest", highest)):
+        try:
+            ends.append(HERTZ.parse(parse_value(given)))
+        except ValueError as error:
+            raise InputError(option, given, str(error)) from None
+    if not ends[0] < ends[1]:
+        raise InputError("--lowest", lowest, f'allowed is less than --highest, which is "{highest}"')
+    return tuple(np.geomspace(ends[1], ends[0], points).tolist())
+
+
+def reaches(samples: Sequence[Sample], levels: Sequence[float]) -> tuple[Reach, ...]:
+    """The lowest frequency for each level; samples from stiff to soft."""
+    return tuple(lowest_frequency(samples, level) for level in levels)
 
 
 def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:

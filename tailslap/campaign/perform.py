@@ -19,7 +19,7 @@ from typing import Any
 
 from tailslap import progress
 from tailslap.campaign import definition as sweeps
-from tailslap.campaign import engine, records, report
+from tailslap.campaign import engine, pools, records, report
 from tailslap.case import cost
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.files import folder, manifest
@@ -86,7 +86,7 @@ def _reason(error: BaseException) -> tuple[str, int]:
     """Why a sweep ended early, and the status of that; what else went wrong is raised on."""
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", INTERRUPTED
-    if isinstance(error, engine.LostError):
+    if isinstance(error, pools.LostError):
         return str(error), LOST
     if isinstance(error, OSError) and error.errno in MACHINE_FAULTS:
         return machine_fault(error), LOST
@@ -123,7 +123,7 @@ def _make_missing(
 
     count = cost.worker_count(workers, len(missing))
     with (
-        engine.cluster(cluster) if cluster else engine.local(count) as pool,
+        pools.cluster(cluster) if cluster else pools.local(count) as pool,
         progress.counted(definition.scene, definition.runs, len(rows)) as show,
     ):
         return engine.perform(engine.Parts(compute, [*missing], arguments, died), rows, pool, look)

@@ -11,23 +11,23 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
 from postprocess.comparison.quantities import Compared
 from postprocess.units import SI, Units
+from tailslap.case import cost, model
+from tailslap.case.model import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
-    from pathlib import Path
-    from types import ModuleType
-
     from fem.model.plate_model import PlateModel
     from postprocess.report.report import Report
-    from tailslap.case.model import Decision
 
 
 MOST_ELEMENTS = 20_000
@@ -157,8 +157,6 @@ class Case(ABC):
 
     def check_text(self, allow_large: bool = False) -> list[str]:
         """Lines of `tailslap check`; of a large mesh an estimate. Raises InputError."""
-        from tailslap.case import cost
-
         if not allow_large:
             cost.demand_affordable(self.scene, self.duration)
         if cost.is_large(self.scene):
@@ -172,8 +170,6 @@ class Case(ABC):
         With a tolerance, on meshes twice as fine each time until the error that the run states meets it, or the next
         mesh would be too large; a check says whether it does. Raises InputError for keys that make no model.
         """
-        from tailslap.case import cost, model
-
         if tolerance is None:
             return self._run()
         if not self.least_tolerance <= tolerance < 1.0:

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from fem import lazy
 from fem.plate import kinds
+from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
+from meshes import distorted, plate_mesh
 from tailslap.case import cost
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
 
 
 MAX_STEPS = 2_000_000_000
@@ -66,7 +67,6 @@ def resolved_plate(
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
     from fem.model import plate_model
-    from fem.plate.properties import ModelError
 
     stiff = plate.model_copy(update={"youngs_modulus": REFERENCE_MODULUS})
     reference = plate_properties(scene, stiff, inertia)
@@ -87,8 +87,6 @@ def fe_mesh(scene: Scene, plate: Plate) -> meshio.Mesh:
 
 @lazy.cached("mesh")
 def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, distortion: float) -> meshio.Mesh:
-    from meshes import distorted, plate_mesh
-
     mesh = plate_mesh(length, width, counts, cells)
     return distorted(mesh, distortion, counts) if distortion else mesh
 
@@ -130,8 +128,6 @@ def plate_density(scene: Scene, plate: Plate) -> float:
 
 def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None) -> PlateProperties:
     """Make the properties of the plate; inertia: that its masses carry, where it is not the plate's own."""
-    from fem.plate.properties import PlateProperties
-
     given = plate.thickness, plate_density(scene, plate), plate.modulus, plate.poissons_ratio
     law = scene.material.law if scene.material else "st-venant-kirchhoff"
     return PlateProperties(*given, plate.lumping, plate.element, law, inertia)
@@ -139,8 +135,6 @@ def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None)
 
 def step_properties(scene: Scene, longest: float) -> StepProperties:
     """Time step, no longer than this [s], and damping."""
-    from fem.plate.properties import StepProperties
-
     damping = scene.damping
     return StepProperties(
         scene.time.safety_factor,

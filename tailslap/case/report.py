@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import tailslap
+from fem.start import start_kinds
 from postprocess import units
 from postprocess.fields import series
 from postprocess.report.page import Column, Page, Section, Table, columns, pairs
@@ -18,11 +19,11 @@ from postprocess.units import duration, number
 from tailslap.case import cost
 from tailslap.case.case import Case, Check, FePlan, Outcome
 from tailslap.scene import write
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
     from fem.run.runner import Snapshots
-    from tailslap.scene.schema import Scene
 
 LABEL = 13
 """Columns of a label of `tailslap check`."""
@@ -324,7 +325,6 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> series.FieldSeries:
 def series_of_ends(outcome: Any) -> series.FieldSeries:
     """Fields at the start and at the tail-slap of a run that reached it."""
     from fem.run.runner import Snapshots
-    from fem.start import start_kinds
 
     plan, strike = outcome.fe_plan, outcome.run.strike
     start = start_kinds.start_fields(plan.model, plan.start, plan.plate.start)

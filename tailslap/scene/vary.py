@@ -80,10 +80,7 @@ def _check_together(scene: schema.Scene) -> None:
 
 def _check_corner(scene: schema.Scene) -> None:
     """Keys of the paper's three stages, with a constrained corner."""
-    for key in ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh"):
-        value = _given(scene, key)
-        if value is not None:
-            raise InputError(key, value, "it belongs to a whole impact, with [contact]; leave it out")
+    _refuse(scene, "it belongs to a whole impact, with [contact]; leave it out", *OF_A_WHOLE_IMPACT)
     for key in OF_A_WALL_THAT_GIVES:
         value = getattr(scene.wall, key, None)
         if scene.wall is not None and value != schema.Wall.model_fields[key].default:
@@ -105,11 +102,14 @@ def _check_corner(scene: schema.Scene) -> None:
         raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
 
 
-def _given(scene: schema.Scene, key: str) -> Any:
-    """The value that the scene gives a key of two parts; None where it leaves that to the default."""
-    table, name = key.split(".")
-    own = getattr(scene, table)
-    return getattr(own, name) if name in own.model_fields_set else None
+def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
+    """Raise InputError for the first of these keys of two parts that the scene gives."""
+    for key in keys:
+        table, name = key.split(".")
+        own = getattr(scene, table)
+        value = getattr(own, name) if own and name in own.model_fields_set else None
+        if value is not None:
+            raise InputError(key, value, allowed)
 
 
 def _check_plate(scene: schema.Scene) -> None:
@@ -124,11 +124,9 @@ def _check_plate(scene: schema.Scene) -> None:
     for name, table in tables.items():
         if table and not scene.plate:
             raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
-    for key in ("penalty_scale", "damping_ratio"):
-        constraint = constraints.CONSTRAINTS[scene.corner.constraint]
-        if key not in constraint.keys and key in scene.corner.model_fields_set:
-            allowed = f'constraint = "{constraint.name}" has no spring; leave it out'
-            raise InputError(f"corner.{key}", getattr(scene.corner, key), allowed)
+    constraint = constraints.CONSTRAINTS[scene.corner.constraint]
+    of_springs = [f"corner.{key}" for key in ("penalty_scale", "damping_ratio") if key not in constraint.keys]
+    _refuse(scene, f'constraint = "{constraint.name}" has no spring; leave it out', *of_springs)
     plate = scene.plate
     if plate and plate.youngs_modulus is None and plate.first_frequency is None:
         raise InputError("plate.youngs_modulus", Missing, "this key or plate.first_frequency is required")
@@ -168,8 +166,17 @@ OF_THE_CORNER = {
 }
 """Tables that [contact] excludes, and why."""
 
-OF_CRUSH = ("initial_force", "restitution", "side_stiffness", "patch_length")
-OF_NO_CRUSH = ("enforcement", "penalty_scale")
+OF_A_WHOLE_IMPACT = ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh")
+OF_A_CORNER = {
+    "verify.tolerance": "it belongs to a constrained corner; leave it out, or [contact]",
+    "impact.convention": "restitution is contact.restitution's, by its law; leave it out",
+    "plate.density": "the plate of a whole impact carries vehicle.mass, on which forces depend; leave it out",
+    "plate.start": "a whole impact starts at first touch, unstressed; leave it out",
+}
+"""Keys of scenes with [contact] alone; of those without, and why [contact] excludes them."""
+
+OF_CRUSH = tuple(f"contact.{k}" for k in ("initial_force", "restitution", "side_stiffness", "patch_length"))
+OF_NO_CRUSH = ("contact.enforcement", "contact.penalty_scale")
 
 
 def check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
@@ -177,15 +184,11 @@ def check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     for name, why in OF_THE_CORNER.items():
         if name in scene.model_fields_set and getattr(scene, name) is not None:
             raise InputError(name, "a table", f"{why}; leave out this table or [contact]")
-    if scene.verify.tolerance is not None:
-        allowed = "it belongs to a constrained corner; leave it out, or [contact]"
-        raise InputError("verify.tolerance", scene.verify.tolerance, allowed)
     if scene.impact is None:
         raise InputError("impact", Missing, "a whole impact starts from this table")
-    if "convention" in scene.impact.model_fields_set:
-        allowed = "restitution is contact.restitution's, by its law; leave it out"
-        raise InputError("impact.convention", scene.impact.convention, allowed)
-    _check_contact(contact)
+    for key, allowed in OF_A_CORNER.items():
+        _refuse(scene, allowed, key)
+    _check_contact(scene, contact)
     _check_plate_of_impact(scene, contact)
     for key in ("height", "foundation_stiffness"):
         if scene.wall is not None and getattr(scene.wall, key) is None:
@@ -193,19 +196,15 @@ def check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
             raise InputError(f"wall.{key}", Missing, allowed)
 
 
-def _check_contact(contact: schema.Contact) -> None:
-    excluded = OF_NO_CRUSH if contact.crushes else OF_CRUSH
-    why = (
-        "with contact.stiffness all that touches crushes" if contact.crushes else "it needs contact.stiffness"
-    )
-    for key in excluded:
-        if key in contact.model_fields_set:
-            raise InputError(f"contact.{key}", getattr(contact, key), f"{why}; leave it out")
+def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
+    if contact.crushes:
+        _refuse(scene, "with contact.stiffness all that touches crushes; leave it out", *OF_NO_CRUSH)
+    else:
+        _refuse(scene, "it needs contact.stiffness; leave it out", *OF_CRUSH)
     if contact.crushes and contact.restitution is None:
         raise InputError("contact.restitution", Missing, "this key is required, from 0 to 1")
-    if contact.enforcement == "exact" and "penalty_scale" in contact.model_fields_set:
-        allowed = 'enforcement = "exact" has no spring; leave it out'
-        raise InputError("contact.penalty_scale", contact.penalty_scale, allowed)
+    if contact.enforcement == "exact":
+        _refuse(scene, 'enforcement = "exact" has no spring; leave it out', "contact.penalty_scale")
 
 
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
@@ -215,12 +214,6 @@ def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None
             allowed = "it is required without [plate]: a rigid vehicle touches by its crush alone"
             raise InputError("contact.stiffness", Missing, allowed)
         return
-    if plate.density is not None:
-        allowed = "the plate of a whole impact carries vehicle.mass, on which forces depend; leave it out"
-        raise InputError("plate.density", plate.density, allowed)
-    if "start" in plate.model_fields_set:
-        why = "a whole impact starts at first touch, unstressed; leave it out"
-        raise InputError("plate.start", plate.start, why)
     if not contact.crushes and plate.youngs_modulus is None:
         allowed = "without contact.stiffness the contact takes its stiffness from this key"
         raise InputError("plate.youngs_modulus", Missing, allowed)

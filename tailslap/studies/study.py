@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tailslap.case import case_of, kind_of
-from tailslap.case.case import CORNER
+from tailslap.case.case import CORNER, Case
+from tailslap.case.cost import demand_run
 from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.files.manifest import Origin
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import shown
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
-    from tailslap.case.case import Case
-    from tailslap.files.manifest import Origin
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -104,10 +105,6 @@ def prepared(
     options: Mapping[str, Any],
 ) -> tuple[Case, Path, Origin]:
     """The case, the place of the result folder, beside which a journal is kept, and its origin. Raises InputError."""
-    from tailslap.case.cost import demand_run
-    from tailslap.files.manifest import Origin
-    from tailslap.scene.read import read_scene
-
     scene, source = read_scene(name, changes)
     if (kind := kind_of(scene).name) not in study.analyses:
         given, allowed = (Missing, "with") if kind == CORNER else (Verbatim("a table"), "without")

@@ -3,7 +3,8 @@
 import numpy as np
 
 from tailslap.case.case import CheckKind, Evaluation
-from tailslap.case.corner.checks import CHECKS, CornerOutcome
+from tailslap.case.corner.checks import CHECKS
+from tailslap.case.corner.outcome import CornerOutcome
 
 
 def rise(given: CornerOutcome) -> Evaluation | None:

@@ -15,7 +15,7 @@ import pytest
 
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
-from tailslap.campaign import engine
+from tailslap.campaign import pools
 from tailslap.cli import _status
 
 RUN = ("run", "paper-table-3", "--no-pictures", "--set", "plate.elements=[10,3]", "--out")
@@ -132,7 +132,7 @@ def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
 def test_processes_of_this_machine_open_no_port():
     """Neither they nor this process listen to the network; what they say goes through pipes and own sockets."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
-    with engine.local(2) as pool:
+    with pools.local(2) as pool:
         assert pool.submit(pow, 2, 10).result() == 1024
         worker = pool.submit(os.getpid).result()
         here = psutil.Process()

@@ -16,8 +16,9 @@ import pytest
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from postprocess.report.report import report_text, write_report
 from solver.impact import Strike
-from tailslap import cli
+from tailslap import cli, commands
 from tailslap.campaign import levels
+from tailslap.campaign.convergence import convergence_index, three_meshes
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
@@ -126,11 +127,11 @@ def test_a_power_law_is_followed_to_its_end():
 
 def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
     second = [3.0 + 0.01 * h**2 for h in (1.0, 2.0, 4.0)]
-    assert compute.convergence_index(*second) * second[0] == pytest.approx(1.25 * 0.01, rel=1e-9)
+    assert convergence_index(*second) * second[0] == pytest.approx(1.25 * 0.01, rel=1e-9)
     lucky = [3.0 + 1e-6 * h**8 for h in (1.0, 2.0, 4.0)]
-    assert compute.convergence_index(*lucky) * lucky[0] == pytest.approx(1.25 * 255e-6 / 3.0, rel=1e-9)
+    assert convergence_index(*lucky) * lucky[0] == pytest.approx(1.25 * 255e-6 / 3.0, rel=1e-9)
     # To and fro: three times the change.
-    assert compute.convergence_index(1.0, 1.01, 1.0) == pytest.approx(0.03)
+    assert convergence_index(1.0, 1.01, 1.0) == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize(("error", "kind"), [(0.9e-3, levels.CROSSED), (1.0e-3, levels.UNKNOWN)])
@@ -223,15 +224,15 @@ def test_the_largest_difference_is_seen_in_any_phase():
 
 def test_meshes_and_hold():
     scene = read_scene("paper-table-3")[0]
-    assert compute.three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
+    assert three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
     assert compute.corner_support(scene, (10, 3))["patch"] == 1.0
     assert compute.corner_support(scene, (10, 3))["constraint"] == "exact"
     # A tenth, as whole elements.
     assert compute.corner_support(scene, (7, 2))["patch"] == pytest.approx(10.0 / 7.0)
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
-    assert compute.three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
+    assert three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
     own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
-    assert compute.three_meshes(own)[0] == (20, 6)  # half of it would have elements longer than the patch
+    assert three_meshes(own)[0] == (20, 6)  # half of it would have elements longer than the patch
     given = {"own_constraint": True, "own_patch": True}
     assert compute.corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
 
@@ -258,11 +259,11 @@ def test_three_starts_whatever_the_scene_has():
 )
 def test_wrong_frequencies(option, given, refused):
     values = {"--lowest": "1 Hz", "--highest": "1 kHz"} | {option: given}
-    assert refused(compute.frequencies, values["--lowest"], values["--highest"], 5) == option
+    assert refused(levels.frequencies, values["--lowest"], values["--highest"], 5) == option
 
 
 def test_frequencies_are_at_even_ratios_from_stiff_to_soft():
-    assert compute.frequencies("1", "1 kHz", 4) == pytest.approx((1000.0, 100.0, 10.0, 1.0), rel=1e-12)
+    assert levels.frequencies("1", "1 kHz", 4) == pytest.approx((1000.0, 100.0, 10.0, 1.0), rel=1e-12)
 
 
 @pytest.mark.long
@@ -515,7 +516,7 @@ def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
         "study", "flexibility", "paper-abaqus", "--set", "plate.elements=[8,4]", "--out",
         str(tmp_path / "out"),
     ]  # fmt: skip
-    assert cli._status(given) == cli.CHECK_FAILED
+    assert cli._status(given) == commands.CHECK_FAILED
     assert "no run passed its checks" in " ".join(capsys.readouterr().out.split())
     assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
 

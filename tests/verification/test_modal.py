@@ -16,7 +16,8 @@ from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import RigidStart, relieved_fields, to_global
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase
-from tailslap.cli import CHECK_FAILED, DONE, WRONG_INPUT, _status
+from tailslap.cli import DONE, WRONG_INPUT, _status
+from tailslap.commands import CHECK_FAILED
 from tailslap.modal_analysis import modal_run
 from tailslap.scene.read import read_scene
 

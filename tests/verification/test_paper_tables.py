@@ -186,40 +186,16 @@ def test_a_scene_says_the_tables_numbers(options, place, found, capsys):
 
 def statements(found):
     """The sentences of docs/paper.md that state computed numbers, in its order and words."""
-    start, table, whole = found["table_1"]["starts"], found["table_3"], found["whole_impact"]
-    columns = ("analytical", "analytical_15", "abaqus_read", "abaqus_drag")
-    column, exact, read, drag = (table[name] for name in columns)
+    of = (analytical, abaqus, stages, printed_forces, earlier_methods, whole_impact)
+    return [statement for made in of for statement in made(found)]
+
+
+def analytical(found):
+    start, table = found["table_1"]["starts"], found["table_3"]
+    column, exact = table["analytical"], table["analytical_15"]
     worst = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     longer = exact["slide"]["computed"] / column["slide"]["computed"] - 1.0
     slower = start["90 km/h"]["peak_force"] / start["56 mph"]["peak_force"] - 1.0
-    strike, (fallen, slid) = table["abaqus"]["t"]["computed"], table["crossing"]
-    pull, signs, cases = found["reaction"], found["restitution"], whole["cases"]
-    four, five = found["table_4"], found["table_5"]
-    differences = [cell["difference"] for row in four for cell in row["peak"]]
-    both = [cell["difference"] for row in five for cell in row["peak"]]
-    low, high = (f"{percent(end(differences), 1)}" for end in (min, max))
-    assert [percent(end(both), 1) for end in (min, max)] == [low, high]
-    off = {row["printed"]["row"]: abs(row["ratio"]["difference"]) for row in four}
-    off_5 = [abs(row["ratio"]["difference"]) for row in five if row["printed"]["row"] in "aef"]
-    far, near = [off[row] for row in "aef"] + off_5, [off[row] for row in "cd"]
-    assert min(far) > 5e-3 > max(near)
-    assert [row["printed"]["row"] for row in four if row["rounds"]] == ["b"]
-    impulses = [row["impulse"] / 1e3 for row in four]
-    wrong = []
-    for place, row in (*((4, row) for row in four), *((5, row) for row in five)):
-        factors = zip(row["printed"]["factor"], row["factor_of_print"], strict=True)
-        wrong += [place for printed, own in factors if f"{own:.2f}" != f"{printed:.2f}"]
-    assert {*wrong} == {4}
-    plastic = [row["printed"]["factor"][1] for row in four]
-    factors = [row["factor"][0]["computed"] for row in four]
-    methods = ("olson", "hirsch", "ritter", "paper")
-    earlier = {name: f"{found['earlier'][name] / 1e3:.0f} kN" for name in methods}
-    keys = ("omega", "released", "gap", "rear_start", "share", "rear_impulse")
-    omega, leaves, away, begins, fraction, impulse = ([case[name] for case in cases] for name in keys)
-    lasts = [f"{1e3 * case['rear_duration']:.0f}" for case in cases]
-    as_read = [f"{1e3 * case['read']['mean_50ms']:.0f}" for case in cases]
-    assert np.ptp(fraction) < 1e-3
-    assert np.ptp(impulse) < 100.0
     return [
         f"v_GY, v_GX and s to {100 * worst:.2f} %, t to {100 * abs(column['t']['difference']):.1f} %, omega to "
         f"{100 * abs(column['omega']['difference']):.1f} %",
@@ -231,6 +207,14 @@ def statements(found):
         f"The 90 km/h of Table 1 give {start['90 km/h']['omega']['computed']:.4f} and "
         f"{start['90 km/h']['corner_speed']['computed']:.3f}, and a peak force that is {percent(slower, 2)} off",
         f"belongs to {found['table_1']['implied_speed'] / tables.MPH:.3f} mph",
+    ]
+
+
+def abaqus(found):
+    table = found["table_3"]
+    read, drag = table["abaqus_read"], table["abaqus_drag"]
+    strike, (fallen, slid) = table["abaqus"]["t"]["computed"], table["crossing"]
+    return [
         f"t = {table['reading']:g} s**, {1e3 * (strike - table['reading']):.0f} ms before the strike at {strike:.4f} s",
         f"the printed s = {ABAQUS['slide']} m, its v_GX is {read['v_gx']['computed']:.3f} m/s "
         f"({percent(read['v_gx']['difference'], 2)}), v_GY {read['v_gy']['computed']:.3f} "
@@ -239,24 +223,77 @@ def statements(found):
         f"at the same s, v_GX is {drag['v_gx']['computed']:.3f} m/s ({percent(drag['v_gx']['difference'], 2)})",
         f"falls through the printed {ABAQUS['v_gx']} m/s at {fallen:.3f} s, after {slid:.2f} m",
         f"From the 25 m/s of Table 2 the frictionless v_GX would be {table['v_gx_25']:.3f} m/s",
+    ]
+
+
+def stages(found):
+    pull, signs, force = found["reaction"], found["restitution"], found["earlier"]["paper"]
+    return [
         f"N from {pull['first'] / 1e3:.2f} to {pull['last'] / 1e3:.2f} kN",
         f"into the wall at {-signs['paper']['corner_recoil']:.3f} m/s",
-        f"the peak force of {earlier['paper']} (from 15 deg, not rounded) "
+        f"the peak force of {force / 1e3:.0f} kN (from 15 deg, not rounded) "
         f"{signs['newton']['peak_force'] / 1e3:.0f} kN, {percent(signs['newton']['change'], 0)}; "
         f"e = 0 gives {signs['e = 0']['peak_force'] / 1e3:.0f} kN, "
         f"{percent(signs['e = 0']['change'], 0)}",
+    ]
+
+
+def printed_forces(found):
+    """Tables 4 and 5."""
+    four, five = found["table_4"], found["table_5"]
+    differences = [cell["difference"] for row in four for cell in row["peak"]]
+    both = [cell["difference"] for row in five for cell in row["peak"]]
+    low, high = (f"{percent(end(differences), 1)}" for end in (min, max))
+    assert [percent(end(both), 1) for end in (min, max)] == [low, high]
+    off = {row["printed"]["row"]: abs(row["ratio"]["difference"]) for row in four}
+    off_5 = [abs(row["ratio"]["difference"]) for row in five if row["printed"]["row"] in "aef"]
+    far, near = [off[row] for row in "aef"] + off_5, [off[row] for row in "cd"]
+    assert min(far) > 5e-3 > max(near)
+    assert [row["printed"]["row"] for row in four if row["rounds"]] == ["b"]
+    impulses, wrong = [row["impulse"] / 1e3 for row in four], wrong_digits(four)
+    assert not wrong_digits(five)
+    plastic = [row["printed"]["factor"][1] for row in four]
+    factors = [row["factor"][0]["computed"] for row in four]
+    return [
         f"differ by {100 * min(differences):.1f} to {percent(max(differences), 1)} in both tables; row b with the "
         f"57.4 mph and 15.4 deg of its test by {percent(found['row_b'][0]['peak'][0]['difference'], 1)}",
         f"must be {four[0]['ratio']['computed']:.3f}: rows a, e and f are off by {100 * min(far):.1f} to "
         f"{100 * max(far):.1f} %, rows c and d by less than 0.5 %",
         f"run from {min(impulses):.2f} to {max(impulses):.2f} kN s",
-        f"the last digit of {len(wrong)} of {4 * len(four)}",
+        f"the last digit of {wrong} of {4 * len(four)}",
         f"{tables.FACTOR_RANGE_PLASTIC[0]} to {tables.FACTOR_RANGE_PLASTIC[1]} as the range for e = 0, where "
         f"Table 4 holds "
         f"{min(plastic)} to {max(plastic)}",
         f"they run from {min(factors):.2f} to {max(factors):.2f} there",
+    ]
+
+
+def wrong_digits(rows):
+    """Number of printed factors whose last digit is not that of the printed forces."""
+    pairs = [
+        pair for row in rows for pair in zip(row["printed"]["factor"], row["factor_of_print"], strict=True)
+    ]
+    return sum(f"{own:.2f}" != f"{printed:.2f}" for printed, own in pairs)
+
+
+def earlier_methods(found):
+    methods = ("olson", "hirsch", "ritter")
+    earlier = {name: f"{found['earlier'][name] / 1e3:.0f} kN" for name in methods}
+    return [
         f"A_L = {found['earlier']['front_distance']:g} m, B = {found['earlier']['half_width']:g} m and D = 0 assumed: "
         f"Olson {earlier['olson']} (average), Hirsch {earlier['hirsch']}, Ritter {earlier['ritter']}",
+    ]
+
+
+def whole_impact(found):
+    whole, cases = found["whole_impact"], found["whole_impact"]["cases"]
+    keys = ("omega", "released", "gap", "rear_start", "share", "rear_impulse")
+    omega, leaves, away, begins, fraction, impulse = ([case[name] for case in cases] for name in keys)
+    lasts = [f"{1e3 * case['rear_duration']:.0f}" for case in cases]
+    as_read = [f"{1e3 * case['read']['mean_50ms']:.0f}" for case in cases]
+    assert np.ptp(fraction) < 1e-3
+    assert np.ptp(impulse) < 100.0
+    return [
         f"is {min(omega):.3f} to {max(omega):.3f} rad/s for 1 to 3 MN/m, {whole['nearly_rigid']:.4f} for 200 MN/m",
         f"gives {whole['omegas']['newton']:.4f}, the paper's 1 - e {whole['omegas']['paper']:.4f}",
         f"at {min(leaves):.3f} to {max(leaves):.3f} s, is {min(away):.1f} to {max(away):.1f} m off",

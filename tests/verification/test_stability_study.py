@@ -20,6 +20,7 @@ import pytest
 from test_sweep_run import alive, children
 
 from postprocess.report.report import report_text, write_report
+from tailslap.campaign import draws
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
 from tailslap.case.case import Check, advice
@@ -33,6 +34,7 @@ from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.vary import changed_tables, validate, vary
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute as study
+from tailslap.studies.stability.axes import axes_of, map_cells
 from tailslap.studies.stability.report import caught_by, headline, refused_by, report
 
 COARSE = ("plate.elements=[10,3]",)
@@ -40,7 +42,7 @@ COARSE = ("plate.elements=[10,3]",)
 
 def verdict_at(first, x, second, y, *changes):
     scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
-    by_name = {axis.name: axis for axis in study.axes_of(scene, 3)}
+    by_name = {axis.name: axis for axis in axes_of(scene, 3)}
     return verdict_of(scene, {**by_name[first].changes(scene, x), **by_name[second].changes(scene, y)})
 
 
@@ -51,16 +53,16 @@ def verdict_of(scene, changes):
 
 def test_eight_axes_with_ten_values_make_2800_cells():
     scene = read_scene("paper-table-3")[0]
-    assert len(study.map_cells(scene, study.axes_of(scene, 10))[0]) == 28 * 100
+    assert len(map_cells(scene, axes_of(scene, 10))[0]) == 28 * 100
     frictionless = read_scene("paper-abaqus", ("corner.constraint=exact",))[0]
-    assert {axis.name for axis in study.axes_of(frictionless, 10)}.isdisjoint({"friction", "penalty"})
+    assert {axis.name for axis in axes_of(frictionless, 10)}.isdisjoint({"friction", "penalty"})
 
 
 def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact():
     scene = read_scene("mash-tl4-sut")[0]
     base = study.base_source(scene)
-    axes = tuple(axis for axis in study.axes_of(scene, 3) if axis.name in ("speed", "angle"))
-    cells, places = study.map_cells(scene, axes)
+    axes = tuple(axis for axis in axes_of(scene, 3) if axis.name in ("speed", "angle"))
+    cells, places = map_cells(scene, axes)
     changes = next(cells[key] for key, place in places.items() if place["first_value"] > 1.0)
     changed = changed_tables(base.given, changes)[0]
     assert changed["impact"]["speed"] == 10.0 * base.given["impact"]["speed"]
@@ -93,7 +95,7 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch):
     soft_spring = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
     assert "its own numerical error" in soft_spring["reason"]
-    monkeypatch.setattr("tailslap.case.corner.checks.CornerOutcome.error", NumericalError(*5 * [0.0]))
+    monkeypatch.setattr("tailslap.case.corner.outcome.CornerOutcome.error", NumericalError(*5 * [0.0]))
     unaware = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert unaware["kind"] == "wrong"
     assert "changes it by" in unaware["reason"]
@@ -121,8 +123,8 @@ TRUCK = "impact-mash-tl4-sut"
 
 def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene():
     scene = read_scene(TRUCK)[0]
-    axes = {axis.name: axis for axis in study.axes_of(scene, 6)}
-    assert len(study.map_cells(scene, study.axes_of(scene, 6))[0]) == 28 * 36
+    axes = {axis.name: axis for axis in axes_of(scene, 6)}
+    assert len(map_cells(scene, axes_of(scene, 6))[0]) == 28 * 36
     stiffness = axes["contact stiffness"].values
     assert (stiffness[0], stiffness[-1]) == (pytest.approx(1e4), pytest.approx(1e9))
     ends = [axes[name].values[-1] for name in ("restitution", "friction", "angle")]
@@ -132,7 +134,7 @@ def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene
     assert keys[4:] == ["impact.speed", "plate.youngs_modulus", "time.safety_factor", "vehicle.width"]
     stiff = read_scene(TRUCK, ("contact.stiffness=", "contact.restitution=", "contact.enforcement=exact"))[0]
     absent = {"contact stiffness", "restitution", "penalty"}
-    assert {axis.name for axis in study.axes_of(stiff, 6)}.isdisjoint(absent)
+    assert {axis.name for axis in axes_of(stiff, 6)}.isdisjoint(absent)
 
 
 @pytest.mark.long
@@ -254,8 +256,8 @@ def test_parts_that_the_journal_has_are_not_run_again(journal):
 
 def test_page_and_summary_say_what_was_found(tmp_path):
     case = CornerCase(*read_scene("paper-table-3"))
-    axes = study.axes_of(case.scene, 2)[:2]
-    cells, places = study.map_cells(case.scene, axes)
+    axes = axes_of(case.scene, 2)[:2]
+    cells, places = map_cells(case.scene, axes)
     caught = study.verdict("caught", failed="energy balance, mesh")
     refused = study.verdict("refused", reason="k: given 3; allowed less")
     verdicts = (study.verdict("right"), caught, refused, study.verdict("wrong", reason="x"))
@@ -328,11 +330,11 @@ def raising(number):
 
 SCENE = read_scene("mash-tl4-sut")[0]
 BASE = study.base_source(SCENE)
-DRAWN = [changed_tables(BASE.given, study.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
+DRAWN = [changed_tables(BASE.given, draws.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
 
 
 def test_a_draw_is_known_by_seed_and_number():
-    assert study.draw(SCENE, BASE, 1, 7) == study.draw(SCENE, BASE, 1, 7) != study.draw(SCENE, BASE, 2, 7)
+    assert draws.draw(SCENE, BASE, 1, 7) == draws.draw(SCENE, BASE, 1, 7) != draws.draw(SCENE, BASE, 2, 7)
     assert DRAWN[7] != DRAWN[8]
 
 
@@ -341,7 +343,7 @@ def test_draws_are_scenes_that_can_be_planned_and_afforded(scene):
     own = read_scene(scene)[0]
     base = study.base_source(own)
     for number in range(20):
-        plan = CornerCase(*vary(base, study.draw(own, base, 3, number)))
+        plan = CornerCase(*vary(base, draws.draw(own, base, 3, number)))
         assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
 
 
@@ -352,7 +354,7 @@ def test_a_third_starts_unstressed_and_the_others_share_the_rest():
 
 
 CHOICES = {
-    "plate.element": {"open", *study.ELEMENTS}, "plate.lumping": {"open", "row-sum"},
+    "plate.element": {"open", *draws.ELEMENTS}, "plate.lumping": {"open", "row-sum"},
     "corner.constraint": {"open", "penalty", "exact"}, "corner.reaction": {"drag", "none", "signed"},
     "material.law": {"open", "neo-hookean"}, "damping.kind": {"open", "none"},
 }  # fmt: skip
@@ -374,8 +376,8 @@ def test_every_choice_of_the_scene_is_drawn():
 
 def test_cells_of_a_combination_share_choices_and_nothing_else():
     """What is compiled for one serves the others; starts, which need no code of their own, go round."""
-    cells = [study.draw(SCENE, BASE, 1, 5 + k * study.COMBINATIONS) for k in range(6)]
-    chosen = study.choices_of(1, 5, 0)
+    cells = [draws.draw(SCENE, BASE, 1, 5 + k * draws.COMBINATIONS) for k in range(6)]
+    chosen = draws.choices_of(1, 5, 0)
     for key in ("corner.reaction", "material.law", "plate.lumping"):
         assert len({cell.get(key) for cell in cells}) == 1
     assert {cell["corner.reaction"] for cell in cells} == {chosen["reaction"]}
@@ -385,7 +387,7 @@ def test_cells_of_a_combination_share_choices_and_nothing_else():
 
 
 def test_nearly_any_two_choices_meet():
-    drawn = [study.choices_of(1, number, 0).items() for number in range(study.COMBINATIONS)]
+    drawn = [draws.choices_of(1, number, 0).items() for number in range(draws.COMBINATIONS)]
     values = {item for choices in drawn for item in choices}
     pairs = {frozenset(pair) for choices in drawn for pair in combinations(choices, 2)}
     possible = {frozenset(pair) for pair in combinations(values, 2) if pair[0][0] != pair[1][0]}
@@ -393,10 +395,10 @@ def test_nearly_any_two_choices_meet():
 
 
 def test_a_scene_without_possible_draws_is_refused(monkeypatch):
-    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_STEPS", 10)
-    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_TRIES", 5)
+    monkeypatch.setattr("tailslap.campaign.draws.MAX_STEPS", 10)
+    monkeypatch.setattr("tailslap.campaign.draws.MAX_TRIES", 5)
     with pytest.raises(InputError, match="none of 5 draws"):
-        study.draw(SCENE, BASE, 1, 0)
+        draws.draw(SCENE, BASE, 1, 0)
 
 
 def test_a_draw_read_from_its_file_is_the_same_scene():
@@ -560,7 +562,7 @@ def campaign_of(*kinds):
     failed, cells, rows = {"caught": "mesh, time step", "good but failed": "mesh"}, {}, {}
     for number, kind in enumerate(kinds):
         key = f"{number:04d}"
-        cells[key] = study.draw(SCENE, BASE, 1, number)
+        cells[key] = draws.draw(SCENE, BASE, 1, number)
         rows[key] = {"number": number, **study.flat(DRAWN[number])}
         rows[key] |= study.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
     return study.StabilityResult(case, BASE, (), {"seed": 1}, study.RANDOM_KINDS, cells, rows, 1.0)

@@ -21,7 +21,7 @@ import pytest
 
 import tailslap
 from tailslap import cli, errors
-from tailslap.campaign import engine, records
+from tailslap.campaign import engine, pools, records
 from tailslap.campaign.definition import CIRCUMSTANCES, compute_row, make_definition, write_table
 from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
@@ -297,12 +297,12 @@ def test_workers_are_no_more_than_rows_and_cores(monkeypatch, scene, tmp_path):
 
     def counted(workers):
         counts.append(workers)
-        raise engine.LostError("counted")
+        raise pools.LostError("counted")
 
-    monkeypatch.setattr(engine, "local", counted)
+    monkeypatch.setattr(pools, "local", counted)
     with pytest.raises(StoppedError):
         perform(definition_of(scene, ("corner.friction=0.1:0.5:3",)), tmp_path / "sweep", workers=1024)
-    with records.Journal(tmp_path / "study", {}) as journal, pytest.raises(engine.LostError):
+    with records.Journal(tmp_path / "study", {}) as journal, pytest.raises(pools.LostError):
         engine.run_parts(int, dict.fromkeys("abcdef", ()), journal, "", workers=256)
     assert counts == [3, 4]
 
@@ -352,7 +352,7 @@ def test_a_run_that_kills_its_worker_again_and_again_is_a_row(where, scene, requ
 
 def test_processes_that_cannot_begin_are_told(monkeypatch, scene, tmp_path):
     """And no run is blamed."""
-    monkeypatch.setattr(engine, "make_ready", partial(os._exit, 1))
+    monkeypatch.setattr(pools, "make_ready", partial(os._exit, 1))
     with pytest.raises(StoppedError, match="no worker is left; no run was finished") as stop:
         perform(definition_of(scene), tmp_path / "sweep", workers=1)
     assert stop.value.status == 3
@@ -366,7 +366,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch):
     monkeypatch.setattr("tailslap.case.corner.run.run_corner", broken)
     source = source_of_text(SCENE)
     parts = [(run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)]
-    rows = engine.run_batch(program(), compute_row, parts).records.values()
+    rows = pools.run_batch(program(), compute_row, parts).records.values()
     found = [(row["run"], row["status"], row["reason"]) for row in rows]
     assert found == [(run, "error", "ZeroDivisionError: by nought") for run in (3, 4)]
 
@@ -399,7 +399,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(engine, "ANSWER_S", 0.3)
+    monkeypatch.setattr(pools, "ANSWER_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
         arguments = ["--cluster", address, "--out", str(tmp_path / "sweep")]
         assert cli._status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2
@@ -410,9 +410,9 @@ def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.long
 def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
-    with pytest.raises(engine.OtherProgramError):
-        engine.run_batch("0.0.0", compute_row, [])
-    monkeypatch.setattr(engine, "program", lambda: "9.9.9")
+    with pytest.raises(pools.OtherProgramError):
+        pools.run_batch("0.0.0", compute_row, [])
+    monkeypatch.setattr(pools, "program", lambda: "9.9.9")
     with pytest.raises(errors.InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
         perform(definition_of(scene), tmp_path / "sweep", cluster)
     assert not (tmp_path / "sweep").exists()
@@ -421,8 +421,8 @@ def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
 class Flaky:
     """A pool of one worker whose first call is lost on its way; the scheduler may be lost with it."""
 
-    died: engine.Errors = (ZeroDivisionError,)
-    again: engine.Errors = (ConnectionError,)
+    died: pools.Errors = (ZeroDivisionError,)
+    again: pools.Errors = (ConnectionError,)
 
     def __init__(self, gone):
         self.calls, self.gone = 0, gone
@@ -438,7 +438,7 @@ class Flaky:
 
     def threads(self):
         if self.calls and self.gone:
-            raise engine.LostError("the scheduler is gone")
+            raise pools.LostError("the scheduler is gone")
         return 1
 
     def fault(self, error):
@@ -449,7 +449,7 @@ def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path):
     """The connection may break before the client knows: the runs wait again, or the scheduler is called lost."""
     records = Records(tmp_path / "r.sqlite", {})
     parts = engine.Parts(abs, [3, 4, 5], lambda key: (-int(key),), lambda key: "died")
-    with pytest.raises(engine.LostError):
+    with pytest.raises(pools.LostError):
         engine.perform(parts, records, Flaky(gone=True), lambda threads: None)
     assert engine.perform(parts, records, Flaky(gone=False), lambda threads: None).runs == 3
     assert dict(records) == {3: 3, 4: 4, 5: 5}

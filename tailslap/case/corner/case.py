@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison import quantities
+from tailslap.case import case
 from tailslap.case.corner.rigid import RigidStages
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
-    from tailslap.case.corner.checks import CornerOutcome
+    from tailslap.case.corner.outcome import CornerOutcome
     from tailslap.case.corner.plan import CornerPlan
-    from tailslap.scene.schema import Scene
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,6 @@ class CornerCase(RigidStages):
 
     def row(self, outcome: CornerOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; those of the tail-slap are missing where it was not reached."""
-        from tailslap.case import case
         from tailslap.case.report import run_cost
 
         if outcome is None:

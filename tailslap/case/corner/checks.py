@@ -23,31 +23,17 @@ that keeps the others keeps these. Where the limits are from, and what was found
                      validation reports, not read in the document itself
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property, partial
-from pathlib import Path
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 
 from fem.registry import Registry
-from postprocess.comparison.quantities import Metrics, compare_histories, largest
-from tailslap.case import case
-from tailslap.case.case import FINER, STEP, CheckKind, Evaluation, Outcome
-from tailslap.case.corner import error
-from tailslap.case.corner.error import FLOOR, FRACTION, Companion, NumericalError
-from tailslap.case.corner.plan import CornerPlan
+from postprocess.comparison.quantities import largest
+from tailslap.case.case import FINER, STEP, CheckKind, Evaluation, evaluated, time_step
+from tailslap.case.corner.error import FLOOR, FRACTION, RINGING
+from tailslap.case.corner.outcome import STORED_ENERGIES, CornerOutcome, energy_error
 from tailslap.case.model import plate_density
-
-if TYPE_CHECKING:
-    from fem.laws.friction import FrictionLaw
-    from fem.run.corner import Run
-
-Columns = Mapping[str, np.ndarray]
 
 STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
 MORE_DAMPING = "leave damping.kind out, or give damping.rate"
@@ -55,12 +41,6 @@ SOFT = "a stiffer plate: it is softer than the theory of this start allows"
 ROUGH = f"{MORE_DAMPING}; leave the corner's spring out"
 RELIEVED = f"leave plate.start out if it is unstressed; {FINER}"
 """Advice of several checks."""
-
-COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
-"""Histories that are compared with the rigid motion's."""
-
-STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
-"""Columns of the energy that the model stores."""
 
 STOPS = 4.0
 """Change of the corner's speed by friction in a step, as a multiple: below it the corner may stop within the step."""
@@ -78,88 +58,6 @@ LEAST = 1e-12
 NCHRP = "customary limit, NCHRP W179"
 
 ELEMENTS = 'plate.element = "quad4", or more elements'
-
-
-@dataclass(frozen=True)
-class CornerOutcome(Outcome):
-    """A run of a constrained corner, and the evidence that it is judged by.
-
-    Attributes
-    ----------
-    rigid_history : dict of str to ndarray, shape (rows,)
-        Columns of the rigid motion by name, SI, at the run's instants.
-    rigid, fe : dict of str to float
-        The five quantities at the tail-slap; `fe`, and `difference`, are empty without a tail-slap.
-    companions : tuple of Companion
-        Runs on other meshes, by which the numerical error is judged.
-    attempts : int
-        2 where the first run rang.
-    pictures : tuple of Path
-        Contour pictures.
-    pictures_s : float
-        Time that the pictures took [s].
-    """
-
-    fe_plan: CornerPlan
-    run: Run
-    rigid_history: dict[str, np.ndarray]
-    rigid: dict[str, float]
-    fe: dict[str, float]
-    companions: tuple[Companion, ...] = ()
-    attempts: int = 1
-    pictures: tuple[Path, ...] = ()
-    pictures_s: float = 0.0
-
-    @property
-    def history(self) -> Columns:
-        """The run's history."""
-        return self.run.history
-
-    @cached_property
-    def fe_history(self) -> dict[str, np.ndarray]:
-        """The run's history, and the gap of the energy balance."""
-        return self.run.history | {"energy_error": energy_error(self.run.history)}
-
-    @property
-    def relieved(self) -> bool:
-        """True where the plate starts by inertia relief."""
-        return self.fe_plan.plate.relieved
-
-    @property
-    def friction(self) -> FrictionLaw:
-        """The friction law of the scene."""
-        from fem.laws.friction import FRICTION_LAWS
-
-        return FRICTION_LAWS[self.fe_plan.case.scene.corner.reaction]
-
-    @cached_property
-    def ringing(self) -> float:
-        """Friction by ringing at the end of the run; 0 for an unstressed plate, which rings by itself."""
-        last = {name: float(column[-1]) for name, column in self.history.items()}
-        return error.friction_by_ringing(self.fe_plan, last) if self.relieved else 0.0
-
-    @cached_property
-    def error(self) -> NumericalError:
-        """Distance of the run from its own limit of fine meshes."""
-        return error.numerical_error(self.fe_plan, self.difference, self.companions)
-
-    @cached_property
-    def metrics(self) -> dict[str, Metrics]:
-        """Metrics of each compared history while the rigid solution is known."""
-        fe, rigid, known = self.history, self.rigid_history, np.isfinite(self.rigid_history["v_gx"])
-        pairs = {name: (fe[name][known], rigid[name][known]) for name in COMPARED_HISTORIES}
-        return {name: compare_histories(fe["t"][known], *pair) for name, pair in pairs.items()}
-
-    @property
-    def by_flexibility(self) -> float:
-        """Change of the answer by the plate's flexibility: that of companions, or by statics alone."""
-        ratio = self.fe_plan.deflection_ratio
-        return max(ratio, self.error.flexibility) if self.companions else ratio
-
-
-def energy_error(history: Columns) -> np.ndarray:
-    """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return case.energy_surplus(history, STORED_ENERGIES)
 
 
 def _reached(given: CornerOutcome) -> Evaluation:
@@ -197,7 +95,7 @@ def _ringing(given: CornerOutcome) -> Evaluation | None:
     if not given.relieved:
         return None
     meaning = "friction added by a ringing reaction, as its share of v_GX or omega"
-    return Evaluation(given.ringing, max(error.RINGING, FRACTION * given.by_flexibility), meaning)
+    return Evaluation(given.ringing, max(RINGING, FRACTION * given.by_flexibility), meaning)
 
 
 def _reaction(given: CornerOutcome) -> Evaluation | None:
@@ -250,7 +148,7 @@ def _agreement(given: CornerOutcome) -> Evaluation | None:
 MECHANICS = (
     CheckKind("tail-slap reached", _reached, f"{MORE_DAMPING}; {SOFT}", shows_ringing=True),
     CheckKind("finite numbers", _finite, f"{STEP}; {MORE_DAMPING}", shows_ringing=True),
-    CheckKind("time step", case.time_step, STEP),
+    CheckKind("time step", time_step, STEP),
     CheckKind("energy balance", _energy, STEP),
     CheckKind("momentum balance", _momentum, STEP),
     CheckKind("penetration", _penetration, STIFFER),
@@ -463,7 +361,7 @@ for _kind in (*MECHANICS, ENERGY_RATIO, *CONTACT, *PRACTICE):
 def rings(outcome: CornerOutcome) -> bool:
     """True where a check says that the reaction rang, or the run came to no answer."""
     showing = [kind for kind in CHECKS.values() if kind.shows_ringing]
-    return any(not check.passed for check in case.evaluated(showing, outcome))
+    return any(not check.passed for check in evaluated(showing, outcome))
 
 
 def reaction_checks() -> set[str]:

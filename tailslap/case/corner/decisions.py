@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING
 
 from fem.plate import kinds
 from tailslap.case import cost
-from tailslap.case.corner.model import (
-    centre_travel,
-    friction_lost,
-    oscillation_lost,
-    rigid_start,
-    static_models,
-)
+from tailslap.case.corner.model import centre_travel, friction_lost, oscillation_lost, static_models
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.model import (
     Decision,
@@ -128,7 +122,7 @@ def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
     """
     from fem.start import inertia_relief
 
-    scene, travel, start = case.scene, centre_travel(case), rigid_start(case)
+    scene, travel, start = case.scene, centre_travel(case), case.start
     mesh = fe_mesh(scene, plate)
     plate = resolved_plate(scene, plate, mesh)
     other = comparable_plate(plate)
@@ -231,7 +225,7 @@ def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: f
     from fem.stability import flutter
 
     harmless = flutter.HARMLESS if plate.relieved else HARMLESS_UNSTRESSED
-    duration, start = case.duration, rigid_start(case)
+    duration, start = case.duration, case.start
     noise, viscous = flutter.rounding_noise(model), flutter.viscous_rate(model)
     ripple = noise.ripple(duration) / abs(normal)
     ripple_rate = noise.rate_for(HEARD * abs(normal)) if ripple > HEARD else 0.0
@@ -301,7 +295,7 @@ def harms(
         return False
     if plate.relieved:
         return growth.overdamps and deflection_ratio > SEEN
-    energy, rate = inertia_relief.elastic_energy(model, rigid_start(case)), suppressing_rate(growth)
+    energy, rate = inertia_relief.elastic_energy(model, case.start), suppressing_rate(growth)
     return oscillation_lost(case, energy, model.mass, rate) + friction_lost(case, rate) > MISSED
 
 

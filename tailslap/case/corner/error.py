@@ -6,8 +6,6 @@ proportion to what the plate's flexibility changes. Two oscillations may agree a
 are compared over the motion as well.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import sys

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fem.laws.friction import FRICTION_LAWS
+from fem.plate.properties import CornerProperties, ModelError, PlateProperties, StepProperties
 from postprocess.comparison import quantities
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.model import plate_properties, refusal, resolved_plate, step_properties
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
-    from fem.start.inertia_relief import RigidStart
 
 MIN_STEPS = 1000
 """Steps that the rigid motion needs at least, however soft the plate: its own error is then below 1e-6."""
@@ -33,8 +32,6 @@ goes with its magnitude. 0.08 to 0.10 where nothing grows, from a tenth to ten t
 
 def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerProperties, StepProperties]:
     """Properties of the plate, which has a modulus, its corner and the time step, in the terms of `fem`."""
-    from fem.plate.properties import CornerProperties
-
     scene, corner, angle = case.scene, case.scene.corner, case.start.angle
     properties, step = plate_properties(scene, plate), step_properties(scene, case.duration / MIN_STEPS)
     friction = None  # no friction code
@@ -49,7 +46,6 @@ def static_models(
 ) -> list[PlateModel]:
     """The models of plates, without what needs their frequencies, on these meshes. Raises InputError."""
     from fem.model import plate_model
-    from fem.plate.properties import ModelError
 
     resolved = [resolved_plate(case.scene, *each) for each in zip(plates, meshes, strict=True)]
     inputs, models = [fe_input(case, plate) for plate in resolved], []
@@ -87,18 +83,11 @@ def _decayed(case: RigidStages, rate: float) -> float:
     return -math.expm1(-0.5 * rate * case.motion.strike.t)
 
 
-def rigid_start(case: RigidStages) -> RigidStart:
-    """Rigid state at the start of Stage 2."""
-    from fem.start.inertia_relief import RigidStart
-
-    return RigidStart(case.start.angle, float(case.start.omega), float(case.start.corner_speed))
-
-
 def deflection_ratio(case: RigidStages, model: PlateModel) -> float:
     """Static deflection of the plate's centre at the start, over its travel to the wall."""
     from fem.start import inertia_relief
 
-    return abs(inertia_relief.statics(model, rigid_start(case)).deflection) / centre_travel(case)
+    return abs(inertia_relief.statics(model, case.start).deflection) / centre_travel(case)
 
 
 def centre_travel(case: RigidStages) -> float:

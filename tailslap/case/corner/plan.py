@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from fem.plate.properties import RigidStart
+from meshes import wall_mesh
 from tailslap.case.case import FePlan
 from tailslap.case.corner import decisions
-from tailslap.case.corner.model import centre_travel, deflection_ratio, fe_input, rigid_start
+from tailslap.case.corner.model import centre_travel, deflection_ratio, fe_input
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.case.model import demand_steps
 from tailslap.errors import InputError
@@ -17,7 +19,6 @@ if TYPE_CHECKING:
     import meshio
 
     from fem.model.plate_model import PlateModel
-    from fem.start.inertia_relief import RigidStart
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,6 @@ class CornerPlan(FePlan):
         The case as given.
     growth : decisions.Growth
         Of the fastest mode by friction.
-    start : RigidStart
-        Rigid state at the start of Stage 2.
     deflection_ratio : float
         Static deflection under the reaction at the start over the centre's travel to the wall [-].
     locks : bool
@@ -43,10 +42,14 @@ class CornerPlan(FePlan):
     case: RigidStages
     asked: RigidStages
     growth: decisions.Growth
-    start: RigidStart
     deflection_ratio: float
     locks: bool
     rang: bool = False
+
+    @property
+    def start(self) -> RigidStart:
+        """Rigid state at the start of Stage 2."""
+        return self.case.start
 
     @cached_property
     def first_frequency(self) -> float:
@@ -56,8 +59,6 @@ class CornerPlan(FePlan):
     @property
     def wall(self) -> meshio.Mesh | None:
         """The wall's mesh, with the middle of the corner's path in its middle: for pictures, the wall is rigid."""
-        from meshes import wall_mesh
-
         wall, slide = self.case.scene.wall, self.case.motion.strike.slide
         if wall is None:
             return None
@@ -137,7 +138,6 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
         model=model,
         asked=asked,
         growth=growth,
-        start=rigid_start(case),
         deflection_ratio=ratio,
         locks=not mesh.fine_enough,
         rang=more_damping > 1.0,

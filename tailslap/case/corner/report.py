@@ -1,42 +1,32 @@
 """Words on a constrained corner: what `tailslap check` says, the verdict on a run, its page, summary and text."""
 
-from __future__ import annotations
-
 import math
-import time
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fem.explicit.columns import COLUMNS
 from fem.laws import constraints, friction, materials
 from fem.plate import kinds
 from fem.start import start_kinds
 from postprocess.comparison import quantities
-from postprocess.fields import contours
-from postprocess.figures.histories import Panel, draw_histories
 from postprocess.report import page
-from postprocess.report.page import Column, Picture, Section, Table
+from postprocess.report.page import Column, Section, Table
 from postprocess.report.report import Report
 from postprocess.units import SI, Units, measure
 from solver import stage_3
-from tailslap import progress
 from tailslap.case import report
 from tailslap.case.case import advice, failed_names
 from tailslap.case.corner import checks, decisions, rigid
 from tailslap.case.corner.error import FLOOR
+from tailslap.case.corner.figures import curves, draw_pictures, shown_pictures
+from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.scene.schema import Scene
 
 KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
-CAPTIONS = {
-    "contour_v_gx": "Velocity along the wall at the tail-slap (the paper's Figure 15).",
-    "contour_v_gy": "Velocity across the wall at the tail-slap (the paper's Figure 16).",
-    "contour_omega": "Angular velocity, half the curl of the velocity, at the tail-slap (the paper's Figure 17).",
-}
 GROUPS = {
     **{kind.name: "Mechanics" for kind in checks.MECHANICS},
     **{kind.name: "Work of the contact" for kind in checks.CONTACT},
@@ -63,13 +53,13 @@ METRICS_NOTE = (
 )
 
 
-def run_report(outcome: checks.CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
+def run_report(outcome: CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """Report of a run; its fields and pictures, in these units, go into the folder."""
     report.keep_fields(outcome, folder)
     return corner_report(draw_pictures(outcome, folder, units) if pictures else outcome, pictures)
 
 
-def corner_report(outcome: checks.CornerOutcome, pictures: bool) -> Report:
+def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
     verdict, peaks, design = verdict_sentence(outcome), *_forces(outcome)
     failed, omitted = failed_names(outcome.checks), omitted_parts(outcome.fe_plan.case.scene, pictures)
@@ -86,12 +76,12 @@ def _cure(name: str) -> str:
     return advice(checks.CHECKS, [name])
 
 
-def histories(outcome: checks.CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
+def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
     """Histories of FE plate and rigid body by the names of their files."""
     return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
 
 
-def summary(outcome: checks.CornerOutcome, pictures: bool) -> dict[str, Any]:
+def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
     """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
     alike = report.run_summary(outcome, omitted_parts(fe_plan.case.scene, pictures))
@@ -118,7 +108,7 @@ def summary(outcome: checks.CornerOutcome, pictures: bool) -> dict[str, Any]:
     }
 
 
-def peak_table(outcome: checks.CornerOutcome) -> Table:
+def peak_table(outcome: CornerOutcome) -> Table:
     """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
     plan, fe = outcome.fe_plan.case, outcome.fe
     mass, duration = plan.scene.vehicle.mass, plan.scene.strike.duration
@@ -127,7 +117,7 @@ def peak_table(outcome: checks.CornerOutcome) -> Table:
     return Table(report.PEAKS, [{"what": what, "fe": found, "rigid": plan.force.peak_force}])
 
 
-def comparison(outcome: checks.CornerOutcome, title: str = "") -> Table:
+def comparison(outcome: CornerOutcome, title: str = "") -> Table:
     """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's."""
     of_paper = is_paper_case(outcome.fe_plan.case)
     paper = quantities.PAPER_TABLE_3 if of_paper else None
@@ -139,12 +129,11 @@ def comparison(outcome: checks.CornerOutcome, title: str = "") -> Table:
     return Table(columns, rows, notes=(note,) if of_paper else ())
 
 
-def sections(outcome: checks.CornerOutcome) -> list[Section]:
+def sections(outcome: CornerOutcome) -> list[Section]:
     """The parts of the page, those without content included."""
     answer = outcome.fe_plan.case.rigid_numbers()
     metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
     compared = Table(METRICS, metrics, notes=(METRICS_NOTE,))
-    drawn = [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]
     titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
     stages = []
     for key, title in titles.items():
@@ -154,8 +143,8 @@ def sections(outcome: checks.CornerOutcome) -> list[Section]:
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
         report.failed_section(outcome.checks, _cure, diagnosis(outcome)),
-        Section("The plate at the tail-slap", figures=drawn, layout="tall"),
-        *_curves(outcome),
+        Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
+        *curves(outcome),
         Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),
         report.checks_section(outcome.checks, GROUPS),
         Section("FE histories against the rigid ones", tables=[compared], is_folded=True),
@@ -163,50 +152,10 @@ def sections(outcome: checks.CornerOutcome) -> list[Section]:
     ]
 
 
-def _forces(outcome: checks.CornerOutcome) -> list[Table]:
+def _forces(outcome: CornerOutcome) -> list[Table]:
     peaks = peak_table(outcome)
     (row,) = peaks.rows
     return [peaks, report.design_table(outcome.fe_plan.case.scene, row["fe"] or row["rigid"])]
-
-
-def _curves(outcome: checks.CornerOutcome) -> list[Section]:
-    """Curves of all histories, those of the columns that bring a plot of their own among them."""
-    own = [(name, column) for name, column in COLUMNS.items() if column.symbol]
-    title = "Further columns"
-    further = tuple(Panel(name, ((name, name),), c.symbol, c.unit, title, c.caption) for name, c in own)
-    curves = draw_histories(outcome.fe_history, outcome.rigid_history, further)
-    groups = dict.fromkeys(curve.group for curve in curves)
-    return [Section(group, figures=[c for c in curves if c.group == group]) for group in groups]
-
-
-def draw_pictures(outcome: checks.CornerOutcome, folder: Path, units: Units = SI) -> checks.CornerOutcome:
-    """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
-    reached."""
-    from fem.plate.discretisation import nodal_spin
-
-    began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
-    if strike is None:
-        return outcome
-    discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
-    spin = nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
-    # Corner nodes; those on the sides of quadratic elements come after.
-    drawn = discretisation.cells.max() + 1
-    fields = [
-        contours.ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
-        contours.ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
-        contours.ContourField("omega", "Angular velocity", "rad/s", spin),
-    ]
-    with progress.announced("Drawing the pictures ..."):
-        situation = contours.Situation(
-            (strike.positions.T[:drawn], discretisation.cells),
-            wall=None if wall is None else (wall.points[:, :2], wall.cells_dict["quad"]),
-            corner=strike.positions[:, discretisation.corner].tolist(),
-            centroid=(strike.positions @ masses / masses.sum()).tolist(),
-            scene=fe_plan.case.scene.name,
-            time=strike.values["t"],
-        )
-        pictures = contours.draw_contours(situation, fields, folder, units)
-    return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
@@ -272,7 +221,7 @@ def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]
     ]
 
 
-def verdict_sentence(outcome: checks.CornerOutcome) -> str:
+def verdict_sentence(outcome: CornerOutcome) -> str:
     """The verdict on a run."""
     of_the_reaction = checks.reaction_checks()
     failed = set(failed_names(outcome.checks))
@@ -288,7 +237,7 @@ def verdict_sentence(outcome: checks.CornerOutcome) -> str:
     return text
 
 
-def _comparison(outcome: checks.CornerOutcome) -> str:
+def _comparison(outcome: CornerOutcome) -> str:
     difference = quantities.largest(outcome.difference)
     stated = f"at most {outcome.error.total:.1e}" if outcome.companions else "not stated"
     if difference <= FLOOR:
@@ -321,7 +270,7 @@ def flutter_sentence(fe_plan: CornerPlan) -> str:
     )
 
 
-def statements(outcome: checks.CornerOutcome) -> list[str]:
+def statements(outcome: CornerOutcome) -> list[str]:
     """Sentences that a reader needs beside the numbers: what was run, and what it means."""
     fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
     law = friction.FRICTION_LAWS[case.scene.corner.reaction]
@@ -348,12 +297,12 @@ def statements(outcome: checks.CornerOutcome) -> list[str]:
     return [sentence for sentence in made if sentence]
 
 
-def diagnosis(outcome: checks.CornerOutcome) -> list[str]:
+def diagnosis(outcome: CornerOutcome) -> list[str]:
     """Sentences on why a run failed: choices of the program, and its prediction of ringing."""
     return [*report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
 
 
-def prediction(outcome: checks.CornerOutcome) -> str:
+def prediction(outcome: CornerOutcome) -> str:
     """Sentence on the ringing that was predicted."""
     return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
@@ -382,7 +331,7 @@ def _plate_mass(plate: float, vehicle: float) -> str:
     )
 
 
-def _error(outcome: checks.CornerOutcome) -> str:
+def _error(outcome: CornerOutcome) -> str:
     error = outcome.error
     if not outcome.companions:
         wanted = outcome.fe_plan.case.scene.verify.companion

@@ -1,7 +1,5 @@
 """Stages 1 to 3 of the rigid body: from a scene to the tail-slap, and what `tailslap rigid` says of it."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,20 +7,20 @@ from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
+
+import numpy as np
 
 import solver
 from fem import lazy
+from fem.explicit import columns
+from fem.plate.properties import RigidStart
 from postprocess.comparison import quantities
 from tailslap.case import case
+from tailslap.case.model import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
 from tailslap.scene.units import shown, value_line
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from tailslap.case.model import Decision
 
 ROWS = 401
 """Instants of a history of the rigid motion."""
@@ -41,25 +39,6 @@ LABELS = {
     "peak_force": ("peak force", "N"),
 }
 """Labels and units of the stages' numbers."""
-
-
-@dataclass(frozen=True)
-class StageTwoStart:
-    """Start of Stage 2.
-
-    Attributes
-    ----------
-    angle : float
-        Between the side and the wall [rad].
-    omega : float
-        Angular velocity [rad/s], positive towards the wall.
-    corner_speed : float
-        Of the corner along the wall [m/s].
-    """
-
-    angle: float
-    omega: float
-    corner_speed: float
 
 
 @dataclass(frozen=True)
@@ -97,14 +76,14 @@ class RigidStages(case.Case):
             return solver.corner_impulse(self.body, *given, convention=impact.convention)
 
     @cached_property
-    def start(self) -> StageTwoStart:
+    def start(self) -> RigidStart:
         """Start of Stage 2 as the scene gives it, else as Stage 1 computes it."""
         given: dict[str, Any] = self.scene.start.model_dump() if self.scene.start else {}
         found: dict[str, Any] = {}
         if self.stage1 is not None and self.scene.impact is not None:
             found = {"angle": self.scene.impact.angle, "omega": self.stage1.omega}
             found["corner_speed"] = self.stage1.corner_speed
-        return StageTwoStart(**found | {key: value for key, value in given.items() if value is not None})
+        return RigidStart(**found | {key: value for key, value in given.items() if value is not None})
 
     @cached_property
     def motion(self) -> solver.PlaneMotion:
@@ -131,8 +110,6 @@ class RigidStages(case.Case):
         dict of ndarray, shape (n,)
             "peak_force"; NaN where the theory refuses a combination.
         """
-        import numpy as np
-
         scene: Any = self.scene
         for key, value in inputs.items():
             table, _, name = key.partition(".")
@@ -195,9 +172,6 @@ class RigidStages(case.Case):
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Columns of the rigid motion to the tail-slap, by their names in `history.csv`, SI."""
-        import numpy as np
-
-        from fem.explicit import columns
 
         state = self.motion.at(np.linspace(0.0, self.duration, ROWS))
         return {name: getattr(state, name) for name in ("t", *columns.COLUMNS) if hasattr(state, name)}

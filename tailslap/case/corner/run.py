@@ -15,6 +15,7 @@ from postprocess.comparison import quantities
 from tailslap.case import model
 from tailslap.case.case import MOST_ELEMENTS, evaluated
 from tailslap.case.corner import checks, decisions, error, plan
+from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
@@ -33,7 +34,7 @@ HALVED = 16, 6
 """Least elements along and across of a mesh whose companion has half as many: fewer do not resolve the support."""
 
 
-def run_corner(case: RigidStages) -> checks.CornerOutcome:
+def run_corner(case: RigidStages) -> CornerOutcome:
     """Run the plate, and its companions where the scene wants the error; compare with the rigid motion and check.
 
     A run that rings where the program may choose the damping is made once more, with more of it. Raises InputError for
@@ -43,7 +44,7 @@ def run_corner(case: RigidStages) -> checks.CornerOutcome:
     return judged(with_companions(outcome) if outcome.fe and case.scene.verify.companion else outcome)
 
 
-def settled(case: RigidStages) -> checks.CornerOutcome:
+def settled(case: RigidStages) -> CornerOutcome:
     """The outcome, not checked: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(case)
     if not (decisions.damping_is_open(case.scene) and checks.rings(outcome)):
@@ -52,12 +53,12 @@ def settled(case: RigidStages) -> checks.CornerOutcome:
     return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
 
 
-def judged(outcome: checks.CornerOutcome) -> checks.CornerOutcome:
+def judged(outcome: CornerOutcome) -> CornerOutcome:
     """The outcome with its checks."""
     return replace(outcome, checks=evaluated(checks.CHECKS.values(), outcome))
 
 
-def with_companions(outcome: checks.CornerOutcome) -> checks.CornerOutcome:
+def with_companions(outcome: CornerOutcome) -> CornerOutcome:
     """The outcome with companions: a second one where the first leaves an error above what is allowed."""
     for plate, refinement in companion_plates(outcome.fe_plan):
         made = companion(outcome, plate, refinement)
@@ -82,7 +83,7 @@ def companion_plates(fe_plan: plan.CornerPlan) -> Iterator[tuple[Plate, float]]:
     yield from ((model.refined(plate, factor), factor) for factor in factors)
 
 
-def companion(outcome: checks.CornerOutcome, plate: Plate, refinement: float) -> error.Companion | None:
+def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.Companion | None:
     """The companion of a run on the mesh of this plate; None where none can be made.
 
     It has the damping of the run, or where it rings with that, what the program comes to for it; also where the scene
@@ -128,7 +129,7 @@ def damped_freely(case: RigidStages) -> RigidStages:
     return case.with_changes(own if damping.ratio or damping.bulk_viscosity else {"damping": None})
 
 
-def attempt(case: RigidStages, more_damping: float = 1.0) -> checks.CornerOutcome:
+def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
     """A single run beside the rigid motion, not checked; more_damping: factor on the damping that is chosen [-].
 
     Raises InputError as `run_corner`.
@@ -171,13 +172,13 @@ def _simulated(fe_plan: plan.CornerPlan, stepper: Stepper) -> Run:
         raise InputError("plate.start", start, f'{why}; allowed is "unstressed"') from None
 
 
-def compare(fe_plan: plan.CornerPlan, run: Run, setup: float) -> checks.CornerOutcome:
+def compare(fe_plan: plan.CornerPlan, run: Run, setup: float) -> CornerOutcome:
     """Hold a run against the rigid motion; setup: time [s] that its model took."""
     rigid = fe_plan.case.tail_slap
     fe = {name: run.strike.values[name] for name in quantities.KEYS} if run.strike else {}
     difference = quantities.relative_difference(fe, rigid) if fe else {}
     columns = rigid_columns(fe_plan, run.history)
-    return checks.CornerOutcome(fe_plan, run, difference, (), setup, columns, rigid, fe)
+    return CornerOutcome(fe_plan, run, difference, (), setup, columns, rigid, fe)
 
 
 def rigid_columns(fe_plan: plan.CornerPlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -1,7 +1,5 @@
 """Answers that an impact is read for: strikes, filtered forces, their peaks, the second strike's duration, risk."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

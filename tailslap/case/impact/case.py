@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from tailslap.case.case import check_columns
 from tailslap.case.impact import answers, rigid
+from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
     from tailslap.case.impact.plan import ImpactPlan
     from tailslap.case.impact.run import ImpactOutcome
-    from tailslap.scene.schema import Scene
 
 
 STRIKES = (1, 2)
@@ -73,7 +73,6 @@ class ImpactCase(rigid.RigidImpact):
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; without an outcome, the rigid vehicle alone."""
-        from tailslap.case.case import check_columns
         from tailslap.case.report import run_cost
 
         if outcome is None:

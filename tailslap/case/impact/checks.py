@@ -1,7 +1,5 @@
 """The checks that a run of a whole impact must pass before its numbers are believed. What is not finite fails."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The numerical error of a whole impact: the same vehicle on other meshes, judged as ASME V&V 20 judges them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise

@@ -1,22 +1,18 @@
 """Figures of a whole impact's report, from its histories."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postprocess.figures import impact
+from postprocess.figures.impact import StrikeMark, write_animation
 from postprocess.report.page import Picture
+from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 from solver.impact import CORNERS
 from tailslap import progress
 from tailslap.case.impact import answers
 from tailslap.case.impact.run import ImpactOutcome
-
-if TYPE_CHECKING:
-    from postprocess.figures.impact import StrikeMark
-    from postprocess.svg.chart import Chart
 
 PARTS = {
     "crush_energy": "crush, lost",
@@ -35,8 +31,6 @@ INSTANTS = 9
 
 def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
     """The strikes as figures mark them."""
-    from postprocess.figures.impact import StrikeMark
-
     t, x = answer.history["t"], answer.history["x_g"]
 
     def place(strike_position: float, instant: float, middle: float) -> float:
@@ -52,8 +46,6 @@ def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
 
 def outlines(outcome: ImpactOutcome) -> np.ndarray:
     """Corners of the vehicle at every row, shape (rows, 4, 2) [m]."""
-    from postprocess.figures import impact
-
     h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
     return impact.vehicle_outlines(
         h["x_g"], h["y_g"], h["theta"], vehicle.length, vehicle.width, vehicle.front_distance
@@ -62,8 +54,6 @@ def outlines(outcome: ImpactOutcome) -> np.ndarray:
 
 def position_strip(outcome: ImpactOutcome) -> Chart:
     """Draw the vehicle at even instants."""
-    from postprocess.figures import impact
-
     t = outcome.run.history["t"]
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
     return impact.draw_positions(outlines(outcome)[shown], t[shown], marks(outcome.fe))
@@ -71,8 +61,6 @@ def position_strip(outcome: ImpactOutcome) -> Chart:
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
     """Lateral and longitudinal force, raw and filtered; the rigid vehicle's lateral force beside the plate's."""
-    from postprocess.figures import impact
-
     strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
     lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
     return [
@@ -92,8 +80,6 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
 
 def energy_figure(outcome: ImpactOutcome) -> Chart:
     """Draw what becomes of the kinetic energy."""
-    from postprocess.figures import impact
-
     h = outcome.run.history
     parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items()}
     return impact.draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
@@ -101,8 +87,6 @@ def energy_figure(outcome: ImpactOutcome) -> Chart:
 
 def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     """Force over crush of the corners that struck, and with more points than corners the force along the side."""
-    from postprocess.figures import impact
-
     run, length = outcome.run, outcome.fe_plan.case.vehicle.length
     corner = answers.nearest_corner(run.points, length)
     loops = {}
@@ -126,8 +110,6 @@ def animation(outcome: ImpactOutcome, folder: Path, units: Units = SI) -> Pictur
     """The impact as a GIF, its axes in these units."""
     h = outcome.run.history
     with progress.announced("Drawing the animation ..."):
-        from postprocess.figures.impact import write_animation
-
         path = write_animation(
             folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"], units=units
         )

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from fem.laws.friction import Drag
 from fem.plate import kinds
+from fem.plate.properties import ContactProperties, Inertia, ModelError, WallProperties
+from meshes import wall_mesh
 from tailslap.case import model
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
@@ -13,7 +16,6 @@ from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
-    from fem.plate.properties import ContactProperties, WallProperties
     from fem.run.impact import FirstTouch
 
 ACROSS, ACROSS_LINEAR = 4, 6
@@ -103,7 +105,6 @@ def safety_factor(scene: Scene, plate: Plate) -> float:
 def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
     from fem.model.impact_model import build_impact_model
-    from fem.plate.properties import Inertia, ModelError
 
     scene, vehicle = case.scene, case.vehicle
     uniform = scene.vehicle.centre_of_mass is None and scene.vehicle.yaw_inertia is None
@@ -122,9 +123,6 @@ def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
     """A deformable wall, its middle where the rigid vehicle's strikes have theirs."""
-    from fem.plate.properties import WallProperties
-    from meshes import wall_mesh
-
     places = [strike.position for strike in case.motion.strikes] or [0.0]
     start = 0.5 * (min(places) + max(places) - wall.length)
     assert wall.height is not None
@@ -136,9 +134,6 @@ def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
 
 def contact_properties(contact: Contact) -> ContactProperties:
     """Properties of the contact between the plate's boundary and the wall."""
-    from fem.laws.friction import Drag
-    from fem.plate.properties import ContactProperties
-
     friction = Drag(contact.friction) if contact.friction > 0.0 else None
     if contact.stiffness is None:
         return ContactProperties(friction, contact.enforcement, penalty_scale=contact.penalty_scale)

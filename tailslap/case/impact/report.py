@@ -1,7 +1,5 @@
 """Texts on a whole impact: `tailslap check`, page, summary, histories, terminal."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +10,7 @@ import numpy as np
 from postprocess.report import page
 from postprocess.report.page import Column, Picture, Section, Table
 from postprocess.report.report import Report
+from postprocess.signals import filters
 from postprocess.units import SI, Units, measure
 from tailslap.case import report
 from tailslap.case.case import failed_names
@@ -139,8 +138,6 @@ def _strikes(outcome: run.ImpactOutcome) -> Table:
 
 def filtered_table(outcome: run.ImpactOutcome) -> Table:
     """Peaks of raw and filtered forces."""
-    from postprocess.signals import filters
-
     fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
     rows = [
         {"curve": label, "fe": fe[name], "rigid": rigid[name], "along": along[name]}
@@ -254,7 +251,6 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
     None for a rigid wall."""
     if outcome.fe_plan.case.scene.wall is None:
         return None
-    from postprocess.signals import filters
 
     h = outcome.run.history
     k = int(np.argmax(h["wall_deflection"]))

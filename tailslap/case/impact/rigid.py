@@ -1,7 +1,5 @@
 """The rigid vehicle of a whole impact: its contact, first touch and motion, and what `tailslap rigid` says of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,10 +10,12 @@ from typing import Any
 import numpy as np
 
 import solver
+from fem.laws.unilateral import penalty_stiffness
 from postprocess.comparison import quantities
 from solver import impact
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
+from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Contact, Scene
@@ -217,8 +217,6 @@ class RigidImpact(Case):
 def wall_contact(scene: Scene, contact: Contact) -> impact.WallContact:
     """The rigid vehicle's contact; one that does not crush has the plate's penalty at its corners, elastic."""
     if contact.stiffness is None:
-        from fem.laws.unilateral import penalty_stiffness
-
         plate = scene.needed_plate
         penalty = penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
         return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), contact.friction)
@@ -278,8 +276,6 @@ def paper_method(scene: Scene, answer: answers.ImpactAnswer) -> dict[str, Any] |
         the duration of the second strike as the paper would read it off the computed 50 ms mean, or None. None where
         [impact] does not give friction and restitution, or where the method has no answer.
     """
-    from tailslap.case.corner.case import CornerCase
-
     given = scene.impact
     if given is None or given.friction is None or given.restitution is None:
         return None

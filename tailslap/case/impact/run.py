@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from fem.plate.properties import ModelError
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
@@ -15,10 +16,10 @@ from tailslap.case.model import refusal
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
+from tailslap.scene.schema import Plate
 
 if TYPE_CHECKING:
     from fem.run.impact import ImpactRun
-    from tailslap.scene.schema import Plate
 
 BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
@@ -76,7 +77,6 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
 
     snapshots: instants at which the motion of all nodes is kept.
     """
-    from fem.plate.properties import ModelError
     from fem.run import impact
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end

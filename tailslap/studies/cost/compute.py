@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,7 +25,8 @@ from postprocess.comparison import quantities
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
 from tailslap import errors, modal_analysis, studies
-from tailslap.campaign import engine, records
+from tailslap.campaign import engine
+from tailslap.campaign.convergence import NO_LIMIT, Limit, finite, grids_of, halved, limit_of
 from tailslap.case import case_of, cost
 from tailslap.case.case import failed_names
 from tailslap.case.corner.run import compare
@@ -61,12 +61,6 @@ SPRING = "quad4, penalty"
 # (benchmarks/rigid.py).
 ROUNDING = 2.2e-12
 
-# Order of linear elements, of loads that jump and of central differences; a higher observed order is luck.
-MAX_ORDER = 2.0
-
-# Relative rounding of a run: no limit is known better.
-MIN_KNOWN = 1e-12
-
 # Expected seconds of a time loop above which a setting is left out.
 TOO_LONG = 30.0
 
@@ -96,22 +90,6 @@ class Setting:
     def key(self) -> str:
         """Name by which records and rows know the setting."""
         return f"{'soft plate, ' * self.soft}{self.group}: {self.label}"
-
-
-class Limit(NamedTuple):
-    """Quantities in a limit of refined meshes or time steps, and how well they are known: the largest grid convergence
-    index."""
-
-    values: dict[str, float]
-    known: float
-
-    def error_of(self, values: Mapping[str, float]) -> float:
-        """Largest relative distance from the limit, no less than that is known to; NaN where one value is none."""
-        error = quantities.largest(quantities.relative_difference(values, self.values, tuple(self.values)))
-        return max(error, self.known) if math.isfinite(error) else math.nan
-
-
-NO_LIMIT = Limit({}, math.nan)
 
 
 class CostResult(NamedTuple):
@@ -146,11 +124,9 @@ def compute(case: Any, place: Path) -> CostResult:
         todo, changes = [*settings(case.scene), *soft_settings(case.scene)], soft_changes(case)
     varied = case.varied(changes)
     definition = {"study": "cost", "scene": case.scene.model_dump(), "settings": [s.key for s in todo]}
-    with records.Journal(place, definition) as journal:
-        parts = {s.key: ((varied if impact or s.soft else case).source, s) for s in todo}
-        # One after the other: they are timed.
-        engine.run_parts(measure, parts, journal, f"{case.scene.name}: {len(todo)} settings", workers=1)
-        found = {s.key: journal.records[s.key] for s in todo}
+    parts = {s.key: ((varied if impact or s.soft else case).source, s) for s in todo}
+    # One after the other: they are timed.
+    (found,) = engine.run_study(place, definition, [(measure, parts, f"{len(todo)} settings")], workers=1)
     seconds = time.perf_counter() - began
     if not impact:
         return summed_up(case, todo, found, shown(changes), varied.tail_slap)._replace(seconds=seconds)
@@ -170,47 +146,12 @@ def summed_up(
         groups[f"soft plate, {name}"] = [s for s in todo if s.soft and s.group == name]
     found = {group: [noted[s.key] for s in chosen] for group, chosen in groups.items()}
     limit, halves = limit_of(found["soft plate, quad9"]), found[f"soft plate, {STEP}"]
-    mesh_limit, exact = limit_of(halves if _halved(halves) else []), Limit(case.tail_slap, ROUNDING)
+    mesh_limit, exact = limit_of(halves if halved(halves) else []), Limit(case.tail_slap, ROUNDING)
     rows = [row_of(s, noted[s.key], limit if s.soft else exact, mesh_limit) for s in todo]
-    grids = {group: _grids(its) for group, its in found.items() if STEP not in group or _halved(_finite(its))}
+    grids = {group: grids_of(its) for group, its in found.items() if STEP not in group or halved(finite(its))}
     convergence = {group: each for group, each in grids.items() if each}
     flexibility = quantities.largest_relative(limit.values, truth)
     return CostResult(case, rows, limit, 0.0, mesh_limit, convergence, soft, flexibility)
-
-
-def _finite(records: Iterable[Row]) -> list[Row]:
-    return [r for r in records if "values" in r and all(map(math.isfinite, r["values"].values()))]
-
-
-def _halved(records: list[Row]) -> bool:
-    """True if of the last three each has twice the steps of the one before; on soft plates the least number of steps
-    may stand against it."""
-    steps = [record.get("steps", 0) for record in records[-3:]]
-    return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
-
-
-def _grids(records: Iterable[Row], names: Sequence[str] = KEYS) -> dict[str, quantities.GridConvergence]:
-    """Grid convergence of each quantity over the three finest, each half the one before; empty for fewer."""
-    values = [record["values"] for record in _finite(records)][-3:]
-    if len(values) < 3:
-        return {}
-    coarse, medium, fine = values
-    three = {name: (fine[name], medium[name], coarse[name]) for name in names}
-    return {name: quantities.grid_convergence(values, (2.0, 2.0)) for name, values in three.items()}
-
-
-def limit_of(records: Iterable[Row], names: Sequence[str] = KEYS) -> Limit:
-    """Richardson's limit of the last three records; without an order the last and three times its change."""
-    values, known = dict.fromkeys(names, math.nan), [MIN_KNOWN]
-    grids = _grids(records, names)
-    for name, grid in grids.items():
-        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], quantities.CAUTIOUS_FACTOR
-        values[name] = fine
-        if grid.behaviour == "converging":
-            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), quantities.SAFETY_FACTOR
-            values[name] = fine + change
-        known.append(safety * abs(change / fine))
-    return Limit(values, max(known) if grids else math.nan)
 
 
 def row_of(setting: Setting, record: Row, limit: Limit, mesh_limit: Limit = NO_LIMIT) -> Row:

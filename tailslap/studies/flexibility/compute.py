@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.start.start_kinds import START_KINDS
-from postprocess.comparison import quantities
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from solver.impact import CORNERS
-from tailslap.campaign import engine
-from tailslap.campaign.levels import PowerLaw, Reach, Sample, jointly, lowest_frequency, power_law
-from tailslap.campaign.records import Journal
+from tailslap.campaign import engine, levels
+from tailslap.campaign.convergence import Record, convergence_index, three_meshes
+from tailslap.campaign.levels import PowerLaw, Reach, Sample
 from tailslap.case import case_of, cost, model
 from tailslap.case.case import failed_names
 from tailslap.case.corner.case import CornerCase
@@ -32,13 +31,8 @@ from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.run import attempt
 from tailslap.errors import InputError
 from tailslap.modal_analysis import modal_run
-from tailslap.scene import schema, units
-from tailslap.scene.vary import Changes, Source, parse_value, vary
-
-Record = dict[str, Any]
-
-# Values of --lowest and --highest.
-HERTZ = units.Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
+from tailslap.scene import schema
+from tailslap.scene.vary import Changes, Source, vary
 
 # The softest plate of a constrained corner and of a whole impact.
 LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
@@ -63,9 +57,6 @@ JUDGED = "numerical error"
 # scene gives none: a point has no finite compliance, and meshes would not converge.
 PATCH = 0.1
 
-# Elements along and across that the coarsest mesh keeps at least; otherwise the scene's own is the coarsest.
-MIN_HALVED = (4, 2)
-
 # Expected seconds of a time loop above which a run is left out.
 TOO_LONG = 120.0
 
@@ -75,9 +66,6 @@ THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
 # Rows of the history of a start that oscillates, a period of the first frequency: enough to see its largest
 # swing.
 ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
-
-# Order of convergence of linear elements and central differences.
-MAX_ORDER = 2.0
 
 # Quantities that are compared of a whole impact, as `tailslap.case.impact.answers` names it.
 NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
@@ -123,76 +111,44 @@ class Flexibility:
     @property
     def band(self) -> tuple[Reach, ...]:
         """Levels that hold for each of the series of `levels`."""
-        return tuple(jointly(each) for each in zip(*self.levels.values(), strict=True))
+        return tuple(levels.jointly(each) for each in zip(*self.levels.values(), strict=True))
 
 
 def compute(
     case: Any, place: Path, points: int, lowest: str | None, highest: str, workers: int | None
 ) -> Flexibility:
     """The study as the command line asks for it."""
-    if case.scene.contact is not None:
-        given = frequencies(lowest or IMPACT_LOWEST, highest, points)
-        return impact_flexibility(case, given, place, workers)
-    return corner_flexibility(case, frequencies(lowest or LOWEST, highest, points), place, workers)
-
-
-def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
-    """First frequencies [Hz] from the highest to the lowest, at even ratios. Raises InputError."""
-    ends = []
-    for option, given in (("--lowest", lowest), ("--highest", highest)):
-        try:
-            ends.append(HERTZ.parse(parse_value(given)))
-        except ValueError as error:
-            raise InputError(option, given, str(error)) from None
-    if not ends[0] < ends[1]:
-        raise InputError("--lowest", lowest, f'allowed is less than --highest, which is "{highest}"')
-    return tuple(np.geomspace(ends[1], ends[0], points).tolist())
-
-
-def run_plates(groups: Sequence[Any], definition: Record, place: Path, workers: Any) -> list[list[Record]]:
-    """Records of each group: a function, its arguments by key, a label; an interrupted study goes on where it was."""
-    with Journal(place, {"study": "flexibility", **definition}) as journal:
-        for function, parts, label in groups:
-            engine.run_parts(function, parts, journal, f"{definition['scene']['name']}: {label}", workers)
-        return [[journal.records[key] for key in parts] for _, parts, _ in groups]
+    impact = case.scene.contact is not None
+    given = levels.frequencies(lowest or (IMPACT_LOWEST if impact else LOWEST), highest, points)
+    return (impact_flexibility if impact else corner_flexibility)(case, given, place, workers)
 
 
 class Sweep(NamedTuple):
-    """Runs of a corner. meshes: coarse to fine, each twice the last; support: how the corner is held; own:
-    thickness [m], density [kg/m^3] and modulus [Pa] of the scene's own plate."""
+    """Runs of a corner. meshes: coarse to fine, each twice the last; support: how the corner is held."""
 
     case: CornerCase
     fe_plan: Any
     meshes: tuple[tuple[int, int], ...]
     support: Record
-    own: tuple[float, float, float]
+
+    @property
+    def own(self) -> tuple[float, float, float]:
+        """Thickness [m], density [kg/m^3] and modulus [Pa] of the scene's own plate."""
+        plate = self.fe_plan.plate
+        return plate.thickness, model.plate_density(self.case.scene, plate), plate.modulus
 
 
 def define(case: CornerCase) -> Sweep:
     """The sweep of a scene. Raises InputError for keys that make no model."""
     fe_plan = case.plan()
-    plate, meshes = fe_plan.plate, three_meshes(fe_plan.case.scene)
-    own = (plate.thickness, model.plate_density(case.scene, plate), plate.modulus)
-    return Sweep(case, fe_plan, meshes, corner_support(case.scene, meshes[0]), own)
-
-
-def three_meshes(scene: schema.Scene) -> tuple[tuple[int, int], ...]:
-    """The scene's mesh halved, itself, doubled; or where it cannot be halved, itself, doubled, and doubled again.
-
-    scene: one whose elements are decided.
-    """
-    along, across = scene.needed_plate.counts
-    patch, length = scene.corner.patch_length, scene.vehicle.length
-    halves = along % 2 == 0 and across % 2 == 0 and along // 2 >= MIN_HALVED[0]
-    halves = halves and across // 2 >= MIN_HALVED[1] and (patch is None or patch * (along // 2) >= length)
-    coarse = (along // 2, across // 2) if halves else (along, across)
-    return tuple((n * coarse[0], n * coarse[1]) for n in (1, 2, 4))
+    meshes = three_meshes(fe_plan.case.scene)
+    return Sweep(case, fe_plan, meshes, corner_support(case.scene, meshes[0]))
 
 
 def corner_support(scene: schema.Scene, coarsest: tuple[int, int]) -> Record:
     """The scene's own constraint and patch where it gives them, else the exact one over a patch of whole elements."""
     corner, element = scene.corner, scene.vehicle.length / coarsest[0]
-    own = bool(corner.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"})
+    own = not corner.constraint_is_open
     patch = corner.patch_length or max(1, round(PATCH * scene.vehicle.length / element)) * element
     given = {"own_constraint": own, "own_patch": corner.patch_length is not None}
     return {"constraint": corner.constraint if own else "exact", "patch": patch, **given}
@@ -200,9 +156,9 @@ def corner_support(scene: schema.Scene, coarsest: tuple[int, int]) -> Record:
 
 def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start: str = STARTS[0]) -> Changes:
     """Changes that give the scene this first frequency [Hz], mesh and start, and the study's support of the corner."""
-    plate: Record = {"youngs_modulus": None, "first_frequency": frequency, "elements": elements}
-    plate |= {"element": sweep.fe_plan.plate.element, "start": start}
-    changes: Record = {f"plate.{key}": value for key, value in plate.items()}
+    element = sweep.fe_plan.plate.element
+    changes: Record = {"plate.youngs_modulus": None, "plate.first_frequency": frequency}
+    changes |= {"plate.elements": elements, "plate.element": element, "plate.start": start}
     # Not verified: plates that differ from the rigid body are the subject, and no failure.
     changes |= {"wall": None, "verify": None, "corner.patch_length": sweep.support["patch"]}
     if not sweep.support["own_constraint"]:
@@ -234,23 +190,21 @@ def corner_flexibility(case: Any, given: Sequence[float], place: Path, workers: 
         modal = {**run_changes(sweep, frequency, sweep.meshes[-1]), "damping": None}
         own, half = sweep.own if number in thin else None, number == len(given) // 2
         parts[f"{frequency!r} Hz"] = (case.source, starts, modal, own, half)
-    definition = {"scene": case.scene.model_dump(), "frequencies": given, "starts": STARTS}
-    (records,) = run_plates([(measure, parts, f"{len(parts)} plates")], definition, place, workers)
-    rows = [plate_row(f, record, case.tail_slap) for f, record in zip(given, records, strict=True)]
+    definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": given}
+    groups = [(measure, parts, f"{len(parts)} plates")]
+    (records,) = engine.run_study(place, definition | {"starts": STARTS}, groups, workers)
+    rows = [plate_row(f, record, case.tail_slap) for f, record in zip(given, records.values(), strict=True)]
     return summed_up(sweep, rows, time.perf_counter() - began)
 
 
 def summed_up(sweep: Sweep, rows: list[Record], seconds: float) -> Flexibility:
     """Levels and power laws of these plates."""
-    starts = {name: _levels(start_samples(rows, name)) for name in STARTS}
-    others = {name: _levels(samples_of(rows, name)) for name in MEASURED if name not in ("v_gy", "stored")}
-    laws = {name: power_law(samples_of(rows, name)) for name in MEASURED}
+    starts = {name: levels.reaches(start_samples(rows, name), LEVELS) for name in STARTS}
+    samples = {name: samples_of(rows, name) for name in MEASURED}
+    others = {n: levels.reaches(its, LEVELS) for n, its in samples.items() if n not in ("v_gy", "stored")}
+    laws = {name: levels.power_law(its) for name, its in samples.items()}
     setup, own = {"corner": sweep.support, "meshes": sweep.meshes}, sweep.fe_plan.first_frequency
     return Flexibility(sweep.case, rows, starts, own, setup, seconds, others, laws)
-
-
-def _levels(samples: list[Sample], levels: tuple[float, ...] = LEVELS) -> tuple[Reach, ...]:
-    return tuple(lowest_frequency(samples, level) for level in levels)
 
 
 def samples_of(rows: Sequence[Record], name: str) -> list[Sample]:
@@ -361,8 +315,8 @@ def one_run(base: Source, changes: Changes | None, take: Callable[[Any], Record]
 def modal_record(case: CornerCase) -> Record:
     """The plate by its lowest modes: values, the model's own estimate of its error, failed checks."""
     found = modal_run(case.plan(), tolerance=1.0)
-    failed = list(failed_names(found.checks))
-    return {"values": found.values, "estimate": found.estimate.total, "failed": failed}
+    failed = failed_names(found.checks)
+    return {"values": found.values, "estimate": found.estimate.total, "failed": list(failed)}
 
 
 def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> Record:
@@ -422,17 +376,8 @@ def mesh_error(meshes: list[Record], name: str) -> float:
     values = [(mesh.get("values", {}) if name in KEYS else mesh).get(name, math.nan) for mesh in meshes]
     if not all(map(math.isfinite, values)) or 0.0 in values:
         return math.nan
-    coarse, medium, fine = values
-    index = convergence_index(fine, medium, coarse)
-    return float(index * (1.0 if name in KEYS else abs(fine)) + meshes[-1]["unseen"])
-
-
-def convergence_index(fine: float, medium: float, coarse: float) -> float:
-    """Grid convergence index of the fine mesh; an observed order above that of the elements is luck, and not used."""
-    found = quantities.grid_convergence((fine, medium, coarse), (2.0, 2.0))
-    if found.behaviour != "converging" or found.order <= MAX_ORDER:
-        return found.gci_fine
-    return quantities.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
+    index = convergence_index(*reversed(values))
+    return float(index * (1.0 if name in KEYS else abs(values[-1])) + meshes[-1]["unseen"])
 
 
 def impact_flexibility(case: Any, given: Sequence[float], place: Path, workers: int | None) -> Flexibility:
@@ -449,13 +394,13 @@ def impact_flexibility(case: Any, given: Sequence[float], place: Path, workers: 
     sweep = {f"{f!r} Hz": (case.source, plate(f), strike_record) for f in given}
     plates = {f"plate {f!r} Hz": (case.source, f, *(plate(f, n, **end) for n in (1, 2))) for f in PLATES}
     groups = (one_run, sweep, f"{len(sweep)} plates"), (measure_plate, plates, "from 2 Hz to rigid")
-    definition = {"scene": case.scene.model_dump(), "frequencies": given}
-    records, soft = run_plates(groups, definition, place, workers)
-    rows = [impact_row(f, record) for f, record in zip(given, records, strict=True)]
-    levels = {name: _levels(impact_samples(rows, name), IMPACT_LEVELS) for name in NAMES}
+    definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": given}
+    records, soft = engine.run_study(place, definition, groups, workers)
+    rows = [impact_row(f, record) for f, record in zip(given, records.values(), strict=True)]
+    reached = {name: levels.reaches(impact_samples(rows, name), IMPACT_LEVELS) for name in NAMES}
     rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
-    setup = {"patch_length": patch}
-    return Flexibility(case, rows, levels, own.first_frequency, setup, seconds, {}, {}, [*soft, rigid])
+    setup, measured = {"patch_length": patch}, [*soft.values(), rigid]
+    return Flexibility(case, rows, reached, own.first_frequency, setup, seconds, {}, {}, measured)
 
 
 def patch_length(case: ImpactCase) -> float:
@@ -484,8 +429,8 @@ def impact_samples(rows: Sequence[Record], name: str) -> list[Sample]:
 def strike_record(case: ImpactCase) -> Record:
     """A plate's run beside the rigid vehicle's impact. Its mesh error is no failure: levels are held to it."""
     outcome = case.run()
-    failed = list(failed_but_mesh(outcome))
-    return {"difference": outcome.difference, "error": outcome.mesh_error, "failed": failed}
+    found = {"difference": outcome.difference, "error": outcome.mesh_error}
+    return found | {"failed": list(failed_but_mesh(outcome))}
 
 
 def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Changes) -> Record:

@@ -74,10 +74,9 @@ READING = (
 )
 WORDS = {f"strike_1.{name}": f"first strike's {name.removesuffix('_force')}" for name in COMPARED}
 WORDS |= {f"strike_2.{name}": f"second strike's {name.removesuffix('_force')}" for name in COMPARED}
-_ERRORS = columns({f"error.{name}": "" for name in NAMES}, form=SIGNED)
 STRIKE_POINTS = [
-    Column(f"difference.{name}", WORDS[name], form=SIGNED, below=error)
-    for name, error in zip(NAMES, _ERRORS, strict=True)
+    Column(f"difference.{name}", words, form=SIGNED, below=Column(f"error.{name}", "", form=SIGNED))
+    for name, words in WORDS.items()
 ]
 IMPACT_READING = (
     "FE/rigid - 1 of each strike, the mesh's error below it: what elements of twice the order change. A plate whose "

@@ -2,37 +2,33 @@
 
 A map varies two axes at a time and judges each cell against the rigid motion; where the two differ, a refined model
 must differ likewise. With --random every quantity and choice of the scene is drawn at once, and a cell is judged by a
-refined model of the same plate. What the machine code of a run depends on is drawn together there, as one of
-`COMBINATIONS`, and quantities apart from it: most kinds of model then serve many cells, where each would be compiled
-for one or two.
+refined model of the same plate.
 """
-
-from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from itertools import combinations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.quantities import largest
-from tailslap.campaign import engine, records
+from tailslap.campaign import engine
+from tailslap.campaign.draws import draw
 from tailslap.case import case_of
 from tailslap.case.case import failed_names
 from tailslap.case.corner import checks, run
 from tailslap.case.corner.error import FLOOR, FRACTION, Histories, distance_in_motion
-from tailslap.case.cost import beam_frequency, expected_effort
+from tailslap.case.corner.outcome import CornerOutcome
+from tailslap.case.cost import expected_effort
 from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import differences
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
+from tailslap.studies.stability.axes import StudyAxis, axes_of, map_cells
 
 Row = dict[str, Any]
 
@@ -96,18 +92,6 @@ DEMANDED = {
     *("contact work", "friction law", "friction work", "friction takes energy"),
 }
 
-# Combinations of choices in a campaign: nearly any two choices meet in one of them. Prime, so that what goes
-# by the number of a cell, like its start, is not the same in all cells of a combination.
-COMBINATIONS = 97
-
-ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
-OPEN = 0.3  # fraction of the cells that leave a choice to the program
-
-# Steps, and seconds of its time loop, that a random cell may be expected to take; scenes drawn for one cell
-# until one is possible and affordable, about one in three is; and quantities drawn for a combination before
-# another is.
-MAX_STEPS, MAX_SECONDS, MAX_TRIES, TRIES = 400_000, 0.5, 1000, 50
-
 
 class StabilityResult(NamedTuple):
     """Cells by key: what each changes in the base, and its row: its place on the axes or all that was drawn, and the
@@ -146,125 +130,16 @@ def compute(
         kinds, verify = MAP_KINDS, partial(against_rigid, tolerance=settings["tolerance"])
         axes = axes_of(scene, settings["points"])
         cells, places = map_cells(scene, axes)
-    with records.Journal(place, {"study": "stability", "scene": base.given, **settings}) as journal:
-        parts = {key: (base, changes, verify) for key, changes in cells.items()}
-        engine.run_parts(judge, parts, journal, f"{scene.name}: {len(cells)} cells", workers)
-        rows = {key: places[key] | journal.records[key] for key in cells}
+    definition = {"study": "stability", "scene": base.given, **settings}
+    parts = {key: (base, changes, verify) for key, changes in cells.items()}
+    (found,) = engine.run_study(place, definition, [(judge, parts, f"{len(cells)} cells")], workers)
+    rows = {key: places[key] | its for key, its in found.items()}
     return StabilityResult(case, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
 
 
 def base_source(scene: Scene) -> Source:
     """Source of the cells: the scene in SI, without its wall, since slides differ."""
     return vary(Source.of(scene), {"wall": None})[1]
-
-
-class StudyAxis(NamedTuple):
-    """A quantity that varies: name, what its numbers mean, values, what a value changes in a scene."""
-
-    name: str
-    meaning: str
-    values: tuple[float, ...]
-    changes: Callable[[Scene, float], Changes]
-
-
-def axes_of(scene: Scene, n: int) -> tuple[StudyAxis, ...]:
-    """The axes that mean something for this scene, each with n values."""
-    contact, corner = scene.contact, scene.corner
-    if contact is None:
-        absent = {"friction"} if corner.frictionless else set()
-        absent |= {"penalty"} if corner.constraint == "exact" else set()
-    else:
-        absent = {"penalty"} if contact.crushes else {"contact stiffness", "restitution"}
-        absent |= {"penalty"} if contact.enforcement == "exact" else set()
-    return tuple(
-        StudyAxis(name, meaning, tuple(spaced(low, high, n).tolist()), changes)
-        for name, meaning, spaced, low, high, changes in (IMPACT_AXES if contact else CORNER_AXES)
-        if name not in absent
-    )
-
-
-def _zero_and_ratios(low: float, high: float, n: int) -> np.ndarray:
-    return np.append(0.0, np.geomspace(low, high, n - 1))
-
-
-def _of(key: str) -> Callable[[Scene, float], Changes]:
-    return lambda scene, value: {key: value}
-
-
-def _stiffness(scene: Scene, factor: float) -> Changes:
-    """Young's modulus, or what the first frequency makes it, over the scene's."""
-    plate = scene.needed_plate
-    if plate.first_frequency is not None:
-        return {"plate.first_frequency": plate.first_frequency * math.sqrt(factor)}
-    return {"plate.youngs_modulus": plate.modulus * factor}
-
-
-def _speed(scene: Scene, factor: float) -> Changes:
-    given = _given(scene, "impact.speed", "start.omega", "start.corner_speed")
-    return {key: value * factor for key, value in given.items()}
-
-
-def _angle(scene: Scene, degrees: float) -> Changes:
-    return dict.fromkeys(_given(scene, "impact.angle", "start.angle"), math.radians(degrees))
-
-
-def _given(scene: Scene, *keys: str) -> dict[str, float]:
-    """Values of these keys that the scene gives."""
-    paths = {key: key.split(".") for key in keys}
-    found = {key: getattr(getattr(scene, table), name, None) for key, (table, name) in paths.items()}
-    return {key: value for key, value in found.items() if value is not None}
-
-
-def _slenderness(scene: Scene, ratio: float) -> Changes:
-    return {"vehicle.width": ratio * scene.vehicle.length}
-
-
-def _damping(scene: Scene, ratio: float) -> Changes:
-    if ratio > 0.0:
-        return {"damping.ratio": ratio}
-    alone = scene.damping is not None and scene.damping.model_fields_set == {"ratio"}
-    return {"damping" if alone else "damping.ratio": None}
-
-
-# Name, what its numbers mean, how its values lie between which ends, and what a value changes.
-CORNER_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
-    ("stiffness", "E over the scene's", np.geomspace, 1e-4, 1e4, _stiffness),
-    ("penalty", "corner.penalty_scale", np.geomspace, 1e-3, 1e4, _of("corner.penalty_scale")),
-    ("friction", "corner.friction", np.linspace, 0.0, 2.0, _of("corner.friction")),
-    ("speed", "speeds over the scene's", np.geomspace, 1e-2, 1e1, _speed),
-    ("angle", "angle [deg]", np.geomspace, 1.0, 80.0, _angle),
-    ("slenderness", "width over length", np.geomspace, 0.01, 1.0, _slenderness),
-    ("time step", "time.safety_factor", np.linspace, 0.5, 1.2, _of("time.safety_factor")),
-    ("damping", "damping.ratio", _zero_and_ratios, 3e-3, 1.0, _damping),
-)
-IMPACT_AXES: tuple[tuple[str, str, Any, float, float, Any], ...] = (
-    ("contact stiffness", "contact.stiffness [N/m]", np.geomspace, 1e4, 1e9, _of("contact.stiffness")),
-    ("restitution", "contact.restitution", np.linspace, 0.0, 1.0, _of("contact.restitution")),
-    ("penalty", "contact.penalty_scale", np.geomspace, 1e-2, 1e3, _of("contact.penalty_scale")),
-    ("friction", "contact.friction", np.linspace, 0.0, 2.0, _of("contact.friction")),
-    ("angle", "angle [deg]", np.geomspace, 1.0, 85.0, _angle),
-    ("speed", "speed over the scene's", np.geomspace, 0.1, 3.0, _speed),
-    ("modulus", "E over the scene's", np.geomspace, 1e-4, 1e2, _stiffness),
-    ("time step", "time.safety_factor", np.linspace, 0.5, 1.2, _of("time.safety_factor")),
-    ("slenderness", "width over length", np.geomspace, 0.05, 1.0, _slenderness),
-)
-
-
-def map_cells(scene: Scene, axes: Sequence[StudyAxis]) -> tuple[dict[str, Changes], dict[str, Row]]:
-    """Changes of every cell of the map, and its place: each pair of axes, each pair of their values."""
-    cells: dict[str, Changes] = {}
-    places: dict[str, Row] = {}
-    for first, second in combinations(axes, 2):
-        for x, y in product(first.values, second.values):
-            key = cell_key({first.name: x, second.name: y})
-            cells[key] = {**first.changes(scene, x), **second.changes(scene, y)}
-            places[key] = {"first": first.name, "first_value": x, "second": second.name, "second_value": y}
-    return cells, places
-
-
-def cell_key(point: Mapping[str, float]) -> str:
-    """Key of the cell where the axes have these values."""
-    return " ".join(f"{name}={value!r}" for name, value in point.items())
 
 
 def judge(base: Source, changes: Changes, verify: Callable[[Any], Row]) -> Row:
@@ -419,7 +294,7 @@ class Reference(NamedTuple):
     histories: Histories
 
 
-def against_reference(outcome: checks.CornerOutcome) -> Row:
+def against_reference(outcome: CornerOutcome) -> Row:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
     cell, plate = outcome.fe_plan.asked.source, outcome.fe_plan.plate
     first, failed = None, failed_names(outcome.checks)
@@ -500,7 +375,7 @@ def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes
     }
 
 
-def trustworthy(outcome: checks.CornerOutcome) -> bool:
+def trustworthy(outcome: CornerOutcome) -> bool:
     """True if the result can be taken for the truth about the plate. What an undamped run may show, an oscillation that
     friction has fed, a reference may not."""
     found, error = largest(outcome.difference), outcome.error
@@ -508,25 +383,6 @@ def trustworthy(outcome: checks.CornerOutcome) -> bool:
     fed = any(check.name == "oscillation" and check.value > checks.OSCILLATES for check in outcome.checks)
     passed = DEMANDED.isdisjoint(failed_names(outcome.checks))
     return math.isfinite(found) and passed and not swayed and not fed
-
-
-class Dice:
-    """Random numbers of one draw."""
-
-    def __init__(self, *seeds: int) -> None:
-        self._random = np.random.default_rng(seeds)
-
-    def even(self, low: float, high: float) -> float:
-        return float(self._random.uniform(low, high))
-
-    def ratio(self, low: float, high: float) -> float:
-        return math.exp(self.even(math.log(low), math.log(high)))
-
-    def happens(self, fraction: float) -> bool:
-        return self.even(0.0, 1.0) < fraction
-
-    def one_of(self, values: Sequence[str], fractions: Sequence[float] | None = None) -> str:
-        return values[int(self._random.choice(len(values), p=fractions))]
 
 
 def random_cells(
@@ -542,106 +398,3 @@ def flat(tables: Mapping[str, Any]) -> Row:
     """Values of a scene by the full names of their keys, sorted."""
     inner = [(name, table) for name, table in tables.items() if isinstance(table, dict)]
     return dict(sorted((f"{name}.{key}", value) for name, table in inner for key, value in table.items()))
-
-
-def choices_of(seed: int, combination: int, attempt: int) -> Row:
-    """Choices of a combination that the machine code of a run depends on, "open" left to the program; attempt: number
-    of those before it that were not possible."""
-    dice = Dice(seed, combination, attempt)
-    return {
-        "reaction": dice.one_of(("drag", "none", "signed"), (0.6, 0.2, 0.2)),
-        "frictionless": dice.happens(0.1),
-        "element": "open" if dice.happens(OPEN) else dice.one_of(ELEMENTS),
-        "row_sum": dice.happens(0.1),
-        "distorted": dice.happens(0.3),
-        "constraint": dice.one_of(("open", "penalty", "exact", "dashpot"), (0.4, 0.2, 0.2, 0.2)),
-        "patch": dice.happens(0.5),
-        "damping": dice.one_of(("open", "ratio", "bulk", "none"), (0.6, 0.15, 0.1, 0.15)),
-        "neo_hookean": dice.happens(0.5),
-    }
-
-
-def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
-    """Changes of a random cell, known by seed and number, in the base.
-
-    Raises InputError where the scene allows no possible and affordable one.
-    """
-    dice = Dice(seed, COMBINATIONS + number)
-    for attempt in range(MAX_TRIES):
-        choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
-        changes = _drawn(scene, choices, dice, number)
-        try:
-            case: Any = case_of(*vary(base, changes))
-            effort = expected_effort(case.scene, case.duration)
-        except InputError:
-            continue
-        if effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS:
-            return changes
-    none = f"none of {MAX_TRIES} draws of this scene is possible and affordable"
-    raise InputError("--random", number, none)
-
-
-def _drawn(scene: Scene, choices: Row, dice: Dice, number: int) -> Changes:
-    """All that is drawn, in this order: each takes its random numbers from the same sequence."""
-    length = dice.even(3.0, 20.0)
-    width = length * dice.ratio(0.05, 1.0)
-    changes: Row = dict.fromkeys(("verify", "wall", "damping", "material"))
-    changes |= {"vehicle.length": length, "vehicle.width": width}
-    changes |= _motion(scene, choices, dice)
-    changes |= _plate(scene, choices, dice, number, length, width)
-    changes |= _corner(choices, dice, length, changes["plate.elements"] or (10, 1))
-    if choices["damping"] == "ratio":
-        changes["damping.ratio"] = dice.ratio(0.005, 0.3)
-    elif choices["damping"] != "open":
-        bulk = choices["damping"] == "bulk"
-        changes |= {"damping.bulk_viscosity": 0.06} if bulk else {"damping.kind": "none"}
-    if choices["neo_hookean"]:
-        changes["material.law"] = "neo-hookean"
-    return changes | {"name": f"cell-{number:04d}"}
-
-
-def _motion(scene: Scene, choices: Row, dice: Dice) -> Changes:
-    """Stage 1 where the scene has it, for Stage 2 to follow; else the start, the spin in proportion to the speed."""
-    speed, angle = dice.ratio(1.0, 40.0), math.radians(dice.even(2.0, 60.0))
-    restitution, friction = dice.even(0.0, 0.8), dice.even(0.0, 1.2)
-    if choices["frictionless"]:
-        friction = 0.0
-    changes: Row = {"corner": None, "corner.reaction": choices["reaction"], "start": None}
-    if scene.impact:
-        drawn = {"speed": speed, "angle": angle, "restitution": restitution, "friction": friction}
-        return changes | {f"impact.{key}": value for key, value in drawn.items()}
-    start: Any = scene.start
-    spin = start.omega / start.corner_speed
-    changes |= {"start.angle": angle, "start.corner_speed": speed, "start.omega": spin * speed}
-    return changes | ({"corner.friction": friction} if choices["reaction"] != "none" else {})
-
-
-def _plate(scene: Scene, choices: Row, dice: Dice, number: int, length: float, width: float) -> Changes:
-    """A modulus from 1e-4 to 1e4 times the scene's, for a third of the cells by the frequency that it gives a beam."""
-    plate, factor = scene.needed_plate, dice.ratio(1e-4, 1e4)
-    element, relieved = choices["element"], ("inertia-relief", "inertia-relief-momenta")
-    changes: Row = {"plate.elements": None, "plate.element": None if element == "open" else element}
-    changes |= {"plate.lumping": "row-sum" if choices["row_sum"] else None, "plate.distortion": None}
-    changes["plate.start"] = relieved[number // 3 % 2] if number % 3 else "unstressed"
-    changes |= _stiffness(scene, factor)
-    if plate.first_frequency is None and dice.happens(1.0 / 3.0):
-        frequency = beam_frequency(scene, length, width, plate.modulus * factor)
-        changes |= {"plate.youngs_modulus": None, "plate.first_frequency": frequency}
-    if not dice.happens(OPEN):
-        changes["plate.elements"] = (round(dice.ratio(4.0, 40.0)), round(dice.ratio(2.0, 12.0)))
-    if choices["distorted"]:
-        changes["plate.distortion"] = dice.even(0.0, 0.2)
-    return changes
-
-
-def _corner(choices: Row, dice: Dice, length: float, elements: tuple[int, int]) -> Changes:
-    changes: Row = {}
-    if choices["constraint"] == "exact":
-        changes["corner.constraint"] = "exact"
-    elif choices["constraint"] != "open":
-        changes |= {"corner.constraint": "penalty", "corner.penalty_scale": dice.ratio(0.1, 10.0**1.5)}
-    if choices["constraint"] == "dashpot":
-        changes["corner.damping_ratio"] = dice.ratio(0.01, 1.0)
-    if choices["patch"]:
-        changes["corner.patch_length"] = max(dice.even(0.1, 0.3) * length, 1.2 * length / elements[0])
-    return changes

@@ -14,6 +14,7 @@ from tailslap.case.corner.checks import CHECKS
 from tailslap.case.report import study_page, study_summary
 from tailslap.scene import vary, write
 from tailslap.studies.stability import compute
+from tailslap.studies.stability.axes import cell_key
 from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, UNKNOWN, WRONG, Row, StabilityResult
 
 MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
@@ -146,7 +147,7 @@ def maps(found: StabilityResult) -> tuple[Chart, ...]:
     charts = [draw_meanings(found.kinds, "What the colours mean, in every picture")] if found.axes else []
     for across, up in combinations(found.axes, 2):
         points = [[{across.name: x, up.name: y} for x in across.values] for y in up.values]
-        kinds = [[found.rows[compute.cell_key(point)]["kind"] for point in row] for row in points]
+        kinds = [[found.rows[cell_key(point)]["kind"] for point in row] for row in points]
         axes = MapAxis(across.meaning, across.values), MapAxis(up.meaning, up.values)
         name = f"map-{across.name}-{up.name}".replace(" ", "-")
         charts.append(draw_map(name, *axes, kinds, f"{up.name} over {across.name}".capitalize()))

@@ -94,6 +94,12 @@ class Spread:
         return next(iter(self.tables.values())).size
 
     @property
+    def refused(self) -> tuple[int, int]:
+        """Number of combinations that the theory refuses, and of rows that have one."""
+        refused = np.isnan(self.tables["peak_force"])
+        return int(np.count_nonzero(refused)), int(np.count_nonzero(refused.any(axis=0)))
+
+    @property
     def samples(self) -> dict[str, Array]:
         """The combinations of the distribution, inputs and what was computed, shape (2 rows,)."""
         both = {name: table[:2].ravel() for name, table in self.tables.items()}

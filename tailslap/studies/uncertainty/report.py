@@ -119,13 +119,45 @@ def corner_report(found: Spread) -> Report:
     """The peak force of a tail-slap."""
     words = {row["key"]: row for row in _input_rows(found)}
     inputs = [words[row["key"]] | row for row in found.sources_of("peak_force")]
-    band, own, nan = found.band("peak_force"), found.own["peak_force"], np.isnan(found.tables["peak_force"])
-    counts, edges = np.histogram(band.values, BINS)
-    percentiles = list(zip(PERCENTILES, band.percentiles, strict=True))
-    refused, left_out = (int(np.count_nonzero(each)) for each in (nan, nan.any(axis=0)))
-    used = used_keys(found.case.scene)
+    said, refusals = _corner_headline(found, inputs), _refusals(found)
+    counts, edges = np.histogram(found.band("peak_force").values, BINS)
+    own, used = found.own["peak_force"], used_keys(found.case.scene)
     keys = [row.key for row in scene_inputs(found.case.scene, found.case.source)]
     held = tuple(key for key in keys if key in used and key not in words)
+    percentiles = list(zip(PERCENTILES, found.band("peak_force").percentiles, strict=True))
+    histogram = figures.draw_histogram(edges, counts, percentiles, own)
+    table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
+    sentences = _corner_sentences(found, refusals, held)
+    sections = (
+        Section("Distribution", figures=(histogram,), layout="half"),
+        Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
+        Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
+        Section("Peak force", tables=(_forces_table(found),), layout="half"),
+        Section("What was computed, and what it means", sentences=sentences, layout="half"),
+    )
+    title = f"{found.case.scene.name}: Sobol indices of the peak force"
+    cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
+    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refusals, cost)
+    kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
+    drawn = {"of_the_scene": own, "histogram": {"edges": edges, "counts": counts}}
+    return _report(found, kicker, said, sections, _corner_summary(found, drawn, held), terminal)
+
+
+def _corner_summary(found: Spread, drawn: dict[str, Any], held: tuple[str, ...]) -> dict[str, Any]:
+    """The numbers; drawn: the histogram; held: keys that might vary."""
+    refused, left_out = found.refused
+    return {
+        **{"rows": found.rows, "combinations": found.computed, "refused": refused, "rows_left_out": left_out},
+        "first_refusal": found.refusal or None,
+        "peak_force": {**found.band("peak_force").numbers(), **drawn},
+        "inputs": found.sources["peak_force"],
+        "held": held,
+    }
+
+
+def _corner_headline(found: Spread, inputs: list[dict[str, Any]]) -> str:
+    """The peak force, its spread, and where that comes from."""
+    band, own, (refused, _) = found.band("peak_force"), found.own["peak_force"], found.refused
     low, _, high = (force / 1e3 for force in band.percentiles)
     said = (
         f"Mean {measure(band.mean, 'N', '.0f')}, standard deviation {measure(band.standard_deviation, 'N', '.0f')}; "
@@ -134,17 +166,29 @@ def corner_report(found: Spread) -> Report:
         f"{100.0 * band.fraction_below(own):.0f} % of them. The largest part of the "
         f"variance comes from {inputs[0]['key']}, with an index of {inputs[0]['first_order']:.2f}."
     )
-    refusals = "The theory refuses none of the combinations."
-    if refused:
-        part = f"{100.0 * refused / found.computed:.2g} %"
-        said += f" The theory refuses {part} of the combinations, which are not in these numbers."
-        refusals = (
-            f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations ({part}): they have no "
-            f"force, and the distribution is that of the others. {grouped(left_out)} of {grouped(found.rows)} rows "
-            "have one and are left out of the indices, which are then approximate, for the inputs of the rest are no "
-            f"longer independent. The first: {found.refusal}."
-        )
-    sentences = [
+    if not refused:
+        return said
+    part = f"{100.0 * refused / found.computed:.2g} %"
+    return f"{said} The theory refuses {part} of the combinations, which are not in these numbers."
+
+
+def _refusals(found: Spread) -> str:
+    """Say how many combinations the theory refuses, and what that does to the indices."""
+    refused, left_out = found.refused
+    if not refused:
+        return "The theory refuses none of the combinations."
+    return (
+        f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations "
+        f"({100.0 * refused / found.computed:.2g} %): they have no "
+        f"force, and the distribution is that of the others. {grouped(left_out)} of {grouped(found.rows)} rows "
+        "have one and are left out of the indices, which are then approximate, for the inputs of the rest are no "
+        f"longer independent. The first: {found.refusal}."
+    )
+
+
+def _corner_sentences(found: Spread, refusals: str, held: tuple[str, ...]) -> list[str]:
+    """Sentences that a reader needs beside the numbers."""
+    return [
         f"Each input varies evenly over its range, independently of the others. {grouped(found.rows)} rows of Sobol "
         f"points, scrambled with the seed {SEED}, give {grouped(found.computed)} combinations; each is solved exactly "
         "by Stages 1 to 3. The same call gives the same numbers.",
@@ -156,31 +200,15 @@ def corner_report(found: Spread) -> Report:
         "The duration of the strike is an input of the method, which does not predict it: the peak force is that of a "
         "triangular pulse of this duration.",
     ]
+
+
+def _forces_table(found: Spread) -> Table:
+    """Mean, standard deviation and percentiles of the peak force, and the scene's own."""
+    band = found.band("peak_force")
     forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
-    forces |= {f"{p} % lie below": force for p, force in percentiles} | {"of the scene's own values": own}
-    numbers = pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
-    histogram = figures.draw_histogram(edges, counts, percentiles, own)
-    table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
-    sections = (
-        Section("Distribution", figures=(histogram,), layout="half"),
-        Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
-        Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
-        Section("Peak force", tables=(numbers,), layout="half"),
-        Section("What was computed, and what it means", sentences=sentences, layout="half"),
-    )
-    histogram_numbers = {"of_the_scene": own, "histogram": {"edges": edges, "counts": counts}}
-    summary = {
-        **{"rows": found.rows, "combinations": found.computed, "refused": refused, "rows_left_out": left_out},
-        "first_refusal": found.refusal or None,
-        "peak_force": {**band.numbers(), **histogram_numbers},
-        "inputs": found.sources["peak_force"],
-        "held": held,
-    }
-    title = f"{found.case.scene.name}: Sobol indices of the peak force"
-    cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
-    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refusals, cost)
-    kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
-    return _report(found, kicker, said, sections, summary, terminal)
+    forces |= {f"{p} % lie below": x for p, x in zip(PERCENTILES, band.percentiles, strict=True)}
+    forces |= {"of the scene's own values": found.own["peak_force"]}
+    return pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
 
 
 def impact_report(found: Spread) -> Report:

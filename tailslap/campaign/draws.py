@@ -1,0 +1,153 @@
+"""Random scenes of a constrained corner: every quantity and every choice of a scene drawn at once.
+
+What the machine code of a run depends on is drawn together, as one of `COMBINATIONS`, and quantities apart from it:
+most kinds of model then serve many scenes, where each would be compiled for one or two.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tailslap.case import case_of
+from tailslap.case.cost import beam_frequency, expected_effort
+from tailslap.errors import InputError
+from tailslap.scene.schema import Scene
+from tailslap.scene.vary import Changes, Source, vary
+
+Row = dict[str, Any]
+Random = np.random.Generator
+
+# Combinations of choices in a campaign: nearly any two choices meet in one of them. Prime, so that what goes
+# by the number of a cell, like its start, is not the same in all cells of a combination.
+COMBINATIONS = 97
+
+ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
+OPEN = 0.3  # fraction of the cells that leave a choice to the program
+
+# Steps, and seconds of its time loop, that a random cell may be expected to take; scenes drawn for one cell
+# until one is possible and affordable, about one in three is; and quantities drawn for a combination before
+# another is.
+MAX_STEPS, MAX_SECONDS, MAX_TRIES, TRIES = 400_000, 0.5, 1000, 50
+
+
+def log_uniform(random: Random, low: float, high: float) -> float:
+    """A number whose logarithm is even between those of two."""
+    return math.exp(random.uniform(math.log(low), math.log(high)))
+
+
+def stiffness(scene: Scene, factor: float) -> Changes:
+    """Young's modulus, or what the first frequency makes it, over the scene's."""
+    plate = scene.needed_plate
+    if plate.first_frequency is not None:
+        return {"plate.first_frequency": plate.first_frequency * math.sqrt(factor)}
+    return {"plate.youngs_modulus": plate.modulus * factor}
+
+
+def choices_of(seed: int, combination: int, attempt: int) -> Row:
+    """Choices of a combination that the machine code of a run depends on, "open" left to the program; attempt: number
+    of those before it that were not possible."""
+    random = np.random.default_rng((seed, combination, attempt))
+    return {
+        "reaction": str(random.choice(("drag", "none", "signed"), p=(0.6, 0.2, 0.2))),
+        "frictionless": random.random() < 0.1,
+        "element": "open" if random.random() < OPEN else str(random.choice(ELEMENTS)),
+        "row_sum": random.random() < 0.1,
+        "distorted": random.random() < 0.3,
+        "constraint": str(random.choice(("open", "penalty", "exact", "dashpot"), p=(0.4, 0.2, 0.2, 0.2))),
+        "patch": random.random() < 0.5,
+        "damping": str(random.choice(("open", "ratio", "bulk", "none"), p=(0.6, 0.15, 0.1, 0.15))),
+        "neo_hookean": random.random() < 0.5,
+    }
+
+
+def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
+    """Changes of a random cell, known by seed and number, in the base.
+
+    Raises InputError where the scene allows no possible and affordable one.
+    """
+    random = np.random.default_rng((seed, COMBINATIONS + number))
+    for attempt in range(MAX_TRIES):
+        choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
+        changes = _drawn(scene, choices, random, number)
+        try:
+            case: Any = case_of(*vary(base, changes))
+            effort = expected_effort(case.scene, case.duration)
+        except InputError:
+            continue
+        if effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS:
+            return changes
+    none = f"none of {MAX_TRIES} draws of this scene is possible and affordable"
+    raise InputError("--random", number, none)
+
+
+def _drawn(scene: Scene, choices: Row, random: Random, number: int) -> Changes:
+    """All that is drawn, in this order: each takes its random numbers from the same sequence."""
+    length = random.uniform(3.0, 20.0)
+    width = length * log_uniform(random, 0.05, 1.0)
+    changes: Row = dict.fromkeys(("verify", "wall", "damping", "material"))
+    changes |= {"vehicle.length": length, "vehicle.width": width}
+    changes |= _motion(scene, choices, random)
+    changes |= _plate(scene, choices, random, number, length, width)
+    changes |= _corner(choices, random, length, changes["plate.elements"] or (10, 1))
+    if choices["damping"] == "ratio":
+        changes["damping.ratio"] = log_uniform(random, 0.005, 0.3)
+    elif choices["damping"] != "open":
+        bulk = choices["damping"] == "bulk"
+        changes |= {"damping.bulk_viscosity": 0.06} if bulk else {"damping.kind": "none"}
+    if choices["neo_hookean"]:
+        changes["material.law"] = "neo-hookean"
+    return changes | {"name": f"cell-{number:04d}"}
+
+
+def _motion(scene: Scene, choices: Row, random: Random) -> Changes:
+    """Stage 1 where the scene has it, for Stage 2 to follow; else the start, the spin in proportion to the speed."""
+    speed, angle = log_uniform(random, 1.0, 40.0), math.radians(random.uniform(2.0, 60.0))
+    restitution, friction = random.uniform(0.0, 0.8), random.uniform(0.0, 1.2)
+    if choices["frictionless"]:
+        friction = 0.0
+    changes: Row = {"corner": None, "corner.reaction": choices["reaction"], "start": None}
+    if scene.impact:
+        drawn = {"speed": speed, "angle": angle, "restitution": restitution, "friction": friction}
+        return changes | {f"impact.{key}": value for key, value in drawn.items()}
+    start: Any = scene.start
+    spin = start.omega / start.corner_speed
+    changes |= {"start.angle": angle, "start.corner_speed": speed, "start.omega": spin * speed}
+    return changes | ({"corner.friction": friction} if choices["reaction"] != "none" else {})
+
+
+def _plate(scene: Scene, choices: Row, random: Random, number: int, length: float, width: float) -> Changes:
+    """A modulus from 1e-4 to 1e4 times the scene's, for a third of the cells by the frequency that it gives a beam."""
+    plate, factor = scene.needed_plate, log_uniform(random, 1e-4, 1e4)
+    element, relieved = choices["element"], ("inertia-relief", "inertia-relief-momenta")
+    changes: Row = {"plate.elements": None, "plate.element": None if element == "open" else element}
+    changes |= {"plate.lumping": "row-sum" if choices["row_sum"] else None, "plate.distortion": None}
+    changes["plate.start"] = relieved[number // 3 % 2] if number % 3 else "unstressed"
+    changes |= stiffness(scene, factor)
+    if plate.first_frequency is None and random.random() < 1.0 / 3.0:
+        frequency = beam_frequency(scene, length, width, plate.modulus * factor)
+        changes |= {"plate.youngs_modulus": None, "plate.first_frequency": frequency}
+    if random.random() >= OPEN:
+        changes["plate.elements"] = (
+            round(log_uniform(random, 4.0, 40.0)),
+            round(log_uniform(random, 2.0, 12.0)),
+        )
+    if choices["distorted"]:
+        changes["plate.distortion"] = random.uniform(0.0, 0.2)
+    return changes
+
+
+def _corner(choices: Row, random: Random, length: float, elements: tuple[int, int]) -> Changes:
+    changes: Row = {}
+    if choices["constraint"] == "exact":
+        changes["corner.constraint"] = "exact"
+    elif choices["constraint"] != "open":
+        changes |= {
+            "corner.constraint": "penalty",
+            "corner.penalty_scale": log_uniform(random, 0.1, 10.0**1.5),
+        }
+    if choices["constraint"] == "dashpot":
+        changes["corner.damping_ratio"] = log_uniform(random, 0.01, 1.0)
+    if choices["patch"]:
+        changes["corner.patch_length"] = max(random.uniform(0.1, 0.3) * length, 1.2 * length / elements[0])
+    return changes

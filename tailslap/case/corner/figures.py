@@ -1,0 +1,63 @@
+"""Figures of a constrained corner: curves of the histories, and contour pictures of the plate at the tail-slap."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from fem.explicit.columns import COLUMNS
+from fem.plate.discretisation import nodal_spin
+from postprocess.fields import contours
+from postprocess.figures.histories import Panel, draw_histories
+from postprocess.report.page import Picture, Section
+from postprocess.units import SI, Units
+from tailslap import progress
+from tailslap.case.corner.outcome import CornerOutcome
+
+CAPTIONS = {
+    "contour_v_gx": "Velocity along the wall at the tail-slap (the paper's Figure 15).",
+    "contour_v_gy": "Velocity across the wall at the tail-slap (the paper's Figure 16).",
+    "contour_omega": "Angular velocity, half the curl of the velocity, at the tail-slap (the paper's Figure 17).",
+}
+
+
+def curves(outcome: CornerOutcome) -> list[Section]:
+    """Curves of all histories, those of the columns that bring a plot of their own among them."""
+    own = [(name, column) for name, column in COLUMNS.items() if column.symbol]
+    title = "Further columns"
+    further = tuple(Panel(name, ((name, name),), c.symbol, c.unit, title, c.caption) for name, c in own)
+    drawn = draw_histories(outcome.fe_history, outcome.rigid_history, further)
+    groups = dict.fromkeys(curve.group for curve in drawn)
+    return [Section(group, figures=[c for c in drawn if c.group == group]) for group in groups]
+
+
+def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> CornerOutcome:
+    """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
+    reached."""
+    began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
+    if strike is None:
+        return outcome
+    discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
+    spin = nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
+    # Corner nodes; those on the sides of quadratic elements come after.
+    drawn = discretisation.cells.max() + 1
+    fields = [
+        contours.ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
+        contours.ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
+        contours.ContourField("omega", "Angular velocity", "rad/s", spin),
+    ]
+    with progress.announced("Drawing the pictures ..."):
+        situation = contours.Situation(
+            (strike.positions.T[:drawn], discretisation.cells),
+            wall=None if wall is None else (wall.points[:, :2], wall.cells_dict["quad"]),
+            corner=strike.positions[:, discretisation.corner].tolist(),
+            centroid=(strike.positions @ masses / masses.sum()).tolist(),
+            scene=fe_plan.case.scene.name,
+            time=strike.values["t"],
+        )
+        pictures = contours.draw_contours(situation, fields, folder, units)
+    return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)
+
+
+def shown_pictures(outcome: CornerOutcome) -> list[Picture]:
+    """The pictures with their captions."""
+    return [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]

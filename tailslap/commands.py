@@ -1,0 +1,379 @@
+"""The commands of `tailslap`: options and texts around the functions of the same names."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+import tailslap
+from postprocess.fields import FORMATS
+from tailslap import errors, options, studies
+from tailslap.case import case_of
+from tailslap.case.case import Case
+from tailslap.files.folder import commit, result_folder
+from tailslap.files.manifest import Origin
+from tailslap.scene import read, write
+from tailslap.studies.study import Study, prepared
+
+if TYPE_CHECKING:
+    from postprocess.report.report import Report
+    from tailslap.result import Fill
+
+DONE, CHECK_FAILED = 0, 1
+"""Exit statuses of a command that ends."""
+
+COMPLETE = "_TAILSLAP_COMPLETE"
+"""Set by a shell that asks for completions."""
+
+HELP = {"help_option_names": ["-h", "--help"]}
+RESULTS = Path("results")
+
+
+def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
+    """Give a command SCENE and --set, and call it with the case of that scene."""
+
+    @functools.wraps(function)
+    def command(name: str, changes: tuple[str, ...], **given: Any) -> int:
+        scene, source = read.read_scene(name, changes)
+        for remark in read.remarks(source):
+            click.echo(f"tailslap: remark: {remark}", err=True)
+        return function(case_of(scene, source), **given)
+
+    return options.with_options(options.SCENE, options.SET)(command)
+
+
+def deliver(
+    compute: Callable[[], Fill | None],
+    place: Path,
+    of: tuple[str, str],
+    as_json: bool,
+    units: str = "si",
+    *,
+    inputs: tuple[Path, ...] = (),
+    force: bool = False,
+    page: str = "",
+) -> int:
+    """Compute what fills the folder `place`, which is locked meanwhile, and say what was found.
+
+    of: command and scene; page: its name, where it is another than a report's.
+    """
+    with result_folder(place, inputs, force, Origin(*of)) as folder:
+        fill = compute()
+        assert fill is not None
+        report = fill(folder, True, units)
+    return conclude(report, place, as_json, page)
+
+
+def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") -> int:
+    """Say what was found, or as JSON the summary; 1 if something failed."""
+    from postprocess.report.report import PAGE, report_text
+
+    assert report is not None
+    options.tell(report.summary, report_text(report, place, page or PAGE), as_json)
+    return DONE if report.passed else CHECK_FAILED
+
+
+@click.group(context_settings=HELP)
+@click.version_option(tailslap.__version__, prog_name="tailslap")
+def commands() -> None:
+    """Check the rigid-body method for vehicle impact on bridge parapets by finite elements.
+
+    SCENE is a TOML file or the name of a scene that comes with the program: see `tailslap scenes`.
+    """
+
+
+@commands.command()
+@takes_a_case
+@options.with_options(options.ALLOW_LARGE)
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME]")
+@click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
+@click.option(
+    "--tolerance",
+    type=options.Real(0.0, 1.0, min_open=True, max_open=True),
+    help="Pick the cheapest mesh and constraint for this relative error.",
+)
+@click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
+@options.with_options(options.FORCE, *options.WATCHED)
+def run(
+    case: Case,
+    allow_large: bool,
+    out: Path | None,
+    no_pictures: bool,
+    tolerance: float | None,
+    resume: bool,
+    force: bool,
+    units: str,
+    as_json: bool,
+) -> int:
+    """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
+    from tailslap.campaign.records import program
+    from tailslap.files import checkpoints
+
+    place, of = out or RESULTS / case.scene.name, Origin("run", case.scene.name)
+    definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
+    with result_folder(place, force=force, origin=of) as folder:
+        with checkpoints.checkpointed(place, definition, resume):
+            found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
+            assert found.fill is not None
+            report = found.fill(folder, False, units)
+            commit(folder.parent, of)  # what was computed is there, whatever becomes of the pictures
+        if not no_pictures:
+            report = found.fill(folder, True, units)
+    return conclude(report, place, as_json)
+
+
+@commands.command()
+@takes_a_case
+@options.with_options(*options.PRINTED)
+def rigid(case: Case, as_json: bool, units: str) -> int:
+    """The rigid-body method, or the rigid vehicle's whole impact, alone."""
+    if as_json and units == "us":
+        raise errors.InputError("--units", units, "--json is in SI always; leave out one of the two")
+    found = tailslap.rigid(case, units=units)
+    return options.tell(found.summary, found.text, as_json)
+
+
+class Studies(click.Group):
+    """The commands below `tailslap study`, each imported when it is asked for."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Names for the help text."""
+        return studies.study_names()
+
+    def get_command(self, context: click.Context, name: str) -> click.Command:
+        """The study's command; InputError, listing the studies, for a name that is none."""
+        return study_command(studies.find_study(name))
+
+
+@commands.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")
+def study() -> None:
+    """Run a prepared study of a scene: `tailslap study NAME --help` tells more."""
+
+
+def study_command(chosen: Study) -> click.Command:
+    """The study on the command line: SCENE, --set, --out, and its own options."""
+    help_out = f"Result folder  [default: results/NAME-{chosen.name}]"
+    out = click.Option(["--out", "folder"], type=options.Folder(), help=help_out)
+    shared = [options.SCENE, options.SET, out, options.ALLOW_LARGE, options.FORCE, *options.WATCHED]
+
+    def run(name: str, changes: tuple[str, ...], units: str, as_json: bool, **given: Any) -> int:
+        from tailslap import api
+
+        folder, allow_large, force = (given.pop(key) for key in ("folder", "allow_large", "force"))
+        case, place, of = prepared(chosen, name, changes, folder, allow_large, given)
+        compute = lambda: api.study_result(chosen, case, place, given).fill  # noqa: E731
+        return deliver(compute, place, of, as_json, units, force=force)
+
+    return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
+
+
+@commands.command()
+@options.with_options(options.SCENE, options.SET)
+@click.option(
+    "--vary",
+    "varied",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="a:b:n, n values from a to b; log:a:b:n, the same in equal ratios; or a list v1,v2,v3. Units as in a scene.",
+)
+@click.option(
+    "--sample",
+    type=options.Whole(2, options.MAX_RUNS),
+    metavar="N",
+    help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
+)
+@click.option("--seed", type=options.Whole(0), default=307, show_default=True, help="Of the samples.")
+@click.option("--out", "folder", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option(
+    "--cluster", type=options.Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786."
+)
+@click.option(
+    "--workers",
+    type=options.Whole(1, 1024),
+    metavar="N",
+    help="Processes on this machine, at most one a core  [default: its cores]",
+)
+@options.with_options(options.FORCE, *options.WATCHED)
+def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json: bool, **given: Any) -> int:
+    """Run a scene for many values of its keys: one table, a row a run.
+
+    Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
+    checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
+    """
+    from tailslap.campaign.perform import StoppedError
+
+    try:
+        found = tailslap.sweep(name, varied, changes, **given)
+    except StoppedError as stopped:
+        click.echo(f"tailslap: {stopped}", err=True)
+        return stopped.status
+    options.tell(found.summary, found.text, as_json)
+    return DONE if found.passed else CHECK_FAILED
+
+
+@commands.command()
+@click.argument("result", metavar="RESULT", type=options.Folder())
+@click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
+@click.option("--out", "folder", type=options.Folder(), help="Folder for them  [default: RESULT-FORMAT]")
+@click.option(
+    "--field", type=options.Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
+)
+@click.option(
+    "--magnify",
+    type=options.Real(0.0, 1e9),
+    default=1.0,
+    show_default=True,
+    help="The elastic deformation in them.",
+)
+@options.with_options(options.FORCE_READ, *options.PRINTED)
+def export(result: Path, as_json: bool, **given: Any) -> int:
+    """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
+
+    RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
+    histories of any run.
+    """
+    written = tailslap.export(result, **given)
+    return options.tell({"written": written}, f"Written: {written}", as_json)
+
+
+@commands.command()
+@click.argument("given", metavar="RESULT RESULT...", nargs=-1, required=True, type=options.Folder())
+@click.option(
+    "--columns",
+    type=options.Text(),
+    metavar="NAME=THEIRS,...",
+    help="What columns of files are called, like 'time=t,v_gy=-VY [mph]': a minus turns the sign.",
+)
+@click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
+@click.option("--out", type=options.Folder(), help="Folder of the page  [default: results/compare]")
+@options.with_options(options.FORCE_READ, *options.PRINTED)
+def compare(
+    given: tuple[Path, ...],
+    columns: str | None,
+    only: str | None,
+    out: Path | None,
+    force: bool,
+    units: str,
+    as_json: bool,
+) -> int:
+    """Set results beside the first: curves, differences, metrics of validation.
+
+    A RESULT is a result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test. Exit status 1 if
+    a metric is beyond the limits of NCHRP W179.
+    """
+    names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
+    compute = lambda: tailslap.compare(*given, columns=columns, only=names, force=force).fill  # noqa: E731
+    place = out or RESULTS / "compare"
+    return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
+
+
+@commands.command()
+@takes_a_case
+@options.with_options(options.ALLOW_LARGE, *options.PRINTED)
+def check(case: Case, as_json: bool, **given: Any) -> int:
+    """Say what a run would use, leave out and cost; run nothing."""
+    found = tailslap.check(case, **given)
+    return options.tell(found.summary, found.text, as_json)
+
+
+@commands.command()
+@takes_a_case
+@options.with_options(options.ALLOW_LARGE)
+@click.option(
+    "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
+)
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-modes]")
+@options.with_options(options.FORCE, *options.WATCHED)
+def modes(
+    case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
+) -> int:
+    """Natural frequencies of the plate, with pictures."""
+    place = out or RESULTS / f"{case.scene.name}-modes"
+    compute = lambda: tailslap.modes(case, count=count, allow_large=allow_large).fill  # noqa: E731
+    return deliver(compute, place, ("modes", case.scene.name), as_json, units, force=force)
+
+
+@commands.command()
+@takes_a_case
+@options.with_options(options.ALLOW_LARGE)
+@click.option(
+    "--modes",
+    type=options.Whole(1, 200),
+    default=4,
+    show_default=True,
+    help="Elastic modes to keep, the lowest.",
+)
+@click.option(
+    "--steps", type=options.Whole(10, 1_000_000), default=100, show_default=True, help="Time steps."
+)
+@click.option(
+    "--tolerance",
+    type=options.Real(0.0, 1.0, min_open=True),
+    default=1e-5,
+    show_default=True,
+    help="Relative error allowed.",
+)
+@options.with_options(*options.PRINTED)
+def modal(case: Case, as_json: bool, **given: Any) -> int:
+    """Run a scene with a few modes of the plate."""
+    found = tailslap.modal(case, **given)
+    options.tell(found.summary, found.text, as_json)
+    return DONE if found.passed else CHECK_FAILED
+
+
+@commands.command()
+@options.with_options(options.JSON, options.QUIET)
+def scenes(as_json: bool) -> int:
+    """List the scenes that come with the program."""
+    from postprocess.report import report
+
+    shipped = {name: read.title(text) for name, text in read.shipped_scenes().items()}
+    width = max(map(len, shipped))
+    lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
+    return options.tell(shipped, report.labelled_text(lines, width + 2), as_json)
+
+
+@commands.command()
+@click.argument("name", metavar="NAME")
+@options.with_options(options.JSON, options.QUIET)
+def new(name: str, as_json: bool) -> int:
+    """Write NAME.toml: a scene with every key, its meaning, and an example."""
+    path = write.write_new_scene(name)
+    return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
+
+
+@commands.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@options.with_options(options.JSON, options.QUIET)
+def completion(shell: str, as_json: bool) -> int:
+    """Print what makes a shell complete commands, options, scenes and keys.
+
+    For bash, in ~/.bashrc: eval "$(tailslap completion bash)"
+    """
+    from click.shell_completion import get_completion_class
+
+    made = get_completion_class(shell)
+    script = made(commands, {}, "tailslap", COMPLETE).source() if made else ""
+    return options.tell({"shell": shell, "script": script}, script, as_json)
+
+
+@commands.command()
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/paper]")
+@options.with_options(options.FORCE, options.JSON, options.QUIET)
+def paper(out: Path | None, force: bool, as_json: bool) -> int:
+    """Write the paper's tables and figures, computed beside printed."""
+    from tailslap import progress, result
+    from tailslap.paper import page, tables
+
+    def report(folder: Path, pictures: bool, units: str) -> Report:
+        with progress.announced("Computing the paper's tables ..."):
+            return page.paper_report(tables.review())
+
+    place, name = out or RESULTS / "paper", "paper.html"
+    compute = lambda: result.filled_by(report, name)  # noqa: E731
+    return deliver(compute, place, ("paper", ""), as_json, force=force, page=name)
