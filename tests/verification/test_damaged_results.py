@@ -89,20 +89,15 @@ def test_a_damaged_file_of_a_run_is_named(results, damage, name, capsys):
 
 
 @pytest.mark.parametrize(
-    ("kind", "name"),
-    [
-        ("rigid", "rigid.csv"),
-        ("study", "summary.json"),
-        ("sweep", "sweep.parquet"),
-        ("sweep", "summary.json"),
-    ],
+    "path", ["rigid/rigid.csv", "study/summary.json", "sweep/sweep.parquet", "sweep/summary.json"]
 )
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_file_of_other_results_is_named(results, kind, name, damage):
-    everything(results / kind)
-    damage(results / kind / name, results / "run" / "summary.json")
-    with pytest.raises(InputError, match=f"{name} in it"):
-        everything(results / kind)
+def test_a_damaged_file_of_other_results_is_named(results, path, damage):
+    file = results / path
+    everything(file.parent)
+    damage(file, results / "run" / "summary.json")
+    with pytest.raises(InputError, match=f"{file.name} in it"):
+        everything(file.parent)
 
 
 def test_every_flip_in_a_manifest_is_found(results):
@@ -158,13 +153,8 @@ def test_by_force_a_history_that_was_changed_is_read_with_a_remark(results, caps
     path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
     with pytest.warns(UserWarning, match=r"history\.csv in it is damaged, or was changed"):
         assert tailslap.load(place, force=True).history.rows == rows - 1
-    words = [
-        "compare",
-        str(results / "run"),
-        str(results / "run" / "rigid.csv"),
-        "--out",
-        str(results / "out"),
-    ]
+    paths = [str(results / name) for name in ("run", "run/rigid.csv", "out")]
+    words = ["compare", *paths[:2], "--out", paths[2]]
     assert _status(words) == 2
     capsys.readouterr()
     assert _status([*words, "--force"]) == 0
@@ -274,11 +264,8 @@ def test_what_is_below_a_folder_that_may_not_be_searched_is_wrong_input(results)
     closed.mkdir(0o000)
     os.seteuid(user or 65534)
     try:
-        for read in (
-            tailslap.load,
-            lambda place: tailslap.export(place, "csv"),
-            lambda place: tailslap.compare(run, place),
-        ):
+        others = (lambda place: tailslap.export(place, "csv"), lambda place: tailslap.compare(run, place))
+        for read in (tailslap.load, *others):
             with pytest.raises(InputError, match=f"{closed}"):
                 read(closed / "a")
     finally:

@@ -31,9 +31,8 @@ FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "-
 
 def said(*arguments, cwd):
     command = [sys.executable, "-m", "tailslap", *arguments]
-    done = subprocess.run(
-        command, capture_output=True, text=True, cwd=cwd, env=os.environ | {"COLUMNS": "80"}, check=False
-    )
+    environment = os.environ | {"COLUMNS": "80"}
+    done = subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment)
     assert done.returncode in (0, 1), done.stderr
     return done.stdout
 
@@ -53,10 +52,7 @@ def test_a_failed_run_fits_too(tmp_path):
 
 WORDS = Table(
     (Column("a", "Name of the thing"), Column("b", "Much", "kN", form=".3f"), Column("c", "What it means")),
-    [
-        {"a": f"thing {i}", "b": 10.0**i, "c": "words enough that they go on in the next line " * 3}
-        for i in range(4)
-    ],
+    [{"a": f"thing {i}", "b": 10.0**i, "c": "words enough that they go on below " * 3} for i in range(4)],
 )
 
 
@@ -113,18 +109,12 @@ def test_every_command_speaks_json_or_not_at_all(arguments, tmp_path, monkeypatc
 def test_no_command_lacks_them():
     study = cli.commands.commands["study"]
     assert isinstance(study, click.Group)
+    context = click.Context(study)
     each = {name: command for name, command in cli.commands.commands.items() if name != "study"}
-    each |= {
-        name: study.get_command(click.Context(study), name)
-        for name in study.list_commands(click.Context(study))
-    }
-    lacking = [
-        (name, option)
-        for name, command in each.items()
-        for option in ("--json", "--quiet")
-        if not any(option in parameter.opts for parameter in command.params)
-    ]
-    assert lacking == []
+    each |= {name: study.get_command(context, name) for name in study.list_commands(context)}
+    for name, command in each.items():
+        options = {option for parameter in command.params for option in parameter.opts}
+        assert options >= {"--json", "--quiet"}, name
 
 
 def test_json_of_a_run_is_its_summary(tmp_path, capsys):
@@ -216,10 +206,8 @@ def test_a_shell_completes_scenes_and_keys(tmp_path):
     def completed(*words):
         line = " ".join(("tailslap", *words))
         asked = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
-        command = [sys.executable, "-m", "tailslap"]
-        done = subprocess.run(
-            command, capture_output=True, text=True, cwd=tmp_path, env=os.environ | asked, check=True
-        )
+        settings = {"capture_output": True, "text": True, "cwd": tmp_path, "check": True}
+        done = subprocess.run([sys.executable, "-m", "tailslap"], env=os.environ | asked, **settings)
         return [row.partition(",")[2] for row in done.stdout.splitlines()]
 
     assert "run" in completed("ru")

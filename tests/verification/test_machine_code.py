@@ -225,9 +225,8 @@ def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path,
     assert not again.has_code(1.5)
     compile_once(lambda: again(1.5), again, 1.5, on_compile=said.append)
     assert again(1.5) == 3.0
-    assert re.fullmatch(
-        rf"compiled in \d+ s, not kept for the next run: {place}: .*closed to others.*", said[1]
-    )
+    message = rf"compiled in \d+ s, not kept for the next run: {place}: .*closed to others.*"
+    assert re.fullmatch(message, said[1])
     assert {path: path.stat().st_mtime_ns for path in place.iterdir()} == before
 
 
@@ -334,9 +333,8 @@ def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_p
 
 def test_numba_told_not_to_compile_compiles_ours(tmp_path, python):
     """NUMBA_DISABLE_JIT is for functions of one's own."""
-    (tmp_path / "outside.py").write_text(
-        "from fem.machine_code.compiled import compiled\n\n\n@compiled\ndef double(x):\n    return 2.0 * x\n"
-    )
+    header = "from fem.machine_code.compiled import compiled\n\n\n"
+    (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef double(x):\n    return 2.0 * x\n")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code"), "NUMBA_DISABLE_JIT": "1"}
     script = "from outside import double; print(double(1.5), double.path(1.5).is_file())"
     done = python(script, cwd=tmp_path, env=environment)
@@ -414,8 +412,7 @@ def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
 
     def said():
         settings = {"capture_output": True, "text": True, "check": True}
-        done = subprocess.run(command, env=environment, cwd=tmp_path, **settings)
-        return done.stderr
+        return subprocess.run(command, env=environment, cwd=tmp_path, **settings).stderr
 
     assert re.search(r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", said(), re.DOTALL)
     assert "compil" not in said()
@@ -440,7 +437,6 @@ def test_who_waits_long_sleeps():
     assert first.is_alive()
     _meet(meeting, 2, 1)
     first.join(10.0)
-    assert spent
     assert spent[0] < 0.1 * LATE
 
 
@@ -466,7 +462,6 @@ def test_threads_meet_again_and_again():
 )
 def test_threads_are_as_many_as_the_mesh_has_work_for(elements, used):
     plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
-    assert plan.scene.plate
     decisions = open_threads(plan, plan.scene.plate)
     assert plan.decided(decisions).scene.time.threads == used
     assert [decision.value for decision in decisions] == ([] if used == 3 else [used])

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from operator import attrgetter
 
 import pytest
 
@@ -34,26 +35,19 @@ def test_the_papers_scenes_are_there():
 
 
 IN_SI = [
-    ("impact.speed=56 mph", ("impact", "speed"), 56 * 1609.344 / 3600),
-    ("impact.speed=90 km/h", ("impact", "speed"), 25.0),
-    ("vehicle.length=2438 mm", ("vehicle", "length"), 2.438),
-    ("vehicle.length=10 ft", ("vehicle", "length"), 3.048),
-    ("vehicle.length=12", ("vehicle", "length"), 12.0),
-    ('vehicle.mass="22000 lb"', ("vehicle", "mass"), 22000 * 0.45359237),
-    ("impact.angle=15 deg", ("impact", "angle"), math.pi / 12),
-    ("impact.angle=0.26", ("impact", "angle"), 0.26),
-    ("plate.youngs_modulus=2 TPa", ("plate", "youngs_modulus"), 2e12),
-    ("plate.youngs_modulus=2e5 N/mm^2", ("plate", "youngs_modulus"), 2e11),
-    ("plate.density=7.8 g/cm**3", ("plate", "density"), 7800.0),
-    ("start.omega=40 deg/s", ("start", "omega"), math.radians(40.0)),
-    ("strike.duration=100 ms", ("strike", "duration"), 0.1),
-]
+    ("impact.speed=56 mph", 56 * 1609.344 / 3600), ("impact.speed=90 km/h", 25.0),
+    ("vehicle.length=2438 mm", 2.438), ("vehicle.length=10 ft", 3.048), ("vehicle.length=12", 12.0),
+    ('vehicle.mass="22000 lb"', 22000 * 0.45359237), ("impact.angle=15 deg", math.pi / 12),
+    ("impact.angle=0.26", 0.26), ("plate.youngs_modulus=2 TPa", 2e12),
+    ("plate.youngs_modulus=2e5 N/mm^2", 2e11), ("plate.density=7.8 g/cm**3", 7800.0),
+    ("start.omega=40 deg/s", math.radians(40.0)), ("strike.duration=100 ms", 0.1),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("change", "path", "value"), IN_SI)
-def test_units_arrive_in_si(change, path, value):
-    table = getattr(changed(change), path[0])
-    assert getattr(table, path[1]) == pytest.approx(value, rel=1e-14)
+@pytest.mark.parametrize(("change", "value"), IN_SI)
+def test_units_arrive_in_si(change, value):
+    read = attrgetter(change.partition("=")[0])
+    assert read(changed(change)) == pytest.approx(value, rel=1e-14)
 
 
 SIZE, UNIT, MASS = "from 1e-06 m to 1e+06 m", "the unit does not fit", "a mass from 1e-06 kg"
@@ -138,18 +132,14 @@ def test_a_partial_start_takes_the_rest_from_stage_one():
     assert (plan.start.angle, plan.start.omega) == (0.2, plan.stage1.omega)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("name = ", "not TOML"),
-        ("\x00", "not text in UTF-8"),
-        ('name = "a"\nname = "b"', "not TOML"),
-        ('name = "a"\n[vehicle]\nlength = 5,9\n', "decimals stand behind a point"),
-    ],
-)
-def test_malformed_files(tmp_path, text, message):
+@pytest.mark.parametrize(("content", "message"), [
+    (b"name = ", "not TOML"), (b'name = "a"\nname = "b"', "not TOML"), (b"\x00", "not text in UTF-8"),
+    (b"\xff\xfe\x00", "not text in UTF-8"),
+    (b'name = "a"\n[vehicle]\nlength = 5,9\n', "decimals stand behind a point"),
+])  # fmt: skip
+def test_malformed_files(tmp_path, content, message):
     path = tmp_path / "scene.toml"
-    path.write_text(text)
+    path.write_bytes(content)
     with pytest.raises(InputError, match=message):
         read_scene(str(path))
 
@@ -158,12 +148,6 @@ def test_malformed_files(tmp_path, text, message):
 def test_scenes_that_are_not_there(name):
     with pytest.raises(InputError, match="SCENE"):
         read_scene(name)
-
-
-def test_a_file_that_is_not_text(tmp_path):
-    (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="not text in UTF-8"):
-        read_scene(str(tmp_path / "scene.toml"))
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
@@ -205,7 +189,6 @@ def test_the_given_tables_are_left_alone_and_changes_add_up():
     first = vary(source, {"corner.friction": 0.1, "damping.ratio": 0.1})[1]
     second = vary(first, {"damping": None, "damping.ratio": 0.2, "corner.friction": 0.3})[0]
     assert (json.dumps(source.given), first.given["damping"]) == (before, {"ratio": 0.1})
-    assert second.damping is not None
     assert (second.damping.ratio, second.corner.friction) == (0.2, 0.3)
 
 
@@ -233,14 +216,9 @@ IMPOSSIBLE = [
     # What the theory refuses:
     ("impact.friction=2", "impact.friction", "cot"),
     ("impact.restitution=1", "impact.restitution", "never reaches the wall"),
-    *(
-        ("impact.angle=80 deg", "impact.angle", "less than"),
-        ("start.angle=80 deg", "start.angle", "less than"),
-    ),
-    *(
-        ("corner.friction=4", "corner.friction", "not unique"),
-        ("start.corner_speed=0.01", "start.corner_speed", ""),
-    ),
+    *((f"{key}=80 deg", key, "less than") for key in ("impact.angle", "start.angle")),
+    ("corner.friction=4", "corner.friction", "not unique"),
+    ("start.corner_speed=0.01", "start.corner_speed", ""),
     ("corner.reaction=signed corner.friction=4", "corner.friction", ""),
 ]
 
