@@ -3,7 +3,6 @@ step; growth by friction as the Nyquist criterion tells it, against eigenvalues 
 """
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -161,11 +160,9 @@ def growth_rates(model, angle, ratio=0.0):
     return values.real[np.abs(values.imag) > 1e-3 * np.abs(values.imag).max()]
 
 
-CORNERS: dict[str, dict[str, Any]] = {
-    "penalty": {"penalty_scale": 3.0},
-    "exact": {"constraint": "exact"},
-    "dashpot": {"penalty_scale": 3.0, "damping_ratio": 0.2},
-    "patch": {"patch_length": 3.0},
+CORNERS = {
+    **{"penalty": {"penalty_scale": 3.0}, "dashpot": {"penalty_scale": 3.0, "damping_ratio": 0.2}},
+    **{"exact": {"constraint": "exact"}, "patch": {"patch_length": 3.0}},
 }
 
 

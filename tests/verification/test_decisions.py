@@ -138,10 +138,9 @@ def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome):
 def test_only_friction_on_the_magnitude_is_added_to(law, adds):
     """Halved as the friction is, as long as that is little."""
     friction = () if law == "none" else ("corner.friction=0.02",)
-    plan, less = (
-        case.CornerCase(*read_scene("paper-table-3", (f"corner.reaction={law}", *given)))
-        for given in (friction, ("corner.friction=0.01",) if friction else ())
-    )
+    lower = ("corner.friction=0.01",) if friction else ()
+    changes = ((f"corner.reaction={law}", *given) for given in (friction, lower))
+    plan, less = (case.CornerCase(*read_scene("paper-table-3", each)) for each in changes)
     assert (model.friction_lost(plan, 1e9) > 0.0) is adds
     assert model.friction_lost(plan, 1e9) == pytest.approx(2.0 * model.friction_lost(less, 1e9), rel=0.05)
     half = 2.0 * math.log(2.0) / plan.motion.strike.t
@@ -187,24 +186,19 @@ def test_former_names_of_starts_are_refused_with_the_new_one():
 
 
 def test_verdict_tells_flexibility_from_numerical_error(outcome):
-    stiff, soft = outcome("mash-tl4-sut"), outcome("mash-tl4-sut", "wall=", *SOFT, "corner.patch_length=1")
+    stiff, bending = outcome("mash-tl4-sut"), outcome("mash-tl4-sut", "wall=", *SOFT, "corner.patch_length=1")
     confirmed = "The rigid motion is confirmed to 2.2e-06; numerical error at most"
     assert verdict_sentence(stiff).startswith(confirmed)
     assert stiff.passed
-    assert soft.passed
-    fine = "plate.elements=[40, 12]"  # its companion resolves the patch
-    softer = outcome("mash-tl4-sut", "wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1", fine)
+    assert bending.passed
+    soft = ("wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1")
+    softer = outcome("mash-tl4-sut", *soft, "plate.elements=[40, 12]")  # its companion resolves the patch
     assert softer.passed
-    found = re.fullmatch(
-        r"The flexible plate differs .* by (\S+) %, numerical error at most (\S+)\.", verdict_sentence(softer)
-    )
-    assert found
+    sentence = r"The flexible plate differs .* by (\S+) %, numerical error at most (\S+)\."
+    found = re.fullmatch(sentence, verdict_sentence(softer))
     assert 0.9 < float(found[1]) < 1.1
     assert float(found[2]) < 1e-3
-    demanded = outcome(
-        "mash-tl4-sut", "wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1",
-        "verify.tolerance=1e-3",
-    )  # fmt: skip
+    demanded = outcome("mash-tl4-sut", *soft, "verify.tolerance=1e-3")
     assert [check.name for check in demanded.checks if not check.passed] == ["agreement with rigid"]
 
 

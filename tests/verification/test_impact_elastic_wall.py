@@ -38,10 +38,7 @@ def wave_number(foundation):
     return (foundation / (4.0 * BENDING)) ** 0.25
 
 
-def truck_model(
-    wall, law = "crush", longest = 1e-4, modulus = 200e9,
-    **contact,
-):  # fmt: skip
+def truck_model(wall, law="crush", longest=1e-4, modulus=200e9, **contact):
     """Table 1's truck."""
     plate = PlateProperties(0.053, TRUCK_MASS / (10.0 * 2.438 * 0.053), modulus, 0.3)
     given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
@@ -172,12 +169,8 @@ def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
 def heavier(scale):
     """Peak and impulse of the first strike on a wall this many times as stiff and as heavy; its frequencies stay."""
     wall = concrete(1e9)
-    wall = replace(
-        wall,
-        density=scale * wall.density,
-        youngs_modulus=scale * wall.youngs_modulus,
-        foundation_stiffness=scale * wall.foundation_stiffness,
-    )
+    names = ("density", "youngs_modulus", "foundation_stiffness")
+    wall = replace(wall, **{name: scale * getattr(wall, name) for name in names})
     force = simulate_impact(truck_model(wall, longest=3.5e-5), touch(), 2e-4, 0.12).history["force_normal"]
     return float(force.max()), float(force.sum())
 
@@ -233,14 +226,11 @@ def test_a_plate_that_leaves_the_wall_ends_the_run():
     assert fault.value.wrong == "wall.length"
 
 
-@pytest.mark.parametrize("foundation", [0.0, -1.0])
-def test_a_wall_needs_a_foundation(foundation):
-    with pytest.raises(ModelError, match="must be above 0") as fault:
-        truck_model(concrete(foundation))
-    assert fault.value.wrong == "wall.foundation_stiffness"
-
-
-def test_a_wall_of_too_many_elements_is_refused():
-    with pytest.raises(ModelError, match="unknowns") as fault:
-        truck_model(concrete(1e8, 400))
-    assert fault.value.wrong == "wall.elements"
+@pytest.mark.parametrize(("foundation", "elements", "message", "key"), [
+    *((foundation, 60, "must be above 0", "wall.foundation_stiffness") for foundation in (0.0, -1.0)),
+    (1e8, 400, "unknowns", "wall.elements"),
+])  # fmt: skip
+def test_a_wall_without_a_foundation_or_of_too_many_elements_is_refused(foundation, elements, message, key):
+    with pytest.raises(ModelError, match=message) as fault:
+        truck_model(concrete(foundation, elements))
+    assert fault.value.wrong == key

@@ -157,12 +157,7 @@ def test_order_in_the_time_step(plate_model):
     plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e7})
     modal = modal_plate(plate, 1)
     exact = motion(plate, modal, 1600).strike
-    assert exact
-    errors = []
-    for steps in (25, 50, 100):
-        strike = motion(plate, modal, steps).strike
-        assert strike
-        errors.append(largest(strike, exact))
+    errors = [largest(motion(plate, modal, steps).strike, exact) for steps in (25, 50, 100)]
     slopes = np.diff(np.log2(errors))
     assert np.all(np.abs(slopes + 4.0) < 0.2), slopes
     assert errors[-1] < 1e-9
@@ -280,8 +275,8 @@ def test_command(capsys):
     assert "Estimate of its error" in text
     assert _status(["modal", "paper-table-3", "--modes", "1", "--tolerance", "1e-9"]) == CHECK_FAILED
     assert "FAILED  modes left out" in capsys.readouterr().out
-    assert _status(["modal", "paper-table-3", "--modes", "0"]) == WRONG_INPUT
-    assert _status(["modal", "paper-table-3", "--modes", "9999"]) == WRONG_INPUT
+    for count in ("0", "9999"):
+        assert _status(["modal", "paper-table-3", "--modes", count]) == WRONG_INPUT
 
 
 def test_json(capsys):

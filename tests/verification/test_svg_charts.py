@@ -31,12 +31,7 @@ def test_ticks_are_round_and_in_range(low, span):
         low = 0.0
     ticks = round_ticks(low, low + span, 6)
     step = np.diff(ticks)
-    digits = float(f"{step[0]:.6g}".split("e")[0])
-    while digits < 1.0:
-        digits *= 10.0
-    while digits >= 10.0:
-        digits /= 10.0
-    assert round(digits, 3) in (1.0, 2.0, 5.0)
+    assert float(f"{step[0]:.3e}".split("e")[0]) in (1.0, 2.0, 5.0)
     np.testing.assert_allclose(step, step[0], rtol=1e-6)
     np.testing.assert_allclose(np.array(ticks) / step[0], np.round(np.array(ticks) / step[0]), atol=1e-5)
     assert 2 <= len(ticks) <= 7
@@ -46,14 +41,13 @@ def test_ticks_are_round_and_in_range(low, span):
 TICKS = [
     *(([-0.5, 0.0, 0.5], ["−0.5", "0.0", "0.5"]), ([0.0, 200.0], ["0", "200"])),
     *(([0.0, 2e-6, 4e-6], ["0", "2×10⁻⁶", "4×10⁻⁶"]), ([0.0, 1e6, 2e6], ["0", "10⁶", "2×10⁶"])),
-    *(([0.25], ["0.2"]), ([23.28, 23.30], ["23.28", "23.30"])),
+    ([23.28, 23.30], ["23.28", "23.30"]),
 ]
 
 
 @pytest.mark.parametrize(("ticks", "texts"), TICKS)
 def test_texts_of_ticks(ticks, texts):
-    if len(ticks) > 1:
-        assert tick_texts(ticks) == texts
+    assert tick_texts(ticks) == texts
 
 
 @pytest.mark.parametrize(
@@ -206,9 +200,8 @@ def test_colours_of_numbers():
 
 
 def test_a_histogram_says_each_share():
-    chart = studies.draw_histogram(
-        np.array([0.0, 1e5, 2e5]), np.array([1, 3]), [(5, 2e4), (95, 1.8e5)], 1.5e5
-    )
+    edges, counts = np.array([0.0, 1e5, 2e5]), np.array([1, 3])
+    chart = studies.draw_histogram(edges, counts, [(5, 2e4), (95, 1.8e5)], 1.5e5)
     assert shown(chart) == {"fraction": ["25", "75"]}
     words = {"5 %", "95 %", "the scene's own values", "peak force [kN]", "fraction [%]"}
     assert words <= set(texts_of(chart))
@@ -376,10 +369,9 @@ def test_tick_labels_do_not_overlap(points):
     for across, up in itertools.pairwise([*AXES, next(iter(AXES))]):
         root = ElementTree.fromstring(small_map(points, across, up).svg)
         words = [("".join(text.itertext()), text) for text in root.iter(SVG + "text")]
-        below = []
-        for said, text in words:
-            if text.get("text-anchor") == "middle" and text.get("font-size") == "11":
-                below.append((float(text.get("x", "0")), text_width(said, 11.0)))
+        middle = {"text-anchor": "middle", "font-size": "11"}.items()
+        centred = [(said, text) for said, text in words if middle <= text.attrib.items()]
+        below = [(float(text.get("x", "0")), text_width(said, 11.0)) for said, text in centred]
         beside = [float(text.get("y", "0")) for _, text in words if text.get("text-anchor") == "end"]
         for (x, wide), (other, more) in itertools.pairwise(sorted(below)):
             assert other - x > 0.5 * (wide + more)
@@ -511,8 +503,8 @@ def test_a_run_that_went_wrong_is_still_drawn():
         omega = found["omega"]
         assert found | {"omega": good["omega"]} == good
         assert points <= vertices(omega) <= vertices(good["omega"])
-        assert "nan" not in omega.svg
-        assert "inf" not in omega.svg
+        for word in ("nan", "inf"):
+            assert word not in omega.svg
         assert any(shown in words for words in texts(omega))
 
 

@@ -126,17 +126,19 @@ def test_the_definition_on_disk_tells_sweeps_apart():
 
 
 FRICTION, KEY_VALUES = "corner.friction", "KEY=VALUES"
+PLACES = {"file": "this is a file", "full": "it holds other files", "file/below": "this is a file, or in one"}
+WRONG_FRICTIONS = {
+    **{
+        "0:0.6": "how many values",
+        "0:0.6:1": "from 2",
+        "0:0.6:2.5": "whole number",
+        "0.3:0.3:4": "must differ",
+    },
+    **{"log:0:0.6:4": "above 0", "-0.1:0.6:4": "from 0 to", "0.1,,0.2": KEY_VALUES, "1:2:3:4": KEY_VALUES},
+    "0:0.6:3 --sample 10": "--sample says how many",
+}
 WRONG = [
-    *(
-        ("corner.friction=0:0.6", FRICTION, "how many values"),
-        ("corner.friction=0:0.6:1", FRICTION, "from 2"),
-    ),
-    ("corner.friction=0:0.6:2.5", FRICTION, "whole number"),
-    ("corner.friction=0.3:0.3:4", FRICTION, "must differ"),
-    ("corner.friction=log:0:0.6:4", FRICTION, "above 0"),
-    ("corner.friction=-0.1:0.6:4", FRICTION, "from 0 to"),
-    ("corner.friction=0.1,,0.2", FRICTION, KEY_VALUES),
-    ("corner.friction=1:2:3:4", FRICTION, KEY_VALUES),
+    *((f"corner.friction={values}", FRICTION, message) for values, message in WRONG_FRICTIONS.items()),
     *(("corner.friction=", "--vary", KEY_VALUES), ("corner.friction", "--vary", KEY_VALUES)),
     *(("corner..friction=1,2", "--vary", KEY_VALUES), ("a:b:c:d=1", "a:b:c:d", "no such key")),
     ("corner.colour=1,2", "corner.colour", "no such key; allowed are reaction"),
@@ -147,12 +149,9 @@ WRONG = [
     ("corner.friction=0:1:3 --vary corner.friction=1,2", "--vary", "varied twice"),
     ("corner.friction=0:1:3 --set corner.friction=1", "--vary", "--set fixes it"),
     ("corner.friction=0:1:2000 --vary plate.poissons_ratio=0:0.4:501", "--vary", "at most 1000000"),
-    ("corner.friction=0:0.6:3 --sample 10", FRICTION, "--sample says how many"),
     ("time.rows=100:200 --sample 10", "time.rows", "sampled from a list"),
     ("corner.friction=0:1:3 --cluster tcp://x:1 --workers 2", "--workers", "leave out"),
-    ("corner.friction=0:1:3 --out file", "--out", "this is a file"),
-    ("corner.friction=0:1:3 --out full", "--out", "it holds other files"),
-    ("corner.friction=0:1:3 --out file/below", "--out", "this is a file, or in one"),
+    *((f"corner.friction=0:1:3 --out {place}", "--out", message) for place, message in PLACES.items()),
 ]
 
 
@@ -232,17 +231,16 @@ def test_of_very_many_rows_all_that_failed_are_drawn():
     assert len(red.split()) >= 5
 
 
-def test_no_axis_shows_a_negative_friction():
-    first, *_ = draw_sweep(rows(key("impact.friction", 0.0, 0.3, 0.6, 0.9)))
+def lowest_drawn(varied):
+    first, *_ = draw_sweep(rows(varied))
     (low,) = re.findall(r'data-x="(\S+) ', first.svg)
-    assert float(low) == 0.0
+    return float(low)
 
 
-def test_a_modulus_over_decades_has_a_logarithmic_axis():
-    """Its smallest value is next to nothing beside the range, and no reason to begin at zero."""
-    first, *_ = draw_sweep(rows(key("plate.youngs_modulus", 1e9, 1e10, 1e12, logarithmic=True)))
-    (low,) = re.findall(r'data-x="(\S+) ', first.svg)
-    assert 0.5e9 < float(low) < 1e9
+def test_axes_show_no_negative_friction_and_do_not_begin_at_zero_over_decades():
+    """The smallest modulus is next to nothing beside the range, and no reason to begin at zero."""
+    assert lowest_drawn(key("impact.friction", 0.0, 0.3, 0.6, 0.9)) == 0.0
+    assert 0.5e9 < lowest_drawn(key("plate.youngs_modulus", 1e9, 1e10, 1e12, logarithmic=True)) < 1e9
 
 
 def test_maps_show_each_run():
