@@ -7,21 +7,16 @@ import pytest
 from tailslap.scene.units import UNITS, Dimension, converted, to_si
 
 # International yard and pound (1959), standard gravity (CGPM 1901), SI prefixes.
+POUND, POUND_FORCE = 0.45359237, 0.45359237 * 9.80665
 DEFINED = {
     **{"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144, "mi": 1609.344},
-    **{
-        "kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237, "klb": 453.59237,
-        "slug": 0.45359237 * 9.80665 / 0.3048,
-    },
+    **{"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": POUND, "klb": 1e3 * POUND, "slug": POUND_FORCE / 0.3048},
     **{"s": 1.0, "us": 1e-6, "ms": 1e-3, "min": 60.0, "h": 3600.0, "rad": 1.0, "deg": math.pi / 180.0},
     **{"mph": 1609.344 / 3600.0, "kph": 1000.0 / 3600.0, "Hz": 1.0, "kHz": 1e3, "J": 1.0, "kJ": 1e3},
-    **{"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": 4.4482216152605, "kip": 4448.2216152605},
+    **{"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": POUND_FORCE, "kip": 1e3 * POUND_FORCE},
     **{"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "bar": 1e5},
-    **{
-        "psf": 4.4482216152605 / 0.09290304, "psi": 4.4482216152605 / 0.00064516,
-        "ksi": 4448.2216152605 / 0.00064516,
-    },
-}  # fmt: skip
+    **{"psf": POUND_FORCE / 0.3048**2, "psi": POUND_FORCE / 0.0254**2, "ksi": 1e3 * POUND_FORCE / 0.0254**2},
+}
 DIMENSIONS = {
     "psi": "kg/m/s^2", "kip": "kg m/s^2", "mph": "m/s", "kJ": "kg m^2/s^2", "slug": "kg", "Hz": "1/s",
 }  # fmt: skip

@@ -22,10 +22,8 @@ TODO = [*study.settings(STUDIED.scene), *study.soft_settings(STUDIED.scene)]
 
 def record(values, failed=(), steps=9):
     """As a measurement notes it."""
-    return {
-        "values": values, "setup": [0.2, 0.1], "loop": [0.5, 0.3, 0.4], "steps": steps,
-        "failed": list(failed),
-    }  # fmt: skip
+    times = {"setup": [0.2, 0.1], "loop": [0.5, 0.3, 0.4]}
+    return {"values": values, **times, "steps": steps, "failed": list(failed)}
 
 
 def row(label, error, seconds, kind=FE, failed="", choice=False):

@@ -48,6 +48,14 @@ def place(tmp_path):
     return tmp_path / "results" / "a"
 
 
+def foreign(place, texts):
+    """A folder with files of others."""
+    place.mkdir()
+    for name, text in texts.items():
+        (place / name).write_text(text)
+    return place
+
+
 def refused(place, named):
     """The folder is never yielded to work in; nothing is changed."""
     before = tree(place.parent)
@@ -78,10 +86,7 @@ def test_absent_and_empty_folders_are_places_and_a_result_is_replaced(place):
 
 
 def test_a_folder_with_a_summary_is_no_result(tmp_path, capsys):
-    mine = tmp_path / "mine"
-    mine.mkdir()
-    (mine / "thesis.txt").write_text("x")
-    (mine / "summary.json").write_text("{}")
+    mine = foreign(tmp_path / "mine", {"thesis.txt": "x", "summary.json": "{}"})
     assert _status(["run", "paper-table-3", "--out", str(mine)]) == 2
     assert "thesis.txt" in capsys.readouterr().err
     refused(mine, r"it holds other files \(summary.json, thesis.txt\); allowed is a new or empty folder")
@@ -151,19 +156,14 @@ FOREIGN = [
 @pytest.mark.parametrize("manifest", FOREIGN)
 def test_a_manifest_that_is_not_ours_makes_no_result(tmp_path, manifest):
     (tmp_path / "thesis.txt").write_text("x")
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "thesis.txt").write_text("x")
-    (tmp_path / "mine" / NAME).write_text(manifest)
-    refused(tmp_path / "mine", "other files")
+    refused(foreign(tmp_path / "mine", {"thesis.txt": "x", NAME: manifest}), "other files")
 
 
 def test_a_forged_manifest_reaches_nothing_outside(tmp_path):
     """It lists a link to a file outside with that file's digest; or the manifest itself is a link."""
     (tmp_path / "thesis.txt").write_text("x")
-    mine = tmp_path / "mine"
-    mine.mkdir()
+    mine = foreign(tmp_path / "mine", {NAME: forged()})
     (mine / "thesis.txt").symlink_to(tmp_path / "thesis.txt")
-    (mine / NAME).write_text(forged())
     refused(mine, r"thesis\.txt in it was changed")
     (mine / NAME).rename(tmp_path / "manifest")
     (mine / NAME).symlink_to(tmp_path / "manifest")
@@ -551,6 +551,13 @@ def test_an_input_is_never_replaced(tmp_path):
     write(place, NEWER, inputs=[tmp_path / "b", place / "no.csv"], origin=RUN)
 
 
+@pytest.fixture
+def rigid_results(tmp_path):
+    """Two folders with the result of `tailslap rigid`."""
+    rigid = tailslap.rigid("paper-table-3")
+    return rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+
+
 GATED = {
     "run": "run paper-table-3",
     "study": "study cost paper-table-3",
@@ -563,10 +570,11 @@ GATED = {
 
 
 @pytest.mark.parametrize("command", GATED)
-def test_every_command_is_refused_another_s_result_before_it_computes(tmp_path, command, capsys, monkeypatch):
+def test_every_command_is_refused_another_s_result_before_it_computes(
+    tmp_path, rigid_results, command, capsys
+):
     """Of another command, in use, and with files of others; force replaces the first alone."""
-    rigid = tailslap.rigid("paper-table-3")
-    place, other = rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+    place, other = rigid_results
     before = tree(tmp_path)
     words = [*GATED[command].format(other=other).split(), "--out", str(place)]
     assert _status(words) == 2
@@ -584,9 +592,8 @@ def test_every_command_is_refused_another_s_result_before_it_computes(tmp_path, 
 @pytest.mark.parametrize(
     "command", ["compare {place} {other}", "compare {other} {place}", "export {place} --to csv"]
 )
-def test_no_command_replaces_its_input(tmp_path, command, capsys):
-    rigid = tailslap.rigid("paper-table-3")
-    place, other = rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+def test_no_command_replaces_its_input(tmp_path, rigid_results, command, capsys):
+    place, other = rigid_results
     before = tree(tmp_path)
     for more in ([], ["--force"]):
         words = command.format(place=place, other=other).split()
@@ -595,9 +602,8 @@ def test_no_command_replaces_its_input(tmp_path, command, capsys):
     assert tree(tmp_path) == before
 
 
-def test_an_export_over_a_rigid_result_by_force(tmp_path, capsys):
-    rigid = tailslap.rigid("paper-table-3")
-    place, other = rigid.save(tmp_path / "V"), rigid.save(tmp_path / "W")
+def test_an_export_over_a_rigid_result_by_force(rigid_results):
+    place, other = rigid_results
     (place / "notes.txt").write_text("mine")
     assert _status(["export", str(other), "--to", "csv", "--out", str(place), "--force"]) == 0
     assert set(texts(place)) == {"rigid.csv", "notes.txt", NAME}

@@ -36,6 +36,11 @@ def motion(**changes):
     return plane_motion(TRUCK, **{**START, **changes})
 
 
+def signed(**changes):
+    return motion(reaction="signed", **changes)
+
+
+BELOW_MOST = f"more than 0 and less than {MOST:.6g} rad"
 REFUSED = [
     (lambda: RectangularBody(0.0, 2.0, 1.0), "length", "0", "positive and finite, m"),
     (lambda: RectangularBody(9.0, -2.0, 1.0), "width", "-2", "positive and finite, m"),
@@ -43,9 +48,9 @@ REFUSED = [
     (lambda: RectangularBody("long", 2.0, 1.0), "length", "'long'", "a number, or an array of numbers"),
     (lambda: impact(speed=0.0), "speed", "0", "positive and finite, m/s"),
     (lambda: impact(speed=NAN), "speed", "nan", "positive and finite, m/s"),
-    (lambda: impact(angle=0.0), "angle", "0", f"more than 0 and less than {MOST:.6g} rad"),
-    (lambda: impact(angle=INF), "angle", "inf", f"more than 0 and less than {MOST:.6g} rad"),
-    (lambda: impact(angle=MOST + 1e-9), "angle", "1.3316", f"more than 0 and less than {MOST:.6g} rad"),
+    (lambda: impact(angle=0.0), "angle", "0", BELOW_MOST),
+    (lambda: impact(angle=INF), "angle", "inf", BELOW_MOST),
+    (lambda: impact(angle=MOST + 1e-9), "angle", "1.3316", BELOW_MOST),
     (lambda: impact(friction=-0.1), "friction", "-0.1", "0 or more"),
     (lambda: impact(friction=1.9), "friction", "1.9", "less than cot(phi) = 1.83"),
     (lambda: impact(restitution=-0.1), "restitution", "-0.1", "from 0 to 1"),
@@ -56,22 +61,17 @@ REFUSED = [
     (lambda: motion(omega=-0.7), "omega", "-0.7", "positive and finite, rad/s"),
     (lambda: motion(omega=INF), "omega", "inf", "positive and finite, rad/s"),
     (lambda: motion(omega=1e200), "omega", "1e+200", "smaller, as corner_speed and mass"),
-    (lambda: motion(angle=0.0), "angle", "0", f"more than 0 and less than {MOST:.6g} rad"),
-    (lambda: motion(angle=MOST), "angle", "1.3316", f"more than 0 and less than {MOST:.6g} rad"),
+    (lambda: motion(angle=0.0), "angle", "0", BELOW_MOST),
+    (lambda: motion(angle=MOST), "angle", "1.3316", BELOW_MOST),
     (lambda: motion(friction=-1.0), "friction", "-1", "0 or more"),
     (lambda: motion(friction=NAN), "friction", "nan", "0 or more"),
     (lambda: motion(corner_speed=0.0), "corner_speed", "0", "positive where there is friction"),
-    (lambda: motion(corner_speed=-5.0, reaction="signed"), "corner_speed", "-5", "positive where there is"),
+    (lambda: signed(corner_speed=-5.0), "corner_speed", "-5", "positive where there is"),
     (lambda: motion(corner_speed=INF, reaction="none"), "corner_speed", "inf", "finite"),
     (lambda: motion(corner_speed=0.3), "corner_speed", "0.3", "more, or no friction, m/s"),
     (lambda: motion(angle=1.2, friction=1.4), "friction", "1.4", "less than 4/3"),
-    (lambda: motion(angle=1.2, friction=1.4, reaction="signed"), "friction", "1.4", "less than 4/3"),
-    (
-        lambda: motion(angle=1.2, friction=1.33333, reaction="signed"),
-        "friction",
-        "1.33333",
-        "another reaction model",
-    ),
+    (lambda: signed(angle=1.2, friction=1.4), "friction", "1.4", "less than 4/3"),
+    (lambda: signed(angle=1.2, friction=1.33333), "friction", "1.33333", "another reaction model"),
     (lambda: motion(reaction="push"), "reaction", "'push'", 'one of "drag", "none", "signed"'),
     (lambda: motion(omega=np.array([0.7, 0.8])), "shape", "(2,)", "`tail_slap` takes arrays"),
     (lambda: motion().at([0.1, -0.1]), "time", "-0.1 at index 1", "from 0 to 0.3877993375 s"),

@@ -464,6 +464,15 @@ def small_sweep(friction="0:0.5:6"):
     return make_definition("paper-table-3", (), (f"corner.friction={friction}",), None, 307)
 
 
+@pytest.fixture
+def begun(tmp_path):
+    """A folder with a sweep and the row of its first run."""
+    place = tmp_path / "sweep"
+    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
+        rows.add(row(0))
+    return place
+
+
 def refused(message, opened, *arguments):
     with pytest.raises(errors.InputError, match=message), opened(*arguments):
         pass
@@ -623,26 +632,20 @@ assert os.listdir("/proc/self/task") == before
     subprocess.run([sys.executable, "-c", code, str(path)], check=True, timeout=60.0)
 
 
-def test_a_folder_is_one_sweep_s(tmp_path):
-    place = tmp_path / "sweep"
-    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
-        rows.add(row(0))
-    refused(r"it holds another sweep: vary differ", sweep_folder, place, small_sweep("0:1:6"))
-    refused("other files", result_folder, place)  # a run does not replace it, whatever it holds
-    (place / "summary.json").write_text("{}")
-    refused("other files", result_folder, place)
-    (place / "sweep.json").write_text("{")
-    refused("damaged", sweep_folder, place, small_sweep())
+def test_a_folder_is_one_sweep_s(begun):
+    refused(r"it holds another sweep: vary differ", sweep_folder, begun, small_sweep("0:1:6"))
+    refused("other files", result_folder, begun)  # a run does not rebegun it, whatever it holds
+    (begun / "summary.json").write_text("{}")
+    refused("other files", result_folder, begun)
+    (begun / "sweep.json").write_text("{")
+    refused("damaged", sweep_folder, begun, small_sweep())
 
 
-def test_other_values_by_the_same_words_are_another_sweep(tmp_path):
+def test_other_values_by_the_same_words_are_another_sweep(begun):
     """A new SciPy may draw other samples from the same seed: rows must not mix."""
-    place = tmp_path / "sweep"
-    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
-        rows.add(row(0))
-    definition = json.loads((place / "sweep.json").read_text())
-    (place / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
-    refused("another sweep: values differ", sweep_folder, place, small_sweep())
+    definition = json.loads((begun / "sweep.json").read_text())
+    (begun / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
+    refused("another sweep: values differ", sweep_folder, begun, small_sweep())
 
 
 def test_two_sweeps_in_a_folder_at_once(tmp_path):
@@ -671,17 +674,14 @@ def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
-def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(tmp_path, name):
-    place = tmp_path / "sweep"
-    with sweep_folder(place, small_sweep()) as folder, open_records(folder, small_sweep()) as rows:
-        rows.add(row(0))
-    for text in ("ours", "ours again"):  # resumed, it is replaced
-        with sweep_folder(place, small_sweep()) as folder:
+def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(begun, name):
+    for text in ("ours", "ours again"):  # resumed, it is rebegund
+        with sweep_folder(begun, small_sweep()) as folder:
             (fresh(folder) / name).write_text(text)
             commit(folder)
-    (place / name).write_text("mine")
-    refused(f"{name} in it was changed", sweep_folder, place, small_sweep())
-    assert (place / name).read_text() == "mine"
-    (place / MANIFEST).unlink()
-    refused(f"{name} in it was added", sweep_folder, place, small_sweep())
-    assert {path.name for path in place.iterdir()} == {"sweep.json", RECORDS, name}
+    (begun / name).write_text("mine")
+    refused(f"{name} in it was changed", sweep_folder, begun, small_sweep())
+    assert (begun / name).read_text() == "mine"
+    (begun / MANIFEST).unlink()
+    refused(f"{name} in it was added", sweep_folder, begun, small_sweep())
+    assert {path.name for path in begun.iterdir()} == {"sweep.json", RECORDS, name}
