@@ -1,6 +1,7 @@
 """Verification: what is exported, read again by other libraries, has the run's values."""
 
 import csv
+import functools
 import json
 import os
 import sys
@@ -28,14 +29,7 @@ def result():
 
 @pytest.fixture(scope="module")
 def exported(result, tmp_path_factory):
-    made: dict[str, Path] = {}
-
-    def write(to):
-        if to not in made:
-            made[to] = tailslap.export(result, to, tmp_path_factory.mktemp("exported") / to)
-        return made[to]
-
-    return write
+    return functools.cache(lambda to: tailslap.export(result, to, tmp_path_factory.mktemp("exported") / to))
 
 
 def same(found, expected):

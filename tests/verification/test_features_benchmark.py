@@ -93,15 +93,11 @@ def test_each_part_is_added_alone(models):
     """Whatever parts the scene itself has, a model has the one of its name and no other."""
     for name, model in models.items():
         loop = model.model.loop
-        found = {
-            "friction": isinstance(loop.friction, Drag),
-            "damping": loop.viscosity is not None,
-            "dashpot": loop.corner.dashpot > 0.0,
-            "exact constraint": isinstance(loop.corner.constraint, constraints.Exact),
-            "patch": loop.corner.nodes.size > 1,
-            "neo-Hookean": isinstance(loop.material, materials.NeoHookean),
-            "hourglass control": loop.hourglass is not None,
-        }
+        corner, neo_hookean = loop.corner, isinstance(loop.material, materials.NeoHookean)
+        found = {"friction": isinstance(loop.friction, Drag), "damping": loop.viscosity is not None}
+        found |= {"dashpot": corner.dashpot > 0.0, "patch": corner.nodes.size > 1, "neo-Hookean": neo_hookean}
+        found["exact constraint"] = isinstance(corner.constraint, constraints.Exact)
+        found["hourglass control"] = loop.hourglass is not None
         assert {part for part, there in found.items() if there} == {name} - {benchmark.PLAIN}
     assert len(models) == 8
     assert isinstance(models[benchmark.PLAIN].model.loop.corner.constraint, constraints.Penalty)

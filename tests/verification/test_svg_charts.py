@@ -395,12 +395,10 @@ def histories(n=2000):
     t = np.linspace(0.0, 0.38, n)
     theta = 0.26 - 0.684 * t
     phase = theta + 0.239
-    columns = {
-        **{"t": t, "theta": theta, "omega": np.full(n, 0.684), "slide": 25.0 * t},
-        **{"v_gx": 25.0 - 3.4 * np.sin(phase), "v_gy": -3.5 * np.cos(phase)},
-        **{"reaction_normal": -3000.0 + 4000.0 * t, "reaction_tangential": -1400.0 + 1900.0 * t},
-        "kinetic_energy": 2.8e6 - 2.4e4 * t,
-    }
+    columns = {"t": t, "theta": theta, "omega": np.full(n, 0.684), "slide": 25.0 * t}
+    columns |= {"v_gx": 25.0 - 3.4 * np.sin(phase), "v_gy": -3.5 * np.cos(phase)}
+    columns |= {"reaction_normal": -3000.0 + 4000.0 * t, "reaction_tangential": -1400.0 + 1900.0 * t}
+    columns["kinetic_energy"] = 2.8e6 - 2.4e4 * t
     ripple = 1e-6 * np.sin(900.0 * t)
     fe = {name: values + ripple * (name != "t") for name, values in columns.items()}
     energies = {"strain_energy": 0.02 + 0 * t, "contact_energy": 0.05 - 0.1 * t}
