@@ -72,7 +72,7 @@ class FePlan:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Outcome(ABC):
     """A finished run: what was computed, compared and checked.
 
     Attributes
@@ -95,6 +95,14 @@ class Outcome:
     checks: tuple[Check, ...]
     setup_s: float
 
+    force_name: ClassVar[str]
+    """Which force of the plate is held against design forces."""
+
+    @property
+    @abstractmethod
+    def lateral_force(self) -> float:
+        """That force [N]; NaN where there is none."""
+
     @property
     def passed(self) -> bool:
         """True where every check passed."""
@@ -106,7 +114,10 @@ class Outcome:
         along, across = self.fe_plan.plate.counts
         mesh = f"{along} x {across} elements"
         meaning = f"error that the run on {mesh} states; the tolerance that was asked for"
-        return replace(self, checks=(*self.checks, Check.at_most("tolerance", error, tolerance, meaning)))
+        check = Check.at_most(
+            "tolerance", error, tolerance, meaning, "a larger --tolerance, or --allow-large"
+        )
+        return replace(self, checks=(*self.checks, check))
 
 
 @dataclass(frozen=True)
@@ -242,18 +253,20 @@ STEP = "a smaller time.safety_factor"
 
 @dataclass(frozen=True)
 class Check:
-    """The outcome of a check: its value, its limit, whether it passed, and what it guards against."""
+    """The outcome of a check: its value, its limit, whether it passed, what it guards against, and what to change in a
+    scene whose run fails it, parted by semicolons."""
 
     name: str
     value: float
     limit: float
     passed: bool
     meaning: str = ""
+    advice: str = ""
 
     @classmethod
-    def at_most(cls, name: str, value: float, limit: float, meaning: str) -> Check:
+    def at_most(cls, name: str, value: float, limit: float, meaning: str, advice: str = "") -> Check:
         """A check that passes where the value is a finite number and not above the limit."""
-        return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning)
+        return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning, advice)
 
 
 def failed_names(checks: Iterable[Check]) -> tuple[str, ...]:
@@ -269,11 +282,12 @@ def check_columns(checks: Iterable[Check]) -> dict[str, Any]:
 
 
 class Evaluation(NamedTuple):
-    """Value, the limit that it may reach, and what both are."""
+    """Value, the limit that it may reach, what both are, and advice on their cause where that is known."""
 
     value: float
     limit: float
     meaning: str
+    advice: str = ""
 
 
 @dataclass(frozen=True)
@@ -294,7 +308,7 @@ class CheckKind:
     def outcome(self, evidence: Any) -> Check | None:
         """The check of this run, or None where it does not apply."""
         found = self.evaluate(evidence)
-        return found and Check.at_most(self.name, *found)
+        return found and Check.at_most(self.name, *found[:3], found.advice or self.advice)
 
 
 @np.errstate(all="ignore")  # a run that diverged is judged, not warned about

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,6 @@ from postprocess.units import duration, number
 from tailslap.case import cost
 from tailslap.case.case import Case, Check, FePlan, Outcome
 from tailslap.scene import write
-from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
@@ -30,10 +29,6 @@ LABEL = 13
 
 Parts = Sequence[tuple[str, str]]
 """Parts that a scene does without, each with the reason."""
-
-Cure = Callable[[str], str]
-"""Advice against a failed check, by its name."""
-
 
 CELL_TYPES = {
     "ElementQuad1": "quad",
@@ -58,7 +53,7 @@ PEAKS = (
 DESIGN = (
     Column("name", "Design force", style="whole"),
     Column("force", "Lateral", "N", form="#.3g", style="strong"),
-    Column("share", "FE over it", form=".2f"),
+    Column("ratio", "Ratio", form=".2f"),
     Column("source", "Source", style="soft"),
 )
 CHECKS = (
@@ -71,7 +66,7 @@ FAILED = (
     Column("name", "Failed check"),
     Column("value", "Value", form=".3g", style="strong"),
     Column("limit", "Limit", form=".3g"),
-    Column("cure", "What to do"),
+    Column("advice", "What to do"),
 )
 INPUTS = (
     Column("key", "Key", form=lambda key: f"`{key}`"),
@@ -153,6 +148,7 @@ def run_summary(outcome: Outcome, omitted: Parts) -> dict[str, Any]:
         "version": tailslap.__version__,
         "passed": outcome.passed,
         "checks": [asdict(check) for check in outcome.checks],
+        "design_forces": design_ratios(outcome),
         "chosen": [asdict(decision) for decision in fe_plan.decisions],
         "cost": run_cost(outcome),
         "left_out": [{"part": part, "why": why} for part, why in omitted],
@@ -211,7 +207,6 @@ def terminal_text(
     outcome: Outcome,
     verdict: str,
     tables: Sequence[Table],
-    cure: Cure,
     diagnosis: Sequence[str] = (),
     drawn: str = "",
 ) -> tuple[Table | str, ...]:
@@ -220,14 +215,15 @@ def terminal_text(
     diagnosis: what is known of the cause of a failure; drawn: what pictures cost.
     """
     failed = [check for check in outcome.checks if not check.passed]
-    cures = dict.fromkeys(part for check in failed for part in cure(check.name).split("; "))
+    advice = dict.fromkeys(part for check in failed for part in check.advice.split("; ") if part)
     return (
         f"{outcome.fe_plan.case.scene.name}: {verdict}",
         "",
         *tables,
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
         *(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g}" for check in failed),
-        *([f"What to do: {'; '.join(cures)}.", *diagnosis] if failed else ()),
+        *([f"What to do: {'; '.join(advice)}."] if advice else ()),
+        *(diagnosis if failed else ()),
         passed_text(outcome.checks),
         f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{drawn}",
     )
@@ -256,12 +252,26 @@ def study_summary(study: str, plan: Case) -> dict[str, Any]:
     return {"study": study, "scene": plan.scene.name, "version": tailslap.__version__}
 
 
-def design_table(scene: Scene, peak: float) -> Table:
-    """Design forces of the scene's test level, and the peak force [N] over each; empty without a test level."""
-    level = scene.impact.test_level if scene.impact else None
-    found = design_forces(level) if level else ()
-    rows = [(f"{each.name}, {level}", each.force, peak / each.force, each.source) for each in found]
-    return Table(DESIGN, [dict(zip(("name", "force", "share", "source"), row, strict=True)) for row in rows])
+def design_ratios(outcome: Outcome) -> list[dict[str, Any]]:
+    """Design forces of the scene's test level, and the force of the plate over each; none without a test level."""
+    impact = outcome.fe_plan.case.scene.impact
+    level = impact.test_level if impact else None
+    return [
+        {
+            "name": f"{each.name}, {level}",
+            "force": each.force,
+            "ratio": outcome.lateral_force / each.force,
+            "source": each.source,
+        }
+        for each in (design_forces(level) if level else ())
+    ]
+
+
+def design_table(outcome: Outcome) -> Table:
+    """Table of design forces, which names the force whose ratio to them it shows."""
+    name, force, ratio, source = DESIGN
+    ratio = replace(ratio, label=f"{outcome.force_name} / design")
+    return Table((name, force, ratio, source), design_ratios(outcome))
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
@@ -279,9 +289,9 @@ def short(table: Table) -> Table:
     return Table(table.columns[:-1], table.rows)
 
 
-def failed_section(checks: Sequence[Check], cure: Cure, diagnosis: Sequence[str]) -> Section:
-    """The checks that failed, with what to do against each, and what was found of the cause; empty if none failed."""
-    rows = [vars(check) | {"cure": cure(check.name)} for check in checks if not check.passed]
+def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:
+    """The checks that failed, with advice on each, and what was found of the cause; empty if none failed."""
+    rows = [check for check in checks if not check.passed]
     title, sentences = "Failed checks, and what to do", diagnosis if rows else ()
     return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)
 

@@ -153,8 +153,12 @@ def _numbers(each: Beside) -> dict[str, Any]:
 
 def _quantities(found: Comparison) -> Iterator[Table]:
     """The five quantities of results with a tail-slap, side by side."""
-    numbers = {item.label: (item.summary or {}).get("fe", {}) for item in found.items}
-    results = {label: fe for label, fe in numbers.items() if "t" in fe}
+    summaries = {item.label: item.summary or {} for item in found.items}
+    results = {
+        label: {**its["fe"], "peak_force": its.get("peak_force", {}).get("fe")}
+        for label, its in summaries.items()
+        if "t" in its.get("fe", {})
+    }
     if len(results) < 2:
         return
     heads = (
@@ -163,7 +167,11 @@ def _quantities(found: Comparison) -> Iterator[Table]:
         *(Column(str(k), label, form=".7g", unit_key="unit") for k, label in enumerate(results)),
     )
     numbered = [(str(k), fe) for k, fe in enumerate(results.values())]
-    yield Table(heads, [{**vars(q), **{k: fe[q.key] for k, fe in numbered}} for q in QUANTITIES.values()])
+    rows = [
+        *map(vars, QUANTITIES.values()),
+        {"key": "peak_force", "title": "Peak lateral force", "unit": "N"},
+    ]
+    yield Table(heads, [{**row, **{k: fe[row["key"]] for k, fe in numbered}} for row in rows])
 
 
 def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:

@@ -80,8 +80,9 @@ def test_columns_of_both_calculations(tmp_path):
         make_definition("paper-table-3", (), ("plate.thickness=1,2",), None, 1), ["check.x"]
     ).names
     assert corner[:5] == ["run", "status", "reason", "plate.thickness", "rigid.t"]
-    assert corner[18:22] == ["difference.slide", "rigid.peak_force", "deflection_ratio", "check.x"]
-    assert corner[22:26] == ["cost.elements", "cost.nodes", "cost.steps", "cost.time_step"]
+    assert corner[18:21] == ["difference.slide", "rigid.peak_force", "fe.peak_force"]
+    assert corner[21:23] == ["deflection_ratio", "check.x"]
+    assert corner[23:27] == ["cost.elements", "cost.nodes", "cost.steps", "cost.time_step"]
     impact = make_definition(scene_file(tmp_path, RIGID + PLATE), (), ("contact.friction=0,1",), None, 1)
     names = table_schema(impact, []).names
     assert {"fe.strike_2.mean_50ms", "difference.strike_2.impulse", "numerical_error"} <= set(names)

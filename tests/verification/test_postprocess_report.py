@@ -34,8 +34,6 @@ from postprocess.report.report import Report, report_text, write_report, write_t
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.marks import PALETTE, Line, Swatch
 from postprocess.units import duration, grouped, known, number, shown
-from tailslap.case.case import advice
-from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.report import corner_report, diagnosis, prediction
 from tailslap.case.report import DESIGN
 from tailslap.cli import _status
@@ -239,7 +237,7 @@ def test_a_failed_run_says_so(outcome, tmp_path):
     assert (page.pieces.count("failed"), page.pieces.count("passed")) == (2, len(others))
     assert f"Failed: {first.name}." in page.text
     assert "Failed checks, and what to do" in page.text
-    for said in (*advice(CHECKS, [first.name]).split("; "), *diagnosis(made)):
+    for said in (*first.advice.split("; "), *diagnosis(made)):
         plain = re.sub("<[^>]+>", "", html.unescape(str(pages.prose(said))))
         assert plain.replace(pages.NO_BREAK, " ") in page.text
     assert "not a number" in page.text
@@ -456,7 +454,7 @@ def test_paper_cuts_no_column_and_leaves_no_heading_alone():
 
 def test_a_name_that_is_kept_whole_is(tmp_path):
     """TL-4 in the table of design forces."""
-    table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "share": 2.0, "source": ""}])
+    table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "ratio": 2.0, "source": ""}])
     made = pages.Page("", "x", "", (pages.Section("Forces", tables=(table,)),), "")
     text = pages.write_page(tmp_path / "p.html", made).read_text(encoding="utf-8")
     assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text

@@ -50,7 +50,7 @@ class CornerCase(RigidStages):
         """Columns that the table of a sweep has whatever its rows. Raises InputError for a scene without [plate]."""
         _ = scene.needed_plate
         compared = [f"{group}.{key}" for group in ("rigid", "fe", "difference") for key in quantities.KEYS]
-        real = dict.fromkeys([*compared, "rigid.peak_force", "deflection_ratio"], float)
+        real = dict.fromkeys([*compared, "rigid.peak_force", "fe.peak_force", "deflection_ratio"], float)
         spent = {"cost.elements": int, "cost.nodes": int, "cost.steps": int, "cost.time_step": float}
         return {**real, **spent}
 
@@ -67,6 +67,7 @@ class CornerCase(RigidStages):
             **case.check_columns(outcome.checks),
             **{f"{group}.{name}": value for group, its in groups.items() for name, value in its.items()},
             "rigid.peak_force": float(self.force.peak_force),
+            "fe.peak_force": outcome.lateral_force,
             "deflection_ratio": float(outcome.fe_plan.deflection_ratio),
             "numerical_error": float(outcome.error.total),
         }

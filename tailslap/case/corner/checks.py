@@ -39,8 +39,15 @@ STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
 MORE_DAMPING = "leave damping.kind out, or give damping.rate"
 SOFT = "a stiffer plate: it is softer than the theory of this start allows"
 ROUGH = f"{MORE_DAMPING}; leave the corner's spring out"
-RELIEVED = f"leave plate.start out if it is unstressed; {FINER}"
 """Advice of several checks."""
+
+ERROR_ADVICE = {
+    "mesh": FINER,
+    "contact_spring": STIFFER,
+    "damping": "leave [damping] out, or a smaller damping.rate",
+    "rounding": "fewer time steps: larger elements",
+}
+"""Advice on the terms of the numerical error."""
 
 STOPS = 4.0
 """Change of the corner's speed by friction in a step, as a multiple: below it the corner may stop within the step."""
@@ -133,7 +140,9 @@ def _numerical_error(given: CornerOutcome) -> Evaluation | None:
         f"what mesh, constraint, damping and rounding may change in the five quantities; {FLOOR:g} and "
         f"{100 * FRACTION:g} % of what the plate's flexibility changes are allowed"
     )
-    return Evaluation(given.error.total, given.error.allowed, meaning)
+    largest = max(ERROR_ADVICE, key=lambda term: np.nan_to_num(getattr(given.error, term), nan=np.inf))
+    advice = ERROR_ADVICE[largest] if given.relieved else f"leave plate.start out; {ERROR_ADVICE[largest]}"
+    return Evaluation(given.error.total, given.error.allowed, meaning, advice)
 
 
 def _agreement(given: CornerOutcome) -> Evaluation | None:
@@ -155,7 +164,7 @@ MECHANICS = (
     CheckKind("friction by ringing", _ringing, ROUGH, shows_ringing=True),
     CheckKind("reaction against rigid", _reaction, ROUGH, shows_ringing=True, of_reaction=True),
     CheckKind("oscillation", _oscillation, ROUGH, shows_ringing=True),
-    CheckKind("numerical error", _numerical_error, RELIEVED),
+    CheckKind("numerical error", _numerical_error, FINER),
     CheckKind("agreement with rigid", _agreement, "a stiffer plate, or a larger verify.tolerance"),
 )
 """In the order in which they are listed."""

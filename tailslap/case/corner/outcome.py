@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from fem.laws.friction import FRICTION_LAWS, FrictionLaw
 from postprocess.comparison.quantities import Metrics, compare_histories
+from solver import stage_3
 from tailslap.case.case import Outcome, energy_surplus
 from tailslap.case.corner.error import Companion, NumericalError, friction_by_ringing, numerical_error
 from tailslap.case.corner.plan import CornerPlan
@@ -53,6 +54,7 @@ class CornerOutcome(Outcome):
     rigid_history: dict[str, np.ndarray]
     rigid: dict[str, float]
     fe: dict[str, float]
+    force_name: ClassVar = "Peak"
     companions: tuple[Companion, ...] = ()
     attempts: int = 1
     pictures: tuple[Path, ...] = ()
@@ -95,6 +97,15 @@ class CornerOutcome(Outcome):
         fe, rigid, known = self.history, self.rigid_history, np.isfinite(self.rigid_history["v_gx"])
         pairs = {name: (fe[name][known], rigid[name][known]) for name in COMPARED_HISTORIES}
         return {name: compare_histories(fe["t"][known], *pair) for name, pair in pairs.items()}
+
+    @cached_property
+    def lateral_force(self) -> float:
+        """Peak lateral force of the tail-slap [N] by Stage 3, with the plate's speed; NaN without a tail-slap."""
+        if not self.fe:
+            return float("nan")
+        scene = self.fe_plan.case.scene
+        found = stage_3.strike_force(scene.vehicle.mass, self.fe["v_gy"], scene.strike.duration)
+        return float(found.peak_force)
 
     @property
     def by_flexibility(self) -> float:

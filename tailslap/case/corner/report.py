@@ -15,9 +15,8 @@ from postprocess.report import page
 from postprocess.report.page import Column, Section, Table
 from postprocess.report.report import Report
 from postprocess.units import SI, Units, measure
-from solver import stage_3
 from tailslap.case import report
-from tailslap.case.case import advice, failed_names
+from tailslap.case.case import failed_names
 from tailslap.case.corner import checks, decisions, rigid
 from tailslap.case.corner.error import FLOOR
 from tailslap.case.corner.figures import curves, draw_pictures, shown_pictures
@@ -68,12 +67,8 @@ def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
     page = report.run_page(outcome, KICKER, headline, sections(outcome), omitted, FOOTER, spent)
     tables = (peaks, report.short(design), comparison(outcome, " "))
     drawn = f", pictures {outcome.pictures_s:.2f} s"
-    lines = report.terminal_text(outcome, verdict, tables, _cure, [prediction(outcome)], drawn)
+    lines = report.terminal_text(outcome, verdict, tables, [prediction(outcome)], drawn)
     return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
-
-
-def _cure(name: str) -> str:
-    return advice(checks.CHECKS, [name])
 
 
 def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
@@ -92,6 +87,7 @@ def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
         "rigid": outcome.rigid,
         "fe": outcome.fe or nothing,
         "difference": outcome.difference or nothing,
+        "peak_force": {"fe": outcome.lateral_force, "rigid": float(fe_plan.case.force.peak_force)},
         "verdict": verdict_sentence(outcome),
         "numerical_error": {"total": outcome.error.total, **asdict(outcome.error)},
         "companions": [asdict(each) for each in outcome.companions],
@@ -110,10 +106,9 @@ def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
 
 def peak_table(outcome: CornerOutcome) -> Table:
     """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
-    plan, fe = outcome.fe_plan.case, outcome.fe
-    mass, duration = plan.scene.vehicle.mass, plan.scene.strike.duration
-    found = stage_3.strike_force(mass, fe["v_gy"], duration).peak_force if fe else None
-    what = f"Tail-slap, triangle of {1e3 * duration:g} ms"
+    plan = outcome.fe_plan.case
+    what = f"Tail-slap, triangle of {1e3 * plan.scene.strike.duration:g} ms"
+    found = outcome.lateral_force if outcome.fe else None
     return Table(report.PEAKS, [{"what": what, "fe": found, "rigid": plan.force.peak_force}])
 
 
@@ -142,7 +137,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
-        report.failed_section(outcome.checks, _cure, diagnosis(outcome)),
+        report.failed_section(outcome.checks, diagnosis(outcome)),
         Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
         *curves(outcome),
         Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),
@@ -153,9 +148,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
 
 
 def _forces(outcome: CornerOutcome) -> list[Table]:
-    peaks = peak_table(outcome)
-    (row,) = peaks.rows
-    return [peaks, report.design_table(outcome.fe_plan.case.scene, row["fe"] or row["rigid"])]
+    return [peak_table(outcome), report.design_table(outcome)]
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:

@@ -131,8 +131,3 @@ def failed_but_mesh(outcome: run.ImpactOutcome) -> tuple[str, ...]:
     """Names of the checks that fail, those of the mesh apart: where others tell its error."""
     failed = case.failed_names(outcome.checks or impact_checks(outcome))
     return tuple(name for name in failed if name not in MESH_CHECKS.values())
-
-
-def advice(name: str) -> str:
-    """Advice where a check fails."""
-    return next((kind.advice for kind in CHECKS if kind.name == name), FAULT)

@@ -67,8 +67,13 @@ def run_report(outcome: run.ImpactOutcome, folder: Path, pictures: bool, units: 
     moving, verdict = [figures.animation(outcome, folder, units)] if pictures else [], headline(outcome)
     omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
     page = report.run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
-    tables = (peak_table(outcome), report.short(_design(outcome)), _strikes(outcome), errors_table(outcome))
-    said = report.terminal_text(outcome, verdict, tables, checks.advice)
+    tables = (
+        peak_table(outcome),
+        report.short(report.design_table(outcome)),
+        _strikes(outcome),
+        errors_table(outcome),
+    )
+    said = report.terminal_text(outcome, verdict, tables)
     return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
 
 
@@ -126,11 +131,6 @@ def peak_table(outcome: run.ImpactOutcome) -> Table:
     return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
 
-def _design(outcome: run.ImpactOutcome) -> Table:
-    """Design forces beside the 50 ms mean."""
-    return report.design_table(outcome.fe_plan.case.scene, outcome.fe.peaks["mean_50ms"])
-
-
 def _strikes(outcome: run.ImpactOutcome) -> Table:
     answers = {"FE": outcome.fe, "rigid": outcome.rigid}
     return report.strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
@@ -153,13 +153,13 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section]:
-    design = _design(outcome)
+    design = report.design_table(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
-        report.failed_section(outcome.checks, checks.advice, report.chosen_sentences(outcome.fe_plan)),
+        report.failed_section(outcome.checks, report.chosen_sentences(outcome.fe_plan)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),

@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from fem.plate.properties import ModelError
 from tailslap.case.case import Outcome
@@ -43,6 +43,12 @@ class ImpactOutcome(Outcome):
     rigid: answers.ImpactAnswer
     fe: answers.ImpactAnswer
     mesh_error: dict[str, float] = field(default_factory=dict)
+    force_name: ClassVar = "50 ms mean"
+
+    @property
+    def lateral_force(self) -> float:
+        """Largest mean over 50 ms of the plate's force on the wall [N]."""
+        return float(self.fe.peaks["mean_50ms"])
 
     @cached_property
     def paper_method(self) -> dict[str, Any] | None:
