@@ -46,13 +46,15 @@ Mesh = tuple[Floats, NDArray[Any]]
 
 @dataclass(frozen=True)
 class ContourField:
-    """A field: part of the file name ("v_gx"), text of the title, unit, values in that unit, "nodal" or "element"."""
+    """A field: part of the file name ("v_gx"), text of the title, unit, values in that unit, "nodal" or "element", and
+    value of the centre of mass, that of the field there where it is left out."""
 
     name: str
     title: str
     unit: str
     values: Floats
     where: Literal["nodal", "element"] = "nodal"
+    of_centre: float | None = None
 
 
 @dataclass(frozen=True)
@@ -93,8 +95,9 @@ def draw_contours(
             field = replace(field, unit=unit, values=factor * field.values)
             sheet.draw_field((points, cells), field, colour_scale(field.values))
             if situation.centroid is not None:
-                value = value_at(points, field.values, length * np.asarray(situation.centroid))
-                text = f"{value:.4g}".replace("-", "−", 1)
+                at_centre = value_at(points, field.values, length * np.asarray(situation.centroid))
+                value = at_centre if field.of_centre is None else factor * field.of_centre
+                text = f"{value:#.5g}".replace("-", "−", 1)
                 sheet.write(f"G: {text} {unit}", beside["G"], 24, ground=0.8)
             paths.append(out_dir / f"contour_{field.name}.png")
             sheet.image().save(paths[-1])

@@ -68,13 +68,11 @@ def vehicle_outlines(
 def draw_positions(
     outlines: Floats, instants: Sequence[float], strikes: Strikes = (), path: Floats | None = None
 ) -> Chart:
-    """Outlines at these instants [s], later ones darker, over the wall Y = 0; strikes as bars below its face.
+    """Outlines at these instants [s], later ones more opaque, over the wall Y = 0; strikes as bars below its face.
 
     outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m].
     """
-    caption = (
-        "Positions of the vehicle, later ones darker; below the wall's face what is crushed, and the strikes"
-    )
+    caption = "Positions of the vehicle, later ones more opaque; below the wall's face what is crushed, and the strikes"
     points = outlines.reshape(-1, 2)
     low, high = points.min(axis=0) - EDGE, points.max(axis=0) + np.array([2.0 * EDGE, TOP])
     rows = low[1] - ROW * np.arange(len(strikes))

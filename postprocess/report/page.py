@@ -302,7 +302,8 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """All that a page says. passed: None where nothing is judged; contents: whether it lists its sections on top."""
+    """All that a page says. passed: whether its checks did, None where nothing is judged; checked: how many did, in
+    words; contents: whether it lists its sections on top."""
 
     kicker: str
     title: str
@@ -312,6 +313,12 @@ class Page:
     scene_text: str = ""
     passed: bool | None = None
     contents: bool = False
+    checked: str = "checks"
+
+    @property
+    def verdict(self) -> str:
+        """Outcome of the checks, which is none of what was computed."""
+        return f"{self.checked} {'passed' if self.passed else 'failed'}"
 
     @property
     def charts(self) -> list[Chart]:

@@ -74,7 +74,7 @@ class Plot:
     has_legend: bool = True
 
 
-HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 11.0
+HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 12.0
 """Room above a plot, to the right of the plots, beside a bare axis, and of a line of a level's name."""
 
 

@@ -96,7 +96,7 @@ class Outcome(ABC):
     setup_s: float
 
     force_name: ClassVar[str]
-    """Which force of the plate is held against design forces."""
+    """Name of the force that is held against design forces."""
 
     @property
     @abstractmethod

@@ -200,7 +200,9 @@ def run_page(
     ]
     below, given = f"{footer()} {about}", write.scene_text(source)
     every = [*sections, *record]
-    return Page(kicker, scene.name, headline, every, below, given, outcome.passed, contents=True)
+    found = [check for check in outcome.checks if check.passed is outcome.passed]
+    checked = f"{len(found)} of {len(outcome.checks)} checks"
+    return Page(kicker, scene.name, headline, every, below, given, outcome.passed, True, checked)
 
 
 def terminal_text(
@@ -218,12 +220,12 @@ def terminal_text(
     advice = dict.fromkeys(part for check in failed for part in check.advice.split("; ") if part)
     return (
         f"{outcome.fe_plan.case.scene.name}: {verdict}",
-        "",
-        *tables,
-        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
         *(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g}" for check in failed),
         *([f"What to do: {'; '.join(advice)}."] if advice else ()),
         *(diagnosis if failed else ()),
+        "",
+        *tables,
+        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
         passed_text(outcome.checks),
         f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{drawn}",
     )

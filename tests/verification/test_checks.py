@@ -69,6 +69,22 @@ def test_a_column_that_is_wrong_fails_its_checks_alone(result, columns, failing)
     assert failed(result, **columns) == failing
 
 
+@pytest.mark.parametrize(
+    ("term", "advice"),
+    [
+        ("mesh", "refine plate.elements, or leave plate.elements and plate.element out"),
+        ("contact_spring", 'a larger corner.penalty_scale, or corner.constraint = "exact"'),
+        ("damping", "leave [damping] out, or a smaller damping.rate"),
+        ("rounding", "fewer time steps: larger elements"),
+    ],
+)
+def test_advice_on_the_numerical_error_is_on_its_largest_term(result, term, advice):
+    made = replace(result)
+    made.__dict__["error"] = replace(result.error, **{term: 0.1})
+    (check,) = (each for each in evaluated([CHECKS["numerical error"]], made))
+    assert (check.passed, check.advice) == (False, advice)
+
+
 def test_a_reaction_of_three_times_its_impulse_rings(result):
     assert failed(result, normal_impulse_magnitude=lambda j: 3.0 * j) >= {"friction by ringing"}
 

@@ -138,10 +138,12 @@ def test_words_in_the_picture(tmp_path, monkeypatch):
         write(sheet, text, *rest, **named)
 
     monkeypatch.setattr(contours.Sheet, "write", remember)
-    contours.draw_contours(replace(PLATE, scene="a-scene", time=0.38395974), fields()[1:], tmp_path)
+    _, across, spin = fields()
+    situation = replace(PLATE, scene="a-scene", time=0.38395974)
+    contours.draw_contours(situation, [replace(across, of_centre=-3.2), spin], tmp_path)
     assert words.count("a-scene,  tail-slap at t = 0.384 s") == 1, "it stays for the second picture"
     titles = {"v_GY: nodal velocity along Y [m/s]", "ω: nodal angular velocity [rad/s]"}
-    assert titles | {"P", "G: −3.275 m/s", "G: 0.655 rad/s", "Y [m]", "0.5", "0", "9"} <= {*words}
+    assert titles | {"P", "G: −3.2000 m/s", "G: 0.65500 rad/s", "Y [m]", "0.5", "0", "9"} <= {*words}
     assert "nodal values from −6.55 to 0 m/s" in words
     uniform = re.compile(r"uniform to \de-1\d: 0.655 rad/s at every node; .* widened to 1 %")
     assert any(map(uniform.match, words))

@@ -244,7 +244,7 @@ def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
         for units in ((), (US,))
     )
     for said, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
-        middle = {"m": "G: 1.5 m/s", "ft": "G: 4.921 ft/s"}[length]
+        middle = {"m": "G: 1.5000 m/s", "ft": "G: 4.9213 ft/s"}[length]
         axes = {f"X [{length}], driving direction →", f"Y [{length}]", f"Velocity [{speed}]"}
         assert axes | {middle} <= {*said}
     assert max(numbers(metres)) == 3.0

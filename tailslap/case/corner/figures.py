@@ -41,9 +41,12 @@ def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> Co
     # Corner nodes; those on the sides of quadratic elements come after.
     drawn = discretisation.cells.max() + 1
     fields = [
-        contours.ContourField("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
-        contours.ContourField("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
-        contours.ContourField("omega", "Angular velocity", "rad/s", spin),
+        contours.ContourField(name, title, unit, values, of_centre=strike.values[name])
+        for name, title, unit, values in (
+            ("v_gx", "Velocity v_X", "m/s", strike.velocities[0, :drawn]),
+            ("v_gy", "Velocity v_Y", "m/s", strike.velocities[1, :drawn]),
+            ("omega", "Angular velocity", "rad/s", spin),
+        )
     ]
     with progress.announced("Drawing the pictures ..."):
         situation = contours.Situation(

@@ -135,9 +135,9 @@ def sections(outcome: CornerOutcome) -> list[Section]:
         numbers = [(*rigid.LABELS[name], value) for name, value in (answer[key] or {}).items()]
         stages.append(page.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
+        report.failed_section(outcome.checks, diagnosis(outcome)),
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
-        report.failed_section(outcome.checks, diagnosis(outcome)),
         Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
         *curves(outcome),
         Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),

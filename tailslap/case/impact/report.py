@@ -157,14 +157,14 @@ def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [
+        report.failed_section(outcome.checks, report.chosen_sentences(outcome.fe_plan)),
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
-        report.failed_section(outcome.checks, report.chosen_sentences(outcome.fe_plan)),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
         Section(
-            "Energy, and force along the side",
+            "Energy, and force along the side" if along else "Energy",
             figures=[figures.energy_figure(outcome), *along],
             layout="wide",
         ),
