@@ -155,11 +155,9 @@ def field_tables(series: FieldSeries) -> dict[str, Table]:
 
 def write_vtkhdf(path: Path, series: FieldSeries) -> Path:
     """Write VTK's "VTKHDF File Format" 2.0, UnstructuredGrid with `Steps`: the mesh once, the fields of all instants
-    one after the other. Raises ImportError where h5py is not installed."""
-    try:
-        import h5py
-    except ImportError:
-        raise ImportError("VTKHDF needs h5py: `pip install h5py`") from None
+    one after the other."""
+    import h5py
+
     (elements, corners), count = series.cells.shape, len(series.t)
     with h5py.File(path, "w") as file:
         root = file.create_group("VTKHDF", track_order=True)

@@ -74,4 +74,7 @@ document.querySelectorAll("svg.chart").forEach((svg) => {
   svg.addEventListener("pointerleave", clear);
 });
 
+const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
+document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));
+unfold(location.hash.slice(1));
 addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => (part.open = true)));

@@ -57,8 +57,6 @@ def export(
     ------
     InputError
         For another format, other units, a result without fields, or a folder that holds other files.
-    ImportError
-        Where the format needs a library that is not installed.
 
     Examples
     --------

@@ -4,7 +4,6 @@ import csv
 import functools
 import json
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -299,10 +298,3 @@ def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python):
 def test_another_format_is_refused(tmp_path):
     with pytest.raises(InputError, match="allowed is one of vtkhdf, xdmf, vtu, msh, csv, parquet, png, gif"):
         tailslap.export(tailslap.rigid("paper-table-3"), "stl", tmp_path / "x")
-
-
-def test_without_h5py_the_library_is_named(result, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(ImportError, match="VTKHDF needs h5py: `pip install h5py`"):
-        tailslap.export(result, "vtkhdf", tmp_path / "x")
-    assert not (tmp_path / "x").exists()

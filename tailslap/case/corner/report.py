@@ -105,11 +105,16 @@ def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
 
 
 def peak_table(outcome: CornerOutcome) -> Table:
-    """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body."""
-    plan = outcome.fe_plan.case
-    what = f"Tail-slap, triangle of {1e3 * plan.scene.strike.duration:g} ms"
+    """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body; and that
+    of a rigid body whose restitution at the first impact follows the other convention."""
+    case = outcome.fe_plan.case
+    what = f"Tail-slap, triangle of {1e3 * case.scene.strike.duration:g} ms"
     found = outcome.lateral_force if outcome.fe else None
-    return Table(report.PEAKS, [{"what": what, "fe": found, "rigid": plan.force.peak_force}])
+    rows: list[dict[str, Any]] = [{"what": what, "fe": found, "rigid": case.force.peak_force}]
+    if other := case.other_convention():
+        convention, its = other
+        rows.append({"what": f"{convention} restitution", "fe": None, "rigid": its.force.peak_force})
+    return Table(report.PEAKS, rows)
 
 
 def comparison(outcome: CornerOutcome, title: str = "") -> Table:
