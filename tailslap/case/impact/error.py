@@ -33,6 +33,9 @@ ORDER = 4.0 / 3.0
 """Order that is assumed of two meshes, and of three at most: below that of the elements, for a corner's force acts on a
 point."""
 
+COARSEST = 2
+"""Quadratic elements across that judge linear ones, at least, where the plate has as many."""
+
 THIRD_UP_TO = 1000
 """Elements that a third mesh has at most."""
 
@@ -51,8 +54,8 @@ def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
     """
     if higher := kinds.ELEMENT_KINDS[plate.element].higher_order:
         plate = plate.model_copy(update={"lumping": "exact"})  # row sums give the corners of tri6 no mass
-        for part in (1.0 / 3.0, 0.5, 1.0):
-            coarse = refined(plate, part, higher, whole=round)
+        meshes = [refined(plate, part, higher, whole=round) for part in (1.0 / 3.0, 0.5, 1.0)]
+        for coarse in [mesh for mesh in meshes if min(mesh.counts) >= COARSEST] or meshes[-1:]:
             yield coarse, refined(coarse)
         return
     if min(plate.counts) > 3 and not any(count % 2 for count in plate.counts):
