@@ -7,8 +7,6 @@ the wall pulls ("drag"); "none" is mu_k = 0, and "signed", where the force turns
 
 # ruff: noqa: N806 (the paper's symbols)
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ Numba compiles first where there is no machine code. Where another Numba lacks a
 promise, a call goes through Numba itself: slower, for Numba is imported and compiles in every process, and as right.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

@@ -5,8 +5,6 @@ changed. What lies here is executed: folder and files must be this user's and cl
 file is opened.
 """
 
-from __future__ import annotations
-
 import fcntl
 import functools
 import hashlib

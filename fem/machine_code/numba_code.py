@@ -1,7 +1,5 @@
 """Compiling by Numba: the one module that imports it, when something is to be compiled."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from contextlib import suppress

@@ -5,8 +5,6 @@ none is needed of here, its size, the size of an item, the address of the data, 
 NamedTuples are what is in them, in turn.
 """
 
-from __future__ import annotations
-
 import ctypes
 import functools
 import hashlib

@@ -5,8 +5,6 @@ highest modes of the whole, which sit at corners and edges or are waves of two e
 takes milliseconds where Lanczos on the whole, whose highest frequencies crowd, takes minutes.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ Only an absent or empty folder is taken as a place, or an earlier result of the 
 unchanged: the manifest lists them (manifest.py).
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

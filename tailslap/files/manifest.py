@@ -4,8 +4,6 @@ What it lists and is unchanged may be replaced or removed. Everything else belon
 and files of the program that were changed since.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import fcntl
