@@ -312,7 +312,7 @@ class Sheet:
         ends = np.array(lines).reshape(-1, 2)
         lifted = np.column_stack([ends, np.ones(len(ends))])
         self._add(pyvista.line_segments_from_points(lifted), color=INK, line_width=2)
-        self.write(f"Y [{unit}]", (24.0, top + 12.0), 18)
+        self.write(f"Y [{unit}]", (24.0, top + 20.0), 18)
         self.write(caption, (24, 24), 20)
         self.write(f"X [{unit}], driving direction →", (-24, 24), 20)
 

@@ -87,7 +87,8 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
     with np.errstate(all="ignore"):
         exact = np.interp(t, rigid["t"], rigid[panel.name])
         apart = values - exact
-    own, power = (3 if panel.unit == "N" else 0), power_of_ten(apart)
+    own = 3 if panel.unit == "N" else 0
+    power = power_of_ten(np.degrees(apart) if panel.unit == "rad" else apart)  # readable in degrees as well
     rigid_line = marks.Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0)
     lines = rigid_line, marks.Line("FE", *thinned(t, values * 10.0**-own))
     difference = marks.Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)

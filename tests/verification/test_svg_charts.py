@@ -433,11 +433,13 @@ LABELS = [
 
 @pytest.mark.parametrize(("name", "label"), LABELS)
 def test_plots_over_rigid_are_labelled(curves, name, label):
+    """The power of ten of an angle is that of its degrees."""
     shown = texts(curves[name])
     for words in (label, "t [s]", "FE", "rigid, exact"):
         assert shown.count(words) == 1
     unit = label.split("[")[1].replace("kN", "N")
-    assert f"FE − rigid [10⁻⁹ {unit}" in shown
+    power = "10⁻⁶" if name == "theta" else "10⁻⁹"
+    assert f"FE − rigid [{power} {unit}" in shown
 
 
 def test_energy_plots_are_labelled(curves):

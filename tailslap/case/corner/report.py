@@ -113,7 +113,7 @@ def peak_table(outcome: CornerOutcome) -> Table:
     rows: list[dict[str, Any]] = [{"what": what, "fe": found, "rigid": case.force.peak_force}]
     if other := case.other_convention():
         convention, its = other
-        rows.append({"what": f"{convention} restitution", "fe": None, "rigid": its.force.peak_force})
+        rows.append({"what": f"With {convention} restitution", "fe": None, "rigid": its.force.peak_force})
     return Table(report.PEAKS, rows)
 
 
