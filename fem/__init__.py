@@ -9,7 +9,7 @@ and the packages themselves, load neither Numba nor SciPy: what does is loaded w
 
 from fem.lazy import lazily
 
-__all__, __getattr__ = lazily(
+__all__, __getattr__, __dir__ = lazily(
     __name__,
     {
         "laws.materials": "MATERIALS Material",

@@ -13,8 +13,11 @@ from importlib import import_module
 from typing import Any
 
 
-def lazily(package: str, modules: Mapping[str, str]) -> tuple[list[str], Callable[[str], Any]]:
-    """`__all__` and `__getattr__` of a package (PEP 562), from the names of its modules and the public names in each.
+def lazily(
+    package: str, modules: Mapping[str, str]
+) -> tuple[list[str], Callable[[str], Any], Callable[[], list[str]]]:
+    """`__all__`, `__getattr__` and `__dir__` of a package (PEP 562), from the names of its modules and the public names
+    in each.
 
     A module is loaded when a name of it is asked for.
     """
@@ -25,7 +28,11 @@ def lazily(package: str, modules: Mapping[str, str]) -> tuple[list[str], Callabl
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(import_module(f"{package}.{home[name]}"), name)
 
-    return sorted(home), attribute
+    return (
+        sorted(home),
+        attribute,
+        lambda: sorted(home),
+    )
 
 
 @contextmanager

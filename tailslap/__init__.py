@@ -30,7 +30,7 @@ from fem.lazy import lazily  # noqa: E402
 
 __version__ = "0.1.0"
 
-__all__, __getattr__ = lazily(
+__all__, __getattr__, __dir__ = lazily(
     __name__,
     {
         "api": "check compare modal modes rigid run study sweep",

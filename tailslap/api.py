@@ -67,9 +67,9 @@ def run(
     scene : str, path or mapping
         Name of a scene that comes with the program, path of a TOML file, or its tables as a dict.
     changes : mapping or sequence of str, optional
-        Values by dotted key: numbers in SI, texts with their unit, None to take a key out. A friction law, a constraint
-        or a material of your own stands in the place of its name: {"corner.reaction": law}. Or texts as the command
-        takes them, "plate.thickness=20mm".
+        Values by dotted key, or tables of them: numbers in SI, texts with their unit, None to take a key out. A
+        friction law, a constraint or a material of your own stands in the place of its name: {"corner.reaction": law}.
+        Or texts as the command takes them, "plate.thickness=20mm".
     tolerance : float, optional
         Relative error [-] for which the cheapest mesh and constraint are picked.
     allow_large : bool
@@ -527,12 +527,19 @@ def _plain(value: Any) -> Any:
 
 
 def named(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes with names in place of objects, which are registered.
+    """The changes by dotted key, tables merged into those of the scene, with names in place of objects, which are
+    registered.
 
     An object takes the place of an earlier one of the same name, as when a cell of a notebook is run again, but not of
     the program's own. Raises InputError for what is no such object, or has a name of the program's own.
     """
-    return {key: _named(key, value) if key in REGISTRIES else value for key, value in changes.items()}
+    found: dict[str, Any] = {}
+    for key, value in changes.items():
+        if isinstance(value, Mapping) and value:
+            found |= named({f"{key}.{name}": inner for name, inner in value.items()})
+        else:
+            found[key] = _named(key, value) if key in REGISTRIES else value
+    return found
 
 
 def _named(key: str, value: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -389,11 +390,17 @@ def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
 
 
 def _run_headline(summary: Mapping[str, Any]) -> str:
-    """The verdict of a run from its summary; of a whole impact its forces."""
-    if "verdict" in summary:
-        return str(summary["verdict"])
-    peaks = [summary[model]["peaks"]["mean_50ms"] for model in ("fe", "rigid")]
-    fe, rigid = ("unknown" if force is None else measure(force, "N", ".0f") for force in peaks)
-    count = len(summary["fe"]["strikes"])
-    said = f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."
-    return SI.rendered(said)
+    """The lateral force of a run from its summary, and the verdict or the number of strikes."""
+    whole = "verdict" not in summary
+    models, stated = ("fe", "rigid"), summary.get("peak_force", {})
+    forces = [summary[model]["peaks"]["mean_50ms"] if whole else stated.get(model) for model in models]
+    known = (force is not None and math.isfinite(force) for force in forces)
+    fe, rigid = (
+        measure(force, "N", ".0f") if there else "unknown" for force, there in zip(forces, known, strict=True)
+    )
+    if whole:
+        count = len(summary["fe"]["strikes"])
+        return SI.rendered(
+            f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."
+        )
+    return SI.rendered(f"Peak lateral force {fe} (rigid vehicle {rigid}). {summary['verdict']}")

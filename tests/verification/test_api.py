@@ -81,6 +81,23 @@ def test_what_is_loaded_is_what_was_saved(result, tmp_path):
     assert (copied / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
 
 
+def test_names_are_listed_for_completion():
+    assert {"run", "rigid", "sweep", "load", "InputError"} <= set(dir(tailslap)) == set(tailslap.__all__)
+
+
+def test_tables_of_changes_are_merged():
+    changes = {"impact": {"speed": "20 m/s"}, "plate.thickness": "60 mm"}
+    keys = {"impact.speed": 20.0, "plate.thickness": 0.06}
+    merged, named = (tailslap.rigid("mash-tl4-sut", given).summary for given in (changes, keys))
+    assert merged == named
+
+
+def test_a_run_shows_its_force():
+    found = tailslap.run("mash-tl4-sut", {"impact": {"speed": "20 m/s"}})
+    force = found.summary["peak_force"]["fe"] / 1e3
+    assert f"Peak lateral force {force:.0f} kN (rigid vehicle {force:.0f} kN)." in repr(found)
+
+
 def test_the_headline_of_a_whole_impact_has_units():
     """Those that people read, not the form in which a page keeps quantities."""
     found = tailslap.run("impact-mash-tl4-sut", {"plate.elements": [8, 2]})
