@@ -189,27 +189,49 @@ def _valley(falling: Floats) -> int:
     return low + (int(np.argmax(rising)) if rising.any() else rising.size)
 
 
-KIP = 4448.2216152605
-"""[N]"""
+KIP, FOOT = 4448.2216152605, 0.3048
+"""[N], [m]"""
 
 
 @dataclass(frozen=True)
 class DesignForce:
-    """A transverse force on a railing [kip], as given, and its source."""
+    """A transverse force on a railing [kip], as given, and its source.
+
+    longitudinal: force along the rail [kip]; length: of rail over which both are spread [ft]; None: not given.
+    """
 
     name: str
     kip: float
     source: str
+    longitudinal: float | None = None
+    length: float | None = None
 
     @property
     def force(self) -> float:
         """Transverse force [N]."""
         return self.kip * KIP
 
+    @property
+    def longitudinal_force(self) -> float | None:
+        """Force along the rail [N]."""
+        return None if self.longitudinal is None else self.longitudinal * KIP
+
+    @property
+    def length_m(self) -> float | None:
+        """Length over which the forces are spread [m]."""
+        return None if self.length is None else self.length * FOOT
+
 
 AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; whether later editions changed it is not confirmed"
-LRFD = {"TL-1": 13.5, "TL-2": 27.0, "TL-3": 54.0, "TL-4": 54.0, "TL-5": 124.0, "TL-6": 175.0}
-"""AASHTO's forces by test level [kip]."""
+LRFD = {
+    "TL-1": (13.5, 4.5, 4.0),
+    "TL-2": (27.0, 9.0, 4.0),
+    "TL-3": (54.0, 18.0, 4.0),
+    "TL-4": (54.0, 18.0, 3.5),
+    "TL-5": (124.0, 41.0, 8.0),
+    "TL-6": (175.0, 58.0, 8.0),
+}
+"""AASHTO's transverse and longitudinal forces [kip], and their length [ft], by test level."""
 
 TTI = (
     "Sheikh, Bligh and Menges, Determination of minimum height and lateral design load for MASH test level 4 "
@@ -225,5 +247,6 @@ def design_forces(test_level: str) -> Sequence[DesignForce]:
     """Forces for "TL-1" to "TL-6", AASHTO's first. ValueError for another level."""
     if test_level not in LRFD:
         raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
-    first = DesignForce("AASHTO LRFD", LRFD[test_level], AASHTO)
+    transverse, *along = LRFD[test_level]
+    first = DesignForce("AASHTO LRFD", transverse, AASHTO, *along)
     return (first, *MASH_TL_4) if test_level == "TL-4" else (first,)
