@@ -317,10 +317,9 @@ def evaluated(kinds: Iterable[CheckKind], evidence: Any) -> tuple[Check, ...]:
     return tuple(check for kind in kinds if (check := kind.outcome(evidence)))
 
 
-def advice(kinds: Mapping[str, CheckKind], failed: Iterable[str]) -> str:
-    """Advise on what could be changed in a scene whose run failed these checks, each thing once, in their order."""
-    parts = [kinds[name].advice for name in failed if name in kinds]
-    return "; ".join(dict.fromkeys(part for words in parts for part in words.split("; ")))
+def advice(texts: Iterable[str]) -> str:
+    """Join the advice of several checks, each thing once, in their order."""
+    return "; ".join(dict.fromkeys(part for text in texts for part in text.split("; ") if part))
 
 
 def energy_surplus(history: Mapping[str, np.ndarray], stored: Iterable[str]) -> np.ndarray:

@@ -17,7 +17,7 @@ from postprocess.report.page import Column, Page, Section, Table, columns, pairs
 from postprocess.signals.filters import design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
-from tailslap.case.case import Case, Check, FePlan, Outcome
+from tailslap.case.case import Case, Check, FePlan, Outcome, advice
 from tailslap.scene import write
 
 if TYPE_CHECKING:
@@ -217,11 +217,11 @@ def terminal_text(
     diagnosis: what is known of the cause of a failure; drawn: what pictures cost.
     """
     failed = [check for check in outcome.checks if not check.passed]
-    advice = dict.fromkeys(part for check in failed for part in check.advice.split("; ") if part)
+    advised = advice(check.advice for check in failed)
     return (
         f"{outcome.fe_plan.case.scene.name}: {verdict}",
         *(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g}" for check in failed),
-        *([f"What to do: {'; '.join(advice)}."] if advice else ()),
+        *([f"What to do: {advised}."] if advised else ()),
         *(diagnosis if failed else ()),
         "",
         *tables,

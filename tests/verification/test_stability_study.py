@@ -23,7 +23,7 @@ from postprocess.report.report import report_text, write_report
 from tailslap.campaign import draws
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
-from tailslap.case.case import Check, advice
+from tailslap.case.case import Check
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.error import NumericalError
@@ -35,7 +35,7 @@ from tailslap.scene.vary import changed_tables, validate, vary
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute as study
 from tailslap.studies.stability.axes import axes_of, map_cells
-from tailslap.studies.stability.report import caught_by, headline, refused_by, report
+from tailslap.studies.stability.report import advised, caught_by, headline, refused_by, report
 
 COARSE = ("plate.elements=[10,3]",)
 
@@ -645,5 +645,5 @@ def test_every_check_has_advice(start):
 
 
 def test_advice_says_each_thing_once():
-    assert advice(CHECKS, ["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
-    assert advice(CHECKS, ["penetration", "time step"]).endswith("; a smaller time.safety_factor")
+    assert advised(["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
+    assert advised(["penetration", "time step"]).endswith("; a smaller time.safety_factor")

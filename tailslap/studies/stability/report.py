@@ -1,6 +1,7 @@
 """Page, summary and tables of the study of stability."""
 
 from collections import Counter
+from collections.abc import Iterable
 from itertools import combinations
 from typing import Any
 
@@ -42,9 +43,7 @@ def report(found: StabilityResult) -> Report:
     verdicts = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in counted.items()]
     title = f"{name}: {len(found.rows)} cells in {found.seconds:.0f} s"
     checks = Counter(row["failed"] for row in found.of_kind(CAUGHT).values())
-    caught = [
-        (name, advice(CHECKS, [name]), str(n), str(checks[name])) for name, n in caught_by(found).items()
-    ]
+    caught = [(name, advised([name]), str(n), str(checks[name])) for name, n in caught_by(found).items()]
     refused = [(key, str(n)) for key, n in refused_by(found).items()]
     why = (
         text_table("Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Caught by"),
@@ -118,9 +117,14 @@ def cells_table(found: StabilityResult) -> Table:
     places = dict.fromkeys((name for row in found.rows.values() for name in row if name not in UNKNOWN), "")
     rows = []
     for row in found.rows.values():
-        told = advice(CHECKS, row["failed"].split(", ")) if row["kind"] == CAUGHT else ""
+        told = advised(row["failed"].split(", ")) if row["kind"] == CAUGHT else ""
         rows.append({**places, **UNKNOWN, **row, ADVISED: told})
     return Table(tuple(Column(key, key) for key in rows[0]), rows)
+
+
+def advised(failed: Iterable[str]) -> str:
+    """Advice on the checks of a constrained corner by their names."""
+    return advice(CHECKS[name].advice for name in failed if name in CHECKS)
 
 
 def _scene_file(found: StabilityResult, key: str) -> str:
