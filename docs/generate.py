@@ -46,14 +46,20 @@ def pages() -> dict[str, str]:
 
 def scene_page() -> str:
     """Every table and key of a scene."""
-    from tailslap.scene.schema import TABLES, Scene
+    from tailslap.scene.schema import LISTED, TABLES, Scene
 
     parts = ["# Scene keys", "", SCENE_INTRODUCTION, ""]
     parts += [table(KEY_HEADINGS, [_key_row("name", Scene.model_fields["name"])])]
     for name, kind in TABLES.items():
         keys = [_key_row(f"{name}.{key}", field) for key, field in kind.model_fields.items()]
         said = inspect.cleandoc(kind.__doc__ or "")
-        parts += [f"## [{name}]", "", said, "", table(KEY_HEADINGS, keys)]
+        parts += [
+            f"## [[{name}]]" if name in LISTED else f"## [{name}]",
+            "",
+            said,
+            "",
+            table(KEY_HEADINGS, keys),
+        ]
     return "\n".join(parts)
 
 

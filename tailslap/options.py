@@ -89,7 +89,8 @@ def complete_scene(context: click.Context, parameter: click.Parameter, typed: st
 
 def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Keys of a scene, with the equals sign."""
-    return [f"{key}=" for key in schema.MEANINGS if key.startswith(typed)]
+    keys = (re.sub(rf"^({'|'.join(schema.LISTED)})\.", r"\1.0.", key) for key in schema.MEANINGS)
+    return [f"{key}=" for key in keys if key.startswith(typed)]
 
 
 def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:

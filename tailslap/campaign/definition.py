@@ -162,7 +162,7 @@ def make_definition(
         row = next((row for row in write.scene_inputs(scene, source) if row.key == key), None)
         if row is None:
             raise InputError("--vary", key, "this is a table; allowed are its keys")
-        return functools.reduce(getattr, key.split("."), scene), row.unit
+        return vary.value_at(scene, key), row.unit
 
     fractions = latin_hypercube(len(given), sample, seed).T if sample else [None] * len(given)
     variations = tuple(

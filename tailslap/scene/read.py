@@ -161,12 +161,17 @@ USUAL = {
 
 def remarks(source: Source) -> Iterator[str]:
     """A sentence for each number that was given without a unit and is not usual."""
+    trailers = {f"trailer.{i}": unit for i, unit in enumerate(source.given.get("trailer", ()))}
     for key, usual in USUAL.items():
         table, name = key.split(".")
-        value = _given(source.given.get(table), name)
-        if value is not None and not usual.low <= value <= usual.high:
-            means = f"{value:g} {usual.unit}, {value / usual.factor:.4g} {usual.other}"
-            yield f"{key} = {value:g} without a unit is {means}"
+        for place, given in {
+            table: source.given.get(table),
+            **(trailers if table == "vehicle" else {}),
+        }.items():
+            value = _given(given, name)
+            if value is not None and not usual.low <= value <= usual.high:
+                means = f"{value:g} {usual.unit}, {value / usual.factor:.4g} {usual.other}"
+                yield f"{place}.{name} = {value:g} without a unit is {means}"
 
 
 def _given(table: Any, name: str) -> float | None:

@@ -24,6 +24,11 @@ MAX_ELEMENTS = 4_000_000
 
 # Bounds lie far outside what is built: within them every number that follows is finite.
 Length = Annotated[float, Quantity("a length", "m", '"10 m"', least=1e-6, most=1e6)]
+Hitch = Annotated[float, Quantity("a distance behind the front", "m", '"5.6 m"', least=0.0, most=1e6)]
+Kingpin = Annotated[
+    float,
+    Quantity("a distance behind the front, of a drawbar negative", "m", '"0.9 m"', least=-1e6, most=1e6),
+]
 Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', least=1e-6, most=1e12)]
 Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', least=1e-6, most=1e4)]
 Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', least=1e-6, below=math.pi / 2)]
@@ -134,6 +139,17 @@ class Vehicle(SceneTable):
     centre_of_mass: Length | None = key("behind the front, of a whole impact; if left out half the length")
     yaw_inertia: Inertia | None = key(
         "about the centre of mass, of a whole impact; if left out the uniform rectangle's"
+    )
+
+
+class Trailer(Vehicle):
+    """A unit of a train, [[trailer]]: hinged to the one ahead, on the centre lines of both; of a whole impact."""
+
+    hitch: Hitch = needed("where the hinge is, behind the front of the unit ahead")
+    kingpin: Kingpin = needed("where the hinge is, behind the trailer's own front; negative for a drawbar")
+    stiffness: Stiffness | None = key("of the crush law of its corners; if left out contact.stiffness")
+    hitch_length: Length | None = key(
+        "length of both units over which the hinge of the FE plates is spread; if left out one node"
     )
 
 
@@ -330,6 +346,7 @@ class Scene(SceneTable):
 
     name: Name = needed("names the result folder")
     vehicle: Vehicle
+    trailer: tuple[Trailer, ...] = ()
     impact: Impact | None = None
     start: StartTable | None = None
     corner: CornerTable = CornerTable()
@@ -342,6 +359,11 @@ class Scene(SceneTable):
     time: Time = Time()
     output: Output | None = None
     wall: Wall | None = None
+
+    @property
+    def units(self) -> tuple[Vehicle, ...]:
+        """The vehicle and its trailers."""
+        return (self.vehicle, *self.trailer)
 
     @property
     def needed_plate(self) -> Plate:
@@ -378,7 +400,10 @@ TABLES: dict[str, type[SceneTable]] = {
     for kind in (field.annotation, *get_args(field.annotation))
     if isinstance(kind, type) and issubclass(kind, SceneTable)
 }
-"""Tables of a scene by name."""
+"""Tables of a scene by name, of a list of tables one."""
+
+LISTED = ("trailer",)
+"""Names of lists of tables, [[NAME]]."""
 
 MEANINGS = MappingProxyType(
     {"name": Scene.model_fields["name"].description or ""}

@@ -51,6 +51,10 @@ def _input_error(error: ValidationError) -> InputError:
         return InputError(key, first["input"], f"there is no such key; {_known(first['loc'])}")
     if kind == "literal_error":
         return InputError(key, first["input"], f"allowed is {first['ctx']['expected']}")
+    if kind == "tuple_type" and key in schema.LISTED:
+        return InputError(
+            key, first["input"], f"allowed is a list of tables, [[{key}]], each by its number: {key}.0"
+        )
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return InputError(key, first["input"], f"allowed is a table, [{key}]")
     message = first["msg"].removeprefix("Value error, ")
@@ -81,6 +85,9 @@ def _check_together(scene: schema.Scene) -> None:
 def _check_corner(scene: schema.Scene) -> None:
     """Keys of the paper's three stages, with a constrained corner."""
     _refuse(scene, "it belongs to a whole impact, with [contact]; leave it out", *OF_A_WHOLE_IMPACT)
+    if scene.trailer:
+        why = "a constrained corner turns one rigid body about itself; a train takes [contact] in place of [corner]"
+        raise InputError("trailer", f"{len(scene.trailer)} tables", why)
     for key in OF_A_WALL_THAT_GIVES:
         value = getattr(scene.wall, key, None)
         if scene.wall is not None and value != schema.Wall.model_fields[key].default:
@@ -189,6 +196,7 @@ def check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     for key, allowed in OF_A_CORNER.items():
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
+    _check_trailers(scene, contact)
     _check_plate_of_impact(scene, contact)
     for key in ("height", "foundation_stiffness"):
         if scene.wall is not None and getattr(scene.wall, key) is None:
@@ -207,6 +215,33 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
         _refuse(scene, 'enforcement = "exact" has no spring; leave it out', "contact.penalty_scale")
 
 
+MOST_TRAILERS = 7
+
+
+def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
+    """Raise InputError for hinges that are not within both units, a drawbar of the trailer's length included."""
+    if len(scene.trailer) > MOST_TRAILERS:
+        allowed = f"allowed are {MOST_TRAILERS}, a train of {MOST_TRAILERS + 1} units"
+        raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)
+    for number, (ahead, unit) in enumerate(zip(scene.units, scene.trailer, strict=False)):
+        if unit.hitch > ahead.length:
+            allowed = f"allowed is from 0 to the length of the unit ahead, {ahead.length:g} m"
+            raise InputError(f"trailer.{number}.hitch", unit.hitch, allowed)
+        least = 0.0 if scene.plate else -unit.length
+        if not least <= unit.kingpin <= unit.length:
+            why = (
+                "; its plate has no drawbar, which `tailslap rigid` without [plate] takes"
+                if scene.plate
+                else ""
+            )
+            allowed = f"allowed is from {least:g} to the trailer's length, {unit.length:g} m{why}"
+            raise InputError(f"trailer.{number}.kingpin", unit.kingpin, allowed)
+        if unit.stiffness is not None and not contact.crushes:
+            raise InputError(
+                f"trailer.{number}.stiffness", unit.stiffness, "it needs contact.stiffness; leave it out"
+            )
+
+
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     plate = scene.plate
     if plate is None:
@@ -217,8 +252,8 @@ def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None
     if not contact.crushes and plate.youngs_modulus is None:
         allowed = "without contact.stiffness the contact takes its stiffness from this key"
         raise InputError("plate.youngs_modulus", Missing, allowed)
-    vehicle = scene.vehicle
-    if plate.lumping == "row-sum" and (vehicle.centre_of_mass or vehicle.yaw_inertia):
+    own = any(unit.centre_of_mass or unit.yaw_inertia for unit in scene.units)
+    if plate.lumping == "row-sum" and own:
         allowed = 'with a centre of mass or yaw inertia of its own allowed is "exact"'
         raise InputError("plate.lumping", plate.lumping, allowed)
 
@@ -273,6 +308,13 @@ def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
 def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
     """Return the validated scene with these changes. Raises InputError."""
     return vary(Source.of(scene), changes)[0]
+
+
+def value_at(scene: Any, key: str) -> Any:
+    """The value of a dotted key of a scene, "trailer.0.mass" of a list of tables."""
+    for name in key.split("."):
+        scene = scene[int(name)] if isinstance(scene, tuple) else getattr(scene, name)
+    return scene
 
 
 def changed_tables(given: Mapping[str, Any], changes: Changes) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -347,17 +389,34 @@ def _shown(value: Any) -> str:
     return str(list(value)) if isinstance(value, tuple) else str(value)
 
 
-def _put(tables: dict[str, Any], key: str, value: Any) -> bool:
+def _put(tables: Any, key: str, value: Any) -> bool:
     """Put a value in, tables on the way to it copied; whether that changes anything."""
     *path, last = key.split(".")
     for name in path:
-        inner = tables.get(name, {})
-        if not isinstance(inner, Mapping):
+        place = _place(tables, name, key, value)
+        if isinstance(tables, dict) and place not in tables:
+            if value is None:
+                return False
+            tables[place] = {}
+        inner = tables[place]
+        if not isinstance(inner, Mapping) and not _lists_tables(inner):
             raise InputError(key, value, f'"{name}" is a value, not a table')
-        if value is None and name not in tables:
-            return False
-        tables[name] = tables = dict(inner)
+        tables[place] = tables = dict(inner) if isinstance(inner, Mapping) else list(inner)
+    place = _place(tables, last, key, value)
     if value is None:
-        return tables.pop(last, None) is not None
-    tables[last] = value
+        return (tables.pop(place) if isinstance(tables, list) else tables.pop(place, None)) is not None
+    tables[place] = value
     return True
+
+
+def _lists_tables(value: Any) -> bool:
+    return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], Mapping)
+
+
+def _place(tables: Any, name: str, key: str, value: Any) -> Any:
+    """Name of an entry of a table, or number of one of a list of tables."""
+    if not isinstance(tables, list):
+        return name
+    if not name.isdecimal() or int(name) >= len(tables):
+        raise InputError(key, value, f"tables of a list have numbers; allowed are 0 to {len(tables) - 1}")
+    return int(name)

@@ -31,12 +31,15 @@ def scene_file(tables: Mapping[str, Any], title: str) -> str:
 
 
 def _lines(tables: Mapping[str, Any]) -> list[str]:
-    plain = {key: value for key, value in tables.items() if not isinstance(value, Mapping | None)}
-    lines = [f"{key} = {toml_value(value)}" for key, value in plain.items()]
-    for name, table in tables.items():
-        if isinstance(table, Mapping):
-            lines += ["", f"[{name}]", *_lines(table)]
-    return lines
+    lines, below = [], list[str]()
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            below += ["", f"[{name}]", *_lines(value)]
+        elif name in schema.LISTED:
+            below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table))]
+        elif value is not None:
+            lines.append(f"{name} = {toml_value(value)}")
+    return lines + below
 
 
 def toml_value(value: Any) -> str:
@@ -84,7 +87,8 @@ def new_scene(name: str) -> str:
     lines.append(f"name = {toml_value(name)}")
     for key, table in schema.TABLES.items():
         given = EXAMPLE.get(key, {})
-        lines += ["", f"{'' if given else '# '}[{key}]"]
+        header = f"[[{key}]]" if key in schema.LISTED else f"[{key}]"
+        lines += ["", f"{'' if given else '# '}{header}"]
         lines += [_line(name, own, given.get(name)) for name, own in table.model_fields.items()]
     return "\n".join(lines) + "\n"
 
@@ -154,6 +158,10 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
         value, key = getattr(table, name), prefix + name
         if isinstance(value, BaseModel):
             rows += _rows(value, given.get(name, {}), changed, f"{key}.")
+        elif name in schema.LISTED:
+            tables = dict(enumerate(given.get(name, ())))
+            for number, unit in enumerate(value):
+                rows += _rows(unit, tables.get(number, {}), changed, f"{key}.{number}.")
         elif value is not None:
             origin = "--set" if key in changed else "scene" if name in given else "default"
             shown = value if isinstance(value, int | float | str) else " x ".join(map(str, value))

@@ -168,6 +168,7 @@ def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
         assert any(line.startswith(f"{key.rpartition('.')[2]} = ") for line in bare), key
     everything = "\n".join([line for line in bare if "=" in line or line.startswith("[")])
     tables = tomllib.loads(everything)
+    tables |= {name: tables[name][0] for name in schema.LISTED}
     keys = {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys}
     assert keys | {"name"} == set(schema.MEANINGS)
 
@@ -213,6 +214,10 @@ def test_a_shell_completes_scenes_and_keys(tmp_path):
     assert "run" in completed("ru")
     assert completed("run", "paper-t") == ["paper-table-3"]
     assert "plate.thickness=" in completed("run", "paper-table-3", "--set", "plate.th")
+    assert completed("run", "paper-table-3", "--set", "trailer.0.hit") == [
+        "trailer.0.hitch=",
+        "trailer.0.hitch_length=",
+    ]
     assert "--tolerance" in completed("run", "paper-table-3", "--to")
 
 

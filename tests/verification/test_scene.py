@@ -10,9 +10,9 @@ import pytest
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene, read_source, shipped_scenes
+from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes
 from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
-from tailslap.scene.write import scene_inputs
+from tailslap.scene.write import scene_inputs, scene_text
 
 SHIPPED = {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
 
@@ -230,6 +230,54 @@ def test_what_makes_no_scene_or_no_motion_is_refused_by_its_key(changes, key, al
         CornerCase(*read_scene(SCENE, texts)) if texts else vary(read_source(SCENE), changes)
     assert caught.value.key == key
     assert allowed in caught.value.allowed
+
+
+TRAILER = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
+UNIT_AHEAD = "from 0 to the length of the unit ahead, 6.9 m"
+OF_TRAINS = [
+    ("impact-mash-tl4-sut", {"trailer.0.hitch": 7.0}, "trailer.0.hitch", UNIT_AHEAD),
+    ("impact-mash-tl4-sut", {"trailer.0.kingpin": 15.0}, "trailer.0.kingpin", "to the trailer's length, 14.6304 m"),
+    ("impact-mash-tl4-sut", {"trailer.0.kingpin": -0.1}, "trailer.0.kingpin", "from 0 to"),
+    ("impact-mash-tl4-sut", {"trailer.0.kingpin": -15.0, "plate": None}, "trailer.0.kingpin", "from -14.6304 to"),
+    ("impact-mash-tl4-sut", {"trailer.0.mass": 0}, "trailer.0.mass", "a mass from 1e-06 kg"),
+    ("impact-mash-tl4-sut", {"trailer.0.kingpin": None}, "trailer.0.kingpin", "required"),
+    ("impact-mash-tl4-sut", {"trailer": [TRAILER] * 8}, "trailer", "allowed are 7, a train of 8 units"),
+    ("impact-mash-tl4-sut", {"trailer": TRAILER}, "trailer", "a list of tables, [[trailer]]"),
+    ("impact-mash-tl4-sut", {"trailer.1.mass": 1.0}, "trailer.1.mass", "allowed are 0 to 0"),
+    ("impact-mash-tl4-sut", {"trailer.0.colour": 1}, "trailer.0.colour", "no such key; allowed are length"),
+    ("mash-tl4-sut", {}, "trailer", "one rigid body about itself"),
+]  # fmt: skip
+
+
+def train(scene, changes):
+    return vary(read_source(scene), {"vehicle.length": 6.9, "trailer": [TRAILER], **changes})
+
+
+@pytest.mark.parametrize(("scene", "changes", "key", "allowed"), OF_TRAINS)
+def test_what_makes_no_train_is_refused_by_its_key(scene, changes, key, allowed):
+    with pytest.raises(InputError) as caught:
+        train(scene, changes)
+    assert (caught.value.key, allowed in caught.value.allowed) == (key, True)
+
+
+def test_a_trailer_is_changed_written_and_taken_out_by_its_number(tmp_path):
+    scene, source = train(
+        "impact-mash-tl4-sut", {"plate": None, "trailer.0.kingpin": -3.0, "trailer.0.mass": "20 klb"}
+    )
+    (trailer,) = scene.trailer
+    assert (trailer.length, trailer.mass, trailer.kingpin) == pytest.approx(
+        (14.6304, 9071.8474, -3.0), rel=1e-12
+    )
+    (tmp_path / "written.toml").write_text(scene_text(source))
+    assert read_scene(str(tmp_path / "written.toml"))[0] == vary(Source.of(scene), {})[0] == scene
+    origins = {row.key: row.origin for row in scene_inputs(scene, source)}
+    assert (origins["trailer.0.mass"], origins["trailer.0.hitch"]) == ("--set", "scene")
+    assert read_scene(str(tmp_path / "written.toml"), ("trailer.0=",))[0].trailer == ()
+    source = read_source(str(tmp_path / "written.toml"))
+    assert shown(parse_changes(["trailer.0.mass=1 t"], source.given)) == ("trailer.0.mass=1 t",)
+    assert list(remarks(vary(source, {"trailer.0.width": 102.0})[1])) == [
+        "trailer.0.width = 102 without a unit is 102 m, 334.6 ft"
+    ]
 
 
 def test_a_scene_is_its_own_source():

@@ -88,6 +88,8 @@ class RigidImpact(Case):
         """Raise InputError, naming the scene's key, where there is no such vehicle, or no impact."""
         if self.scene.impact is None or self.scene.contact is None:
             raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
+        if self.scene.trailer:
+            raise InputError("trailer", Verbatim("a train"), "trains are not solved yet; leave it out")
         _ = self.touch
         assert self.motion.strikes or self.scene.time.end
 
