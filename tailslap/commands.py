@@ -368,7 +368,7 @@ def completion(shell: str, as_json: bool) -> int:
 def paper(out: Path | None, force: bool, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
     from tailslap import progress, result
-    from tailslap.paper import page, tables
+    from tailslap.replication import page, tables
 
     def report(folder: Path, pictures: bool, units: str) -> Report:
         with progress.announced("Computing the paper's tables ..."):

@@ -53,7 +53,7 @@ DECIMAL_COMMA = re.compile(r"=\s*[-+]?[0-9]+,[0-9]")
 
 def shipped_scenes() -> dict[str, str]:
     """Scenes that come with the program: name and text."""
-    folder = files("tailslap") / "scenes"
+    folder = files("tailslap") / "scene" / "shipped"
     scenes = (item for item in folder.iterdir() if item.name.endswith(".toml"))
     found = sorted(scenes, key=lambda item: item.name)
     return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in found}

@@ -22,9 +22,9 @@ from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status
 from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.paper import page, tables
-from tailslap.paper.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
-from tailslap.paper.tables import ABAQUS, FIGURES, MASS, ForceRow, corner_fraction
+from tailslap.replication import page, tables
+from tailslap.replication.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
+from tailslap.replication.tables import ABAQUS, FIGURES, MASS, ForceRow, corner_fraction
 
 
 @pytest.fixture(scope="module")

@@ -46,7 +46,7 @@ DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")),
     *sorted((ROOT / "examples").glob("*.py")),
-    *sorted((ROOT / "tailslap" / "scenes").glob("*.toml")),
+    *sorted((ROOT / "tailslap" / "scene" / "shipped").glob("*.toml")),
     *sorted((ROOT / "postprocess" / "templates").glob("*.j2")),
 ]
 

@@ -23,7 +23,7 @@ from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, case
 from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.paper.tables import ForceRow
+from tailslap.replication.tables import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.studies.uncertainty import compute
 from tailslap.studies.uncertainty.report import report

@@ -25,7 +25,7 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, rigid
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.paper import tables
+from tailslap.replication import tables
 from tailslap.scene.schema import Scene
 
 # Combinations by default.

@@ -19,8 +19,8 @@ from postprocess.report.report import Report
 from postprocess.svg import chart, marks
 from postprocess.units import percent
 from tailslap.case.report import footer
-from tailslap.paper import tables
-from tailslap.paper.tables import FIGURES, Numbers
+from tailslap.replication import tables
+from tailslap.replication.tables import FIGURES, Numbers
 
 NAMES = {"theta": ComparedQuantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
 CAPTIONS = {
