@@ -1,6 +1,26 @@
 """Finite-element verification of the rigid-body method for vehicle impact on bridge parapets.
 
-The functions do what the commands of the same names do, which call them; `docs/howto/python.md` shows them at work.
+    import tailslap
+    result = tailslap.run("mash-tl4-sut", {"impact.speed": "60 mph"})
+    print(result)
+
+Functions, each of which does what the command of the same name does:
+
+    run         rigid solution, finite elements, comparison and checks of a scene
+    rigid       rigid-body method alone
+    check       model, choices and cost of a run, without running it
+    modal       run with a few modes of the plate
+    modes       natural frequencies and shapes of the plate
+    sweep       runs for many values of keys, a row a run
+    study       prepared study: cost, flexibility, stability, uncertainty
+    compare     histories beside a reference, also those of other programs
+    export      fields and histories for ParaView, Gmsh, data frames
+    load        result folder, read again
+    paper       tables and figures of the paper beside the computed values
+    scenes      scenes that come with the program
+    new         new scene file with every key
+
+They return a `Result`; wrong input raises `InputError`. `help(tailslap.run)` describes a function.
 """
 
 import os as _os
@@ -37,6 +57,9 @@ __all__, __getattr__, __dir__ = lazily(
         "errors": "InputError",
         "files.export": "export",
         "files.load": "load",
+        "replication.page": "paper",
         "result": "Columns Result",
+        "scene.read": "scenes",
+        "scene.write": "new",
     },
 )

@@ -9,8 +9,11 @@ from tailslap.api import sweep as sweep
 from tailslap.errors import InputError as InputError
 from tailslap.files.export import export as export
 from tailslap.files.load import load as load
+from tailslap.replication.page import paper as paper
 from tailslap.result import Columns as Columns
 from tailslap.result import Result as Result
+from tailslap.scene.read import scenes as scenes
+from tailslap.scene.write import new as new
 
 __version__: str
 __all__: list[str]

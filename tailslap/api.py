@@ -26,7 +26,7 @@ from tailslap import result
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.errors import InputError, Verbatim
+from tailslap.errors import InputError, Verbatim, named_arguments
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
@@ -57,6 +57,7 @@ _OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
 """Names that the program itself has registered."""
 
 
+@named_arguments
 def run(
     scene: Scene, changes: Changes | None = None, *, tolerance: float | None = None, allow_large: bool = False
 ) -> result.Result:
@@ -110,6 +111,7 @@ def run(
     )
 
 
+@named_arguments
 def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") -> result.Result:
     """Solve the rigid-body method, or the rigid vehicle's whole impact, alone; loads no mesh or FE library.
 
@@ -155,6 +157,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     )
 
 
+@named_arguments
 def check(
     scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: str = "si"
 ) -> result.Result:
@@ -195,6 +198,7 @@ def check(
     return result.Result("check", name, page.plain(as_numbers(name, lines)), text=text)
 
 
+@named_arguments
 def modal(
     scene: Scene,
     changes: Changes | None = None,
@@ -255,6 +259,7 @@ def modal(
     )
 
 
+@named_arguments
 def modes(
     scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
 ) -> result.Result:
@@ -290,7 +295,7 @@ def modes(
     from tailslap import modal_analysis
 
     report = modal_analysis.modes_report(_corner_plan(scene, changes, allow_large), count)
-    return result.of_report("modes", report, {"Frequencies": report.terminal[1]})
+    return result.of_report("modes", report, tables={"Frequencies": report.terminal[1]})
 
 
 def study(
@@ -308,7 +313,7 @@ def study(
     Parameters
     ----------
     name : str
-        "cost", "flexibility", "stability", "strike" or "uncertainty".
+        "cost", "flexibility", "stability" or "uncertainty".
     scene : str or path
         Name of a scene that comes with the program, or path of a TOML file.
     changes : mapping or sequence of str, optional
@@ -351,12 +356,10 @@ def study(
 def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, Any]) -> result.Result:
     """Run a study of a case, whose place is locked; options: its own, as `compute` takes them."""
     report = chosen.report(chosen.compute(case, place, **options))
-    parts = [part for part in report.terminal if isinstance(part, page.Table)]
-    tables = {part.title or f"Table {n}": part for n, part in enumerate(parts, 1)} | dict(report.tables)
-    text = printed(report.terminal)
-    return result.of_report(f"study {chosen.name}", report, tables, text=text, place=place)
+    return result.of_report(f"study {chosen.name}", report, text=printed(report.terminal), place=place)
 
 
+@named_arguments
 def sweep(
     scene: str | os.PathLike[str],
     vary: Mapping[str, Values] | Sequence[str],
@@ -426,6 +429,7 @@ def sweep(
     return replace(load.load(place), text=report.sweep_text(done, place), place=place)
 
 
+@named_arguments
 def compare(
     reference: result.Result | str | os.PathLike[str],
     *others: result.Result | str | os.PathLike[str],
@@ -475,11 +479,11 @@ def compare(
     histories = {item.label: result.Columns(item.columns, item.units) for item in found.items}
     tables = {"Metrics": made.tables["metrics.csv"]}
     inputs = [item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items]
-    return result.of_report("compare", made, tables, histories=histories, inputs=tuple(chain(*inputs)))
+    return result.of_report("compare", made, tables=tables, histories=histories, inputs=tuple(chain(*inputs)))
 
 
-def _case(scene: Scene, changes: Changes | None) -> Case:
-    """The case of a scene with these changes. Raises InputError."""
+def _case(scene: Scene, changes: Changes | None, level: int = 4) -> Case:
+    """The case of a scene with these changes; level: of the caller's line on the stack. Raises InputError."""
     if isinstance(scene, Case) and not changes:
         return scene
     if isinstance(scene, Case):
@@ -495,20 +499,20 @@ def _case(scene: Scene, changes: Changes | None) -> Case:
     values = parse_changes(changes or (), source.given) if typed else named(_plain(changes))
     varied, source = vary(source, values)
     for remark in read.remarks(source):
-        warnings.warn(remark, stacklevel=3)
+        warnings.warn(remark, stacklevel=level)
     return case_of(varied, source)
 
 
-def _affordable(scene: Scene, changes: Changes | None, allow_large: bool) -> Case:
-    """The case of a scene with a plate that this machine can carry. Raises InputError."""
-    case = _case(scene, changes)
+def _affordable(scene: Scene, changes: Changes | None, allow_large: bool, level: int = 5) -> Case:
+    """The case of a scene with a plate that this machine can carry; level: as of `_case`. Raises InputError."""
+    case = _case(scene, changes, level)
     cost.demand_run(case.scene, case.duration, allow_large)
     return case
 
 
 def _corner_plan(scene: Scene, changes: Changes | None, allow_large: bool) -> Any:
     """The plan of a constrained corner. Raises InputError for a whole impact."""
-    case = _affordable(scene, changes, allow_large)
+    case = _affordable(scene, changes, allow_large, 6)
     return CornerCase(case.scene, case.source).plan()
 
 

@@ -16,7 +16,7 @@ from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.files.folder import commit, result_folder
 from tailslap.files.manifest import Origin
-from tailslap.scene import read, write
+from tailslap.scene import read
 from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
@@ -332,7 +332,7 @@ def scenes(as_json: bool) -> int:
     """List the scenes that come with the program."""
     from postprocess.report import report
 
-    shipped = {name: read.title(text) for name, text in read.shipped_scenes().items()}
+    shipped = tailslap.scenes()
     width = max(map(len, shipped))
     lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
     return options.tell(shipped, report.labelled_text(lines, width + 2), as_json)
@@ -343,7 +343,7 @@ def scenes(as_json: bool) -> int:
 @options.with_options(options.JSON, options.QUIET)
 def new(name: str, as_json: bool) -> int:
     """Write NAME.toml: a scene with every key, its meaning, and an example."""
-    path = write.write_new_scene(name)
+    path = tailslap.new(name)
     return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
 
@@ -367,13 +367,7 @@ def completion(shell: str, as_json: bool) -> int:
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
 def paper(out: Path | None, force: bool, as_json: bool) -> int:
     """Write the paper's tables and figures, computed beside printed."""
-    from tailslap import progress, result
-    from tailslap.replication import page, tables
+    from tailslap.replication.page import PAGE
 
-    def report(folder: Path, pictures: bool, units: str) -> Report:
-        with progress.announced("Computing the paper's tables ..."):
-            return page.paper_report(tables.review())
-
-    place, name = out or RESULTS / "paper", "paper.html"
-    compute = lambda: result.filled_by(report, name)  # noqa: E731
-    return deliver(compute, place, ("paper", ""), as_json, force=force, page=name)
+    compute = lambda: tailslap.paper().fill  # noqa: E731
+    return deliver(compute, out or RESULTS / "paper", ("paper", ""), as_json, force=force, page=PAGE)

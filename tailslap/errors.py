@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 import errno
+import functools
+import inspect
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 MACHINE_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
 """Faults that no other place would mend: a full disk, limits of the process."""
@@ -43,6 +50,35 @@ class Missing:
 
 class Verbatim(str):
     """Text that is shown as it stands, without quotes."""
+
+
+def nearest(name: str, known: Iterable[str], form: str = "{}") -> str:
+    """Hint at the known name that is nearest to a wrong one, "; did you mean NAME?"; empty where none is near.
+
+    form: of the name in the hint.
+    """
+    found = difflib.get_close_matches(name, list(known), 1)
+    return f"; did you mean {form.format(found[0])}?" if found else ""
+
+
+def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") -> str:
+    """List the names that are allowed in place of a wrong one, with the nearest; which: the words before the list."""
+    known = list(known)
+    return f"{which} {', '.join(known)}{nearest(name, known)}"
+
+
+def named_arguments(function: Function) -> Function:
+    """Decorator: a keyword argument that the function does not have raises TypeError with the nearest that it has."""
+    known = inspect.signature(function).parameters
+
+    @functools.wraps(function)
+    def checked(*arguments: Any, **options: Any) -> Any:
+        for name in options.keys() - known.keys():
+            hint = one_of(name, known, "its arguments are")
+            raise TypeError(f"{function.__name__}() has no argument {name!r}; {hint}")
+        return function(*arguments, **options)
+
+    return checked  # type: ignore[return-value]
 
 
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from html import escape
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +17,9 @@ import numpy as np
 from postprocess.comparison import quantities
 from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
 from postprocess.report.page import Table, plain
-from postprocess.report.report import Report, in_units, printed, write_report
+from postprocess.report.report import PAGE, Report, in_units, printed, write_report
 from postprocess.units import SI, SYSTEMS, measure
-from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.errors import InputError, Missing, Verbatim, one_of
 from tailslap.files.folder import result_folder
 from tailslap.files.manifest import Origin
 
@@ -40,7 +41,7 @@ FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
 """Columns that are drawn unless the caller says otherwise, where they are there."""
 
 
-def filled_by(make: Callable[[Path, bool, str], Report], page: str = "report.html") -> Fill:
+def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fill:
     """Fill a folder with the files of a report, which may draw pictures into it; page: the name of its page."""
 
     def fill(place: Path, pictures: bool, units: str) -> Report:
@@ -290,7 +291,7 @@ class Result:
         panels = {}
         for name in names or [name for name in FIRST if name in known][:MOST] or known[1 : MOST + 1]:
             if name not in known:
-                raise InputError("plot", Verbatim(name), f"allowed are {', '.join(known)}")
+                raise InputError("plot", Verbatim(name), one_of(name, known, "allowed are"))
             having = {label: columns for label, columns in drawn.items() if name in columns}
             heading = next(iter(having.values())).heading(name)
             panels[heading] = [Curve(label, its["t"], its[name]) for label, its in having.items()]
@@ -328,7 +329,7 @@ class Result:
     def __repr__(self) -> str:
         judged = {None: "", True: " passed", False: " FAILED"}[self.passed]
         said = f": {self.headline}" if self.headline else ""
-        text = f"<{self.command} {self.scene}{judged}{said}"
+        text = f"<{self.command} {self.scene}".rstrip() + f"{judged}{said}"
         return f"{text if len(text) < 159 else text[:156] + '...'}>".replace("\n", " ")
 
     def __str__(self) -> str:
@@ -360,12 +361,19 @@ def _table_html(title: str, table: Table) -> str:
     return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
 
 
-def of_report(command: str, report: Report, tables: Mapping[str, Any], **more: Any) -> Result:
-    """The result of a command that makes a report; more: what else the result has."""
-    page, fill = report.page, filled_by(lambda place, pictures, units: report)
-    summary = plain(report.summary)
-    said = SI.rendered(page.headline)
-    return Result(command, page.title, summary, said, page.passed, tables, fill=fill, **more)
+def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) -> Result:
+    """The result of a command that makes a report; page_name: of its file; more: what else the result has."""
+    page, fill = report.page, filled_by(lambda place, pictures, units: report, page_name)
+    parts = chain.from_iterable(getattr(part, "tables", (part,)) for part in report.terminal)
+    shown = [part for part in parts if isinstance(part, Table)]
+    tables = {table.title or f"Table {n}": table for n, table in enumerate(shown, 1)} | dict(report.tables)
+    found = {
+        "scene": page.title,
+        "headline": SI.rendered(page.headline),
+        "passed": page.passed,
+        "tables": tables,
+    }
+    return Result(command, summary=plain(report.summary), fill=fill, **(found | more))
 
 
 def of_run(summary: dict[str, Any], *rest: Any) -> Result:

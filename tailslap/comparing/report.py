@@ -14,7 +14,7 @@ from postprocess.svg.chart import Chart
 from postprocess.units import SI, percent
 from tailslap.case.report import footer
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
-from tailslap.errors import InputError, Verbatim
+from tailslap.errors import InputError, Verbatim, one_of
 
 USUAL = (
     *("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"),
@@ -87,7 +87,7 @@ def _in_common(item: Item, reference: Item, only: Sequence[str]) -> list[Beside]
     common = [name for name in reference.columns if name in item.columns and name != TIME]
     for name in only:
         if name not in common:
-            raise InputError("--only", name, f"allowed are the columns in common, {', '.join(common)}")
+            raise InputError("--only", name, one_of(name, common, "allowed are the columns in common,"))
     chosen = only or [name for name in USUAL if name in common] or common
     found = [each for name in chosen if (each := beside(name, item.columns, reference.columns))]
     if not found:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tailslap.errors import InputError, Verbatim, shortened
+from tailslap.errors import InputError, Verbatim, one_of, shortened
 from tailslap.files.load import column_units, demand_listed, load
 from tailslap.result import Result
 from tailslap.scene.read import read_text
@@ -99,7 +99,7 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
     for ours, theirs in wanted.items():
         minus, name, given = _parts(theirs, columns)
         if name not in columns:
-            allowed = f"{path.name} has no such column; allowed are {', '.join(columns)}"
+            allowed = one_of(name, columns, f"{path.name} has no such column; allowed are")
             raise InputError("--columns", theirs, allowed)
         unit = given or units.get(name, "")
         found[ours] = (-1.0 if minus else 1.0) * _factor(ours, unit, known.get(ours, "")) * columns[name]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
-from tailslap.errors import InputError, Verbatim
+from tailslap.errors import InputError, Verbatim, named_arguments, one_of
 from tailslap.files.load import load
 from tailslap.result import FE, RIGID, Result
 
@@ -18,6 +18,7 @@ FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", 
 """The file to open."""
 
 
+@named_arguments
 def export(
     result: Result | str | os.PathLike[str],
     to: str,
@@ -70,13 +71,13 @@ def export(
     from tailslap.files.manifest import Origin
 
     if to not in FORMATS:
-        raise InputError("--to", to, f"allowed is one of {', '.join(FORMATS)}")
+        raise InputError("--to", to, one_of(to, FORMATS))
     found = result if isinstance(result, Result) else load(result, force=force)
     base = Path("results") / found.scene if isinstance(result, Result) else Path(str(result)).resolve()
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields
     if field is not None and field not in series.SCALARS:
-        raise InputError("--field", field, f"allowed is one of {', '.join(series.SCALARS)}")
+        raise InputError("--field", field, one_of(field, series.SCALARS))
     system = _units(to, units)
     inputs = found.inputs if isinstance(result, Result) else (Path(result),)
     with result_folder(place, inputs, force, Origin(f"export {to}", found.scene)) as unfinished:

@@ -113,6 +113,7 @@ def _names_in(place: Path) -> set[str]:
         raise errors.place_error(place, "the folder cannot be read", error, "folder") from None
 
 
+@errors.named_arguments
 def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Result:
     """Read a result folder again, of a run, a study or a sweep.
 

@@ -18,10 +18,14 @@ from postprocess.report.page import Column, Form, Page, Section, Table, columns,
 from postprocess.report.report import Report
 from postprocess.svg import chart, marks
 from postprocess.units import percent
+from tailslap import progress
 from tailslap.case.report import footer
+from tailslap.errors import named_arguments
 from tailslap.replication import tables
 from tailslap.replication.tables import FIGURES, Numbers
+from tailslap.result import Result, of_report
 
+PAGE = "paper.html"
 NAMES = {"theta": ComparedQuantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
 CAPTIONS = {
     "theta": "Dynamic rotation angle θ",
@@ -41,6 +45,26 @@ AXES = " SI units; X along the wall in the driving direction, Y away from it; ω
 MOTION_LOOKS: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
 MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))
 """Looks of the first and the second motion, or kind of mark."""
+
+
+@named_arguments
+def paper() -> Result:
+    """Compute the paper's tables and figures beside the printed values.
+
+    Returns
+    -------
+    Result
+        `summary` is what `tailslap paper --json` prints: cells of printed and computed value and their difference.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> found = tailslap.paper()
+    >>> found.summary["table_3"]["analytical"]["v_gy"]["printed"]
+    -3.274
+    """
+    with progress.announced("Computing the paper's tables ..."):
+        return of_report("paper", paper_report(tables.review()), scene="", page_name=PAGE)
 
 
 def paper_report(found: Numbers) -> Report:

@@ -4,7 +4,6 @@ Text files that the user gives, scenes and histories alike, pass one guard.
 """
 
 import codecs
-import difflib
 import math
 import os
 import re
@@ -59,9 +58,22 @@ def shipped_scenes() -> dict[str, str]:
     return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in found}
 
 
-def title(text: str) -> str:
-    """A scene's first line, which is a comment that says what it is."""
-    return text.splitlines()[0].lstrip("# ").rstrip()
+@errors.named_arguments
+def scenes() -> dict[str, str]:
+    """List the scenes that come with the program.
+
+    Returns
+    -------
+    dict of str
+        By name, what each scene is: the first line of its file, which is a comment.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.scenes()["mash-tl1-car"]
+    'MASH TL-1, test 1-10: the 1100C small car at 31 mph and 25 deg'
+    """
+    return {name: text.splitlines()[0].lstrip("# ").rstrip() for name, text in shipped_scenes().items()}
 
 
 def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, Source]:
@@ -121,9 +133,7 @@ def scene_text(name: str) -> str:
     if name in shipped and not path.is_file():
         return shipped[name]
     if path.suffix != ".toml" and not os.path.lexists(path):
-        near = difflib.get_close_matches(name, shipped, 1)
-        hint = f'; did you mean "{near[0]}"?' if near else ""
-        allowed = f"allowed is a .toml file or one of {', '.join(shipped)}{hint}"
+        allowed = errors.one_of(name, shipped, "allowed is a .toml file or one of")
         raise errors.InputError("SCENE", name, allowed)
     try:
         return read_text(path, MAX_BYTES)

@@ -8,7 +8,6 @@ Validation of a scene: each key by itself, and keys that need or exclude each ot
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -19,7 +18,7 @@ from pydantic import ValidationError
 
 from fem.laws import constraints
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
-from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.errors import InputError, Missing, Verbatim, nearest
 from tailslap.scene import schema
 
 OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
@@ -64,12 +63,11 @@ def _input_error(error: ValidationError) -> InputError:
 def _known(location: tuple[int | str, ...]) -> str:
     *table, name = map(str, location)
     known = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
-    near = difflib.get_close_matches(name, known, 1)
     elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == name]
-    hint = (
-        f"; did you mean {'.'.join([*table, *near]) if near else elsewhere[0]}?" if near or elsewhere else ""
+    hint = nearest(name, known, ".".join([*table, "{}"]))
+    return (
+        f"allowed are {', '.join(known)}{hint or ''.join(f'; did you mean {key}?' for key in elsewhere[:1])}"
     )
-    return f"allowed are {', '.join(known)}{hint}"
 
 
 def _check_together(scene: schema.Scene) -> None:

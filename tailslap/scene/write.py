@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from fem.laws import materials
-from tailslap.errors import InputError, place_error
+from tailslap.errors import InputError, named_arguments, place_error
 from tailslap.scene import schema, units, vary
 
 
@@ -63,8 +63,31 @@ EXAMPLE: Mapping[str, Mapping[str, Any]] = {
 """Values that a new scene gives; all else stands in it as a comment."""
 
 
-def write_new_scene(name: str) -> Path:
-    """Write NAME.toml in the current folder. Raises InputError for a name that is none, or a file that is there."""
+@named_arguments
+def new(name: str) -> Path:
+    """Write NAME.toml in the current folder: a scene with every key, its meaning, and an example.
+
+    Parameters
+    ----------
+    name : str
+        Of the scene.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        For a name that is none, or a file that is there.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.rigid(tailslap.new("my-truck")).scene
+    'my-truck'
+    """
     stem = name.removesuffix(".toml")
     path, text = Path(f"{stem}.toml"), new_scene(stem)
     vary.validate(tomllib.loads(text))

@@ -8,7 +8,7 @@ import importlib
 import pkgutil
 
 from tailslap.case.corner.case import CornerCase
-from tailslap.errors import InputError
+from tailslap.errors import InputError, one_of
 from tailslap.studies.study import Study
 
 _registered: dict[str, Study] = {}
@@ -49,6 +49,6 @@ def find_study(name: str) -> Study:
     if name in GONE:
         raise InputError("NAME", name, f"this study is gone: {GONE[name]}")
     if name not in study_names():
-        raise InputError("NAME", name, f"allowed is one of the studies: {', '.join(study_names())}")
+        raise InputError("NAME", name, one_of(name, study_names(), "allowed is one of the studies:"))
     found: Study = _registered.get(name) or importlib.import_module(f"{__name__}.{name}").STUDY
     return found

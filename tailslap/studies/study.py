@@ -13,7 +13,7 @@ import click
 from tailslap.case import case_of, kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.cost import demand_run
-from tailslap.errors import InputError, Missing, Verbatim
+from tailslap.errors import InputError, Missing, Verbatim, one_of
 from tailslap.files.manifest import Origin
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import shown
@@ -74,7 +74,7 @@ def checked_options(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
     context, found = click.Context(click.Command(study.name)), {}
     for name, value in given.items():
         if name not in known:
-            allowed = f"allowed are {', '.join(known)}" if known else "this study has no options of its own"
+            allowed = one_of(name, known, "allowed are") if known else "this study has no options of its own"
             raise InputError(f"study {study.name}", name, allowed)
         option = known[name]
         if isinstance(value, Mapping):

@@ -5,6 +5,8 @@ import importlib
 import inspect
 import json
 import os
+import pydoc
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -19,9 +21,14 @@ from postprocess.units import number
 from tailslap import Columns, InputError, api, cli
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
-FUNCTIONS = ("check", "compare", "export", "load", "modal", "modes", "rigid", "run", "study", "sweep")
+FUNCTIONS = (
+    *("check", "compare", "export", "load", "modal", "modes", "new", "paper", "rigid", "run", "scenes"),
+    *("study", "sweep"),
+)
 TIMES = {"setup_s", "time_loop_s", "pictures_s", "integration_s", "estimate_s", "seconds"}
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
+TAKES_NOTHING = ("Returns", "Examples")
+"""Sections of a function without parameters, which no input makes fail."""
 
 
 def command(capsys, *arguments):
@@ -83,6 +90,56 @@ def test_what_is_loaded_is_what_was_saved(result, tmp_path):
 
 def test_names_are_listed_for_completion():
     assert {"run", "rigid", "sweep", "load", "InputError"} <= set(dir(tailslap)) == set(tailslap.__all__)
+
+
+def test_help_begins_with_the_functions():
+    """Each with a line, above the classes; and the name of no file, which an installation may not have."""
+    page = pydoc.plain(pydoc.render_doc(tailslap))
+    opening = page[: page.index("PACKAGE CONTENTS")]
+    assert [name for name in FUNCTIONS if not re.search(rf"^ +{name}  +\w.*", opening, re.MULTILINE)] == []
+    assert not re.search(r"\w\.(md|py|html)\b", opening)
+
+
+def test_editors_and_type_checkers_see_the_names(tmp_path):
+    """From the stub, without running anything: a function's result, and a name that is wrong."""
+    code = "import tailslap\nreveal_type(tailslap.scenes())\nreveal_type(tailslap.run('a').history)\ntailslap.walk()\n"
+    (tmp_path / "a.py").write_text(code)
+    command = [sys.executable, "-m", "mypy", "--config-file=", "--follow-imports=silent", "a.py"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert 'note: Revealed type is "dict[str, str]"' in done.stdout.replace("builtins.", "")
+    assert 'error: Module has no attribute "walk"' in done.stdout
+
+
+@pytest.mark.parametrize(("call", "kind", "hint"), [
+    (lambda: tailslap.run("paper-table-3", tolerence=1e-3), TypeError, "tolerance"),
+    (lambda: tailslap.sweep("paper-table-3", {}, foldr="x"), TypeError, "folder"),
+    (lambda: tailslap.rigid("paper-table3"), InputError, "paper-table-3"),
+    (lambda: tailslap.rigid("mash-tl4-sut", {"impact": {"sped": 20.0}}), InputError, "impact.speed"),
+    (lambda: tailslap.rigid("mash-tl4-sut", {"mass": 20.0}), InputError, "vehicle.mass"),
+    (lambda: tailslap.rigid("mash-tl4-sut").plot("v_gz"), InputError, "v_gy"),
+    (lambda: tailslap.study("uncertanty", "mash-tl4-sut"), InputError, "uncertainty"),
+    (lambda: tailslap.study("uncertainty", "mash-tl4-sut", sample=9), InputError, "samples"),
+    (lambda: tailslap.export(tailslap.rigid("mash-tl4-sut"), "cvs"), InputError, "csv"),
+    (lambda: tailslap.compare(*2 * [tailslap.rigid("mash-tl4-sut")], only=["v_gys"]), InputError, "v_gy"),
+])  # fmt: skip
+def test_wrong_names_get_the_nearest(call, kind, hint):
+    with pytest.raises(kind, match=rf"; did you mean {re.escape(hint)}\?$"):
+        call()
+
+
+def test_scenes_paper_and_new_have_the_bits_of_the_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert tailslap.scenes() == json.loads(command(capsys, "scenes", "--json"))
+    found = tailslap.paper()
+    assert found.summary == json.loads(command(capsys, "paper", "--json"))
+    assert {path.name for path in found.save("a").iterdir()} == {
+        p.name for p in Path("results/paper").iterdir()
+    }
+    assert tailslap.new("one") == Path("one.toml")
+    command(capsys, "new", "two")
+    assert Path("one.toml").read_text().replace("one", "two", 2) == Path("two.toml").read_text()
+    with pytest.raises(InputError, match=r"one.toml is there already"):
+        tailslap.new("one")
 
 
 def test_tables_of_changes_are_merged():
@@ -310,8 +367,12 @@ def test_the_interface_is_complete_and_its_types_are_known():
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_function_is_described_with_an_example(name):
-    text = inspect.getdoc(getattr(tailslap, name)) or ""
-    assert [title for title in SECTIONS if f"\n{title}\n{'-' * len(title)}\n" not in text] == []
+    function = getattr(tailslap, name)
+    text, sections = (
+        inspect.getdoc(function) or "",
+        SECTIONS if inspect.signature(function).parameters else TAKES_NOTHING,
+    )
+    assert [title for title in sections if f"\n{title}\n{'-' * len(title)}\n" not in text] == []
     assert ">>> " in text
 
 
