@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -120,10 +120,11 @@ def rectangle_mesh(
     corners: tuple[str, str, str, str],
     sides: tuple[str, str, str, str],
     cells: str = "quad",
+    columns: np.ndarray | None = None,
 ) -> meshio.Mesh:
     """Mesh a rectangle [m] with `elements` quadrilaterals along X and Y, or twice as many triangles.
 
-    cells: "quad" or "triangle".
+    cells: "quad" or "triangle". columns: X of the columns of nodes from the origin [m]; evenly spaced if left out.
 
     `corners` and `sides` name the physical groups counter-clockwise, from the lower left corner and the
     lower side; `name` is the surface's. An empty name leaves that group out.
@@ -138,7 +139,7 @@ def rectangle_mesh(
         _groups(gmsh, 2, [surface], [name])
         gmsh.model.mesh.generate(2)
         mesh = _to_meshio(gmsh)
-    mesh.points[:, :2] = _on_lattice(mesh.points[:, :2], origin, size, elements)
+    mesh.points[:, :2] = _on_lattice(mesh.points[:, :2], origin, size, elements, columns)
     return _row_by_row(mesh)
 
 
@@ -153,10 +154,29 @@ def _row_by_row(mesh: meshio.Mesh) -> meshio.Mesh:
     return meshio.Mesh(mesh.points[order], cells, cell_sets=mesh.cell_sets)
 
 
-def _on_lattice(points: Any, origin: Any, size: Any, elements: Any) -> Any:
+def _on_lattice(points: Any, origin: Any, size: Any, elements: Any, columns: Any) -> Any:
     """Move each node to its lattice point: gmsh's transfinite nodes are 1e-11 of the size beside it."""
     spacing = np.divide(size, elements)
-    return origin + np.rint((points - origin) / spacing) * spacing
+    numbers = np.rint((points - origin) / spacing)
+    places = origin + numbers * spacing
+    if columns is not None:
+        places[:, 0] = origin[0] + columns[numbers[:, 0].astype(int)]
+    return places
+
+
+def columns_through(length: float, count: int, places: Sequence[float]) -> np.ndarray:
+    """Columns of nodes [m], from 0 to the length, each place [m] on the one nearest to it; shape (count + 1,).
+
+    Between places they are evenly spaced. A place without one, where elements would be less than half as long as the
+    mean, stays between columns.
+    """
+    kept, spacing = [(0, 0.0)], length / count
+    for place in sorted(places):
+        number, (before, start) = round(place / spacing), kept[-1]
+        if before < number < count and place - start >= 0.5 * spacing * (number - before):
+            kept.append((number, place))
+    numbers, stations = zip(*kept, (count, length), strict=True)
+    return np.interp(np.arange(count + 1), numbers, stations)
 
 
 def _geometry(
@@ -203,7 +223,13 @@ def _cell_sets(names: list[str], cells: list[tuple[str, Any]]) -> dict[str, list
     return {name: [b if i == j else none for j, b in enumerate(blocks)] for i, name in enumerate(names)}
 
 
-def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: str = "quad") -> meshio.Mesh:
+def plate_mesh(
+    length: float,
+    width: float,
+    elements: tuple[int, int],
+    cells: str = "quad",
+    hinges: Sequence[float] = (),
+) -> meshio.Mesh:
     """Mesh the plate with quadrilaterals, or triangles, in rows along its length.
 
     Parameters
@@ -215,6 +241,8 @@ def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: st
         Quadrilaterals along the length and across the width.
     cells : {"quad", "triangle"}
         With "triangle" each quadrilateral is cut in two.
+    hinges : sequence of float
+        Distances behind the front [m] onto which the nearest column of nodes is moved.
 
     Returns
     -------
@@ -222,6 +250,7 @@ def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: st
         Points [m], shape (nodes, 3). Groups: surface `plate`, lines `side_pe`, `side_kp`, `side_hk`, `side_eh`,
         vertices `corner_p`, `corner_e`, `corner_h`, `corner_k`.
     """
+    columns = columns_through(length, elements[0], [length - place for place in hinges]) if hinges else None
     return rectangle_mesh(
         "plate",
         origin=(-length, 0.0),
@@ -230,7 +259,35 @@ def plate_mesh(length: float, width: float, elements: tuple[int, int], cells: st
         corners=("corner_e", "corner_p", "corner_k", "corner_h"),
         sides=("side_pe", "side_kp", "side_hk", "side_eh"),
         cells=cells,
+        columns=columns,
     )
+
+
+def train_mesh(meshes: Sequence[meshio.Mesh], corners: np.ndarray) -> meshio.Mesh:
+    """Lay the plates of a train out as one mesh; no two of them share a node.
+
+    Parameters
+    ----------
+    meshes : sequence of meshio.Mesh
+        Of `plate_mesh`, from the first.
+    corners : ndarray, shape (plates, 2)
+        Places of their corners P [m].
+
+    Returns
+    -------
+    meshio.Mesh
+        Nodes and elements plate by plate. Groups: the first plate's, and those of plate 2 as `plate_2`, `side_pe_2`
+        and so on.
+    """
+    import meshio
+
+    names, cells, before = list[str](), list[Any](), 0
+    for number, mesh in enumerate(meshes, start=1):
+        names += [name if number == 1 else f"{name}_{number}" for name in mesh.cell_sets]
+        cells += [(block.type, block.data + before) for block in mesh.cells]
+        before += len(mesh.points)
+    points = [mesh.points + np.append(corner, 0.0) for mesh, corner in zip(meshes, corners, strict=True)]
+    return meshio.Mesh(np.concatenate(points), cells, cell_sets=_cell_sets(names, cells))
 
 
 def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, int]) -> meshio.Mesh:

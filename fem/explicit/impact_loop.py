@@ -6,6 +6,7 @@ import numpy as np
 
 from fem.explicit.measures import elastic_energies, motion, plate_forces
 from fem.explicit.time_loop import advance, react
+from fem.laws.hinges import add_impulses, describe_units, join
 from fem.laws.wall_contact import (
     BoundaryContact,
     ContactState,
@@ -35,6 +36,7 @@ class ImpactLoop(NamedTuple):
     time_step: float
     span: float  # [m], by which the origin follows the plate along the wall
     wall: Any  # ElasticWall; None for a rigid one
+    hinges: Any = None  # Hinges of a train; None for one plate
 
 
 class ImpactLoopState(NamedTuple):
@@ -42,7 +44,7 @@ class ImpactLoopState(NamedTuple):
 
     positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work done on the plate
     [J]; moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point. wall: a
-    `WallMotion`; None for a rigid one.
+    `WallMotion`; None for a rigid one. hinges: a `HingeState`; None for one plate.
     """
 
     positions: np.ndarray
@@ -51,10 +53,11 @@ class ImpactLoopState(NamedTuple):
     origin: np.ndarray
     contact: ContactState
     wall: Any
+    hinges: Any = None
 
 
 class ImpactMeasures(NamedTuple):
-    """The compiled record of an instant.
+    """The compiled record of an instant; a train's is that of all its plates.
 
     Attributes
     ----------
@@ -111,18 +114,21 @@ class ImpactMeasures(NamedTuple):
 class Rows(NamedTuple):
     """Arrays for the records, a row an instant: values, shape (rows, fields of `ImpactMeasures`); normal and tangential
     impulse [N s], depth behind the face and place along the wall [m] of each contact point, each of shape (rows,
-    points)."""
+    points); units, shape (rows, columns): of the plates and hinges of a train, see `fem.laws.hinges`."""
 
     values: np.ndarray
     normal: np.ndarray
     tangential: np.ndarray
     depth: np.ndarray
     place: np.ndarray
+    units: np.ndarray
 
 
 @implements(react, ImpactLoop, merged=True)
 def _react_by_contact(loop, state, lost, force):
     add_contact(loop, state, state.contact, state.wall, force)
+    join(loop.hinges, state.hinges, state.positions, state.velocities, loop.mass, loop.time_step, force)
+    add_impulses(loop.hinges, state.hinges, loop.time_step)
     state.sums[1] -= loop.time_step * lost
     return state.positions[0, loop.contact.nodes[0]]
 
@@ -146,6 +152,10 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
     normals = tangentials = stored = lost = 0.0
     push_back(loop, state, kept, moving, force)
+    hinged = state.hinges
+    join(loop.hinges, hinged, positions, velocities, loop.mass, loop.time_step, force)
+    units = rows.units[row]
+    describe_units(loop.hinges, hinged, state, force, loop.mass, loop.time_step, reference, units)
     for i in range(contact.mobility.size):
         normal, tangential = kept.pushing[i], kept.sliding[i]
         face, depth, opening, slip = approach(loop, state, i)

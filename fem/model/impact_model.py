@@ -5,6 +5,7 @@ deformable wall, from its mesh and properties.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from fem.plate.properties import (
     ModelError,
     PlateProperties,
     StepProperties,
+    UnitProperties,
     WallProperties,
 )
 
@@ -63,35 +65,94 @@ def build_impact_model(
         foundation or too many elements.
     """
     unit = plate_model.unit_plate(mesh, plate)
-    touching = wall_contact(unit.discretisation, unit.masses, plate, contact)
-    model = plate_model.unfinished_model(unit, plate, ImpactLoop, contact=touching, wall=None)
-    # Contact does not bound the step: fem.laws.unilateral.
+    every = np.arange(unit.masses.size)
+    touching = wall_contact([(unit.discretisation, every, contact)], unit.masses, plate)
+    return _finished(unit, touching, plate, step, wall)
+
+
+def build_train_model(
+    mesh: meshio.Mesh,
+    units: Sequence[UnitProperties],
+    step: StepProperties,
+    wall: WallProperties | None = None,
+) -> PlateModel:
+    """Assemble the model of a train, a plate a unit; the plates do not touch one another.
+
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+        Of all plates, plate by plate, the train being straight and the corner P of the first at the origin.
+    units : sequence of UnitProperties
+        From the first, two or more.
+    step : StepProperties
+        Time step and damping; elastic velocities cannot be damped.
+    wall : WallProperties or None
+        A deformable one; None for a rigid one.
+
+    Returns
+    -------
+    PlateModel
+        Its `loop` is an `ImpactLoop` with hinges.
+
+    Raises
+    ------
+    ModelError
+        As `build_impact_model`; where a hinge cannot be spread as asked for.
+    """
+    from fem.model.train_model import train_plate
+
+    unit, parts, hinges = train_plate(mesh, units)
+    touching = wall_contact(
+        [(*part, each.contact) for part, each in zip(parts, units, strict=True)], unit.masses, units[0].plate
+    )
+    densest = replace(units[0].plate, density=max(each.plate.density for each in units))
+    return _finished(unit, touching, densest, step, wall, hinges)
+
+
+def _finished(
+    unit: plate_model.UnitPlate,
+    contact: BoundaryContact,
+    plate: PlateProperties,
+    step: StepProperties,
+    wall: WallProperties | None,
+    hinges: Any = None,
+) -> PlateModel:
+    model = plate_model.unfinished_model(unit, plate, ImpactLoop, contact=contact, wall=None, hinges=hinges)
+    # Contact does not bound the step: fem.laws.unilateral. Nor do hinges: fem.laws.hinges.
     model = plate_model.with_time_step(model, spectrum.FREE, plate, step)
     return model if wall is None else with_wall(model, wall, step)
 
 
 def wall_contact(
-    discretisation: Discretisation,
+    parts: Sequence[tuple[Discretisation, np.ndarray, ContactProperties]],
     masses: np.ndarray,
     plate: PlateProperties,
-    contact: ContactProperties,
 ) -> BoundaryContact:
-    """Contact points with their law. A corner that crushes and has a layer is there twice.
+    """Contact points with their law, plate by plate. A corner that crushes and has a layer is there twice.
 
+    parts: of each plate its discretisation, its nodes in the model, and its contact; masses: of all nodes [kg].
     Raises ModelError where the patch of a corner does not lie on its side.
     """
-    boundary, lengths = boundary_of(discretisation)
-    points, count = [(np.array([node]), np.ones(1)) for node in boundary], len(boundary)
+    points, laws, contact = list[Any](), list[list[np.ndarray]](), parts[0][2]
+    for discretisation, every, own in parts:
+        boundary, lengths = boundary_of(discretisation)
+        found: list[Any] = [(np.array([node]), np.ones(1)) for node in boundary]
+        if own.law == "crush":
+            found, *crush = _crushing(discretisation.positions, boundary, lengths, own)
+            laws.append(crush)
+        points += [(every[nodes], weights) for nodes, weights in found]
+    count = len(points)
     if contact.law == "exact":
         law: Any = unilateral.ExactContact(count)
     elif contact.law == "penalty":
         stiffness = unilateral.penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
         law = unilateral.PenaltyContact(np.full(count, stiffness))
     elif contact.law == "crush":
-        points, law = _crushing(discretisation.positions, boundary, lengths, contact)
+        stiffnesses, initial = map(np.concatenate, zip(*laws, strict=True))
+        law = unilateral.Crush(stiffnesses, initial, contact.restitution**2)
     else:
         raise ValueError(f"there is no contact law {contact.law!r}")
-    nodes, weights = (np.concatenate(parts) for parts in zip(*points, strict=True))
+    nodes, weights = (np.concatenate(each) for each in zip(*points, strict=True))
     first = np.cumsum([0, *(len(point[0]) for point in points)])
     mobility = np.add.reduceat(weights**2 / masses[nodes], first[:-1])
     return BoundaryContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
@@ -110,8 +171,9 @@ def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]
 
 def _crushing(
     positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
-) -> tuple[list[Any], unilateral.Crush]:
-    """The corners, each a node or a patch of its side, and with a layer all nodes of the boundary.
+) -> tuple[list[Any], np.ndarray, np.ndarray]:
+    """The corners, each a node or a patch of its side, and with a layer all nodes of the boundary; stiffness [N/m] and
+    initial force [N] of each.
 
     Corners are front and rear on the side of the wall, then on the far side.
     """
@@ -124,7 +186,7 @@ def _crushing(
         points += [(np.array([node]), np.ones(1)) for node in boundary]
         stiffness = np.concatenate([stiffness, contact.side_stiffness * lengths])
         initial = np.concatenate([initial, np.zeros(len(boundary))])
-    return points, unilateral.Crush(stiffness, initial, contact.restitution**2)
+    return points, stiffness, initial
 
 
 def _corner(

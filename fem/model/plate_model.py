@@ -74,10 +74,20 @@ def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
 @lazy.cached("assembly")
 def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     d = discretise(mesh, plate.thickness, plate.element)
-    moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
+    return assembled(d, nodal_masses(d, plate), plate)
+
+
+def nodal_masses(d: Discretisation, plate: PlateProperties) -> np.ndarray:
+    """Masses of the nodes [kg], with the inertia that the plate is given. Raises ModelError."""
     masses = kinds.LUMPINGS[plate.lumping].masses(d.scalar, plate.density, plate.thickness)
     if plate.inertia is not None:
         masses = kinds.given_inertia_masses(d.positions, masses, plate.inertia)
+    return masses
+
+
+def assembled(d: Discretisation, masses: np.ndarray, plate: PlateProperties) -> UnitPlate:
+    """The plate of unit modulus with these nodal masses [kg]."""
+    moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
     stiffness: Any = stiffness_matrix(d.scalar, plate.thickness, moduli)
     hourglass = None
     if kinds.ELEMENT_KINDS[plate.element].hourglass:

@@ -17,7 +17,8 @@ class ModelError(ValueError):
     ----------
     wrong : str
         The property at fault, "elements", "patch_length" or "inertia", or one of the wall's: "wall.length",
-        "wall.elements" or "wall.foundation_stiffness"; also an attribute.
+        "wall.elements" or "wall.foundation_stiffness", or a trailer's by its number: "trailer.0.hitch_length"; also an
+        attribute.
     why : str
         The message.
     """
@@ -154,6 +155,32 @@ class ContactProperties:
     side_stiffness: float = 0.0
     penalty_scale: float = 1.0
     patch_length: float = 0.0
+
+
+@dataclass(frozen=True)
+class UnitProperties:
+    """A unit of a train, and the hinge by which it hangs on the unit ahead.
+
+    Attributes
+    ----------
+    mesh : meshio.Mesh
+        Of its plate in its own body frame.
+    plate : PlateProperties
+        Thickness, modulus, material and element are those of the first unit; the density is its own.
+    contact : ContactProperties
+        The law, its restitution and friction are those of the first unit; the stiffness is its own.
+    hitch, kingpin : float
+        The hinge, behind the front of the unit ahead and behind its own [m]; of the first unit without meaning.
+    hitch_length : float
+        Of the middle line of both, over which the hinge is spread [m]; 0 for a point.
+    """
+
+    mesh: meshio.Mesh
+    plate: PlateProperties
+    contact: ContactProperties
+    hitch: float = 0.0
+    kingpin: float = 0.0
+    hitch_length: float = 0.0
 
 
 @dataclass(frozen=True)

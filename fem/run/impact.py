@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem.explicit import impact_loop
+from fem.laws.hinges import HINGE, UNIT, unloaded
 from fem.laws.wall_contact import ContactState
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
@@ -48,10 +49,17 @@ class ImpactRun:
         plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
     points : ndarray, shape (2, contact points)
         Places in the body frame [m]; a corner that crushes and has a layer is there twice.
+    unit : ndarray, shape (contact points,)
+        Number of the plate that each is of.
     normal, tangential : ndarray, shape (rows, contact points)
         Force on each, likewise [N].
     depth, place : ndarray, shape (rows, contact points)
         Behind the wall's face, and along the wall [m].
+    units : tuple of dict of ndarray, shape (rows,)
+        Rigid motion of each plate of a train by the names of `fem.laws.hinges.UNIT`; empty for one plate.
+    hinges : tuple of dict of ndarray, shape (rows,)
+        Of each hinge force_x and force_y [N] of the plate behind on the one ahead, means since the row before, and
+        angle, theta of the one behind less that of the one ahead [rad].
     steps : int
         Time steps taken.
     time_loop_s : float
@@ -64,10 +72,13 @@ class ImpactRun:
 
     history: dict[str, np.ndarray]
     points: np.ndarray
+    unit: np.ndarray
     normal: np.ndarray
     tangential: np.ndarray
     depth: np.ndarray
     place: np.ndarray
+    units: tuple[dict[str, np.ndarray], ...]
+    hinges: tuple[dict[str, np.ndarray], ...]
     steps: int
     time_loop_s: float = np.nan
     highest_frequency: float = np.nan
@@ -95,7 +106,8 @@ class ImpactStepper(runner.PlateStepper):
 
             wall = wall_contact.at_rest(self.loop.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
-        return impact_loop.ImpactLoopState(positions, velocities, np.zeros(3), np.zeros(1), contact, wall)
+        sums, origin, hinges = np.zeros(3), np.zeros(1), unloaded(self.loop.hinges)
+        return impact_loop.ImpactLoopState(positions, velocities, sums, origin, contact, wall, hinges)
 
     @property
     def points(self) -> np.ndarray:
@@ -105,9 +117,23 @@ class ImpactStepper(runner.PlateStepper):
             contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
         )
 
+    @property
+    def unit(self) -> np.ndarray:
+        """Number of the plate that each contact point is of, shape (points,)."""
+        contact, hinges = self.loop.contact, self.loop.hinges
+        nodes = contact.nodes[contact.first[:-1]]
+        return np.zeros(nodes.size, dtype=int) if hinges is None else np.asarray(hinges.unit[nodes])
+
     def _room(self, count: int) -> impact_loop.Rows:
-        sizes = (len(impact_loop.ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,))
+        hinges = 0 if self.loop.hinges is None else len(self.loop.hinges.inertia)
+        units = len(UNIT) * (hinges + 1) + len(HINGE) * hinges if hinges else 0
+        sizes = (len(impact_loop.ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,), units)
         return impact_loop.Rows(*(np.empty((count, size)) for size in sizes))
+
+    def parts(self, rows: np.ndarray) -> tuple[np.ndarray, ...]:
+        """The fields of `Rows`, from rows that hold them side by side."""
+        ends = np.cumsum([part.shape[1] for part in self._room(0)])
+        return tuple(np.split(rows, ends[:-1], axis=1))
 
     def record(self, state: impact_loop.ImpactLoopState, stride: int, count: int) -> runner.Recorded:
         """So many rows from a state on, which stays as it is, `stride` steps apart: the fields of `Rows` side by side.
@@ -205,8 +231,7 @@ def simulate_impact(
 
 def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     """The rows so far, impulses as mean forces since the row before; the first row, before any, has none."""
-    fields = len(impact_loop.ImpactMeasures._fields)
-    values, (normal, tangential, depth, place) = rows[:, :fields], np.split(rows[:, fields:], 4, axis=1)
+    values, normal, tangential, depth, place, units = stepper.parts(rows)
     interval = stride * stepper.loop.time_step
     history = {"t": interval * np.arange(len(values))}
     history |= dict(zip(impact_loop.ImpactMeasures._fields, values.T, strict=True))
@@ -215,4 +240,24 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
     history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
     steps = stride * (len(values) - 1)
-    return ImpactRun(history, stepper.points, push, drag, depth, place, steps)
+    motions, hinges = _of_train(units, interval)
+    return ImpactRun(history, stepper.points, stepper.unit, push, drag, depth, place, motions, hinges, steps)
+
+
+def _of_train(rows: np.ndarray, interval: float) -> tuple[Any, Any]:
+    """Motions of the plates of a train, and its hinges, by the columns of their rows."""
+    if not rows.shape[1]:
+        return (), ()
+    count = (rows.shape[1] + len(HINGE)) // (len(UNIT) + len(HINGE))
+    split = len(UNIT) * count
+    motions = [dict(zip(UNIT, each, strict=True)) for each in rows[:, :split].T.reshape(count, len(UNIT), -1)]
+    for motion in motions:
+        motion["theta"] = np.unwrap(motion["theta"])
+    forces = np.diff(rows[:, split:].T, prepend=0.0) / interval
+    hinges = [
+        {"force_x": force_x, "force_y": force_y, "angle": behind["theta"] - ahead["theta"]}
+        for (force_x, force_y), ahead, behind in zip(
+            forces.reshape(-1, 2, len(rows)), motions, motions[1:], strict=False
+        )
+    ]
+    return tuple(motions), tuple(hinges)

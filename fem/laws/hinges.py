@@ -1,0 +1,131 @@
+"""Hinges between the plates of a train, and the rigid motion of each plate; compiled.
+
+A hinge joins a point of a plate to a point of the next, each a node or the weighted mean of some. Its force ends every
+step with both in one place: a constraint by forward-increment multipliers (Carpenter, Taylor and Katona, Int. J. Numer.
+Meth. Eng. 32, 1991). Two nodes then move as one that carries both masses, and no energy goes into a hinge, for its gap
+is zero at every instant. A constraint lowers frequencies, so that no hinge bounds the time step.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.machine_code.compiled import implements, optional
+
+UNIT = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
+"""Columns of the rigid motion of a plate, as those of `ImpactMeasures`."""
+
+HINGE = ("impulse_x", "impulse_y")
+"""Columns of a hinge: impulse of the plate behind on the one ahead since the start [N s]."""
+
+SUMS = 11
+
+
+@optional(merged=True)
+def join(hinges, kept, positions, velocities, mass, time_step, force):
+    """Add the forces of the hinges to `force`, which must hold all others, and note them in `kept`."""
+
+
+@optional(merged=True)
+def add_impulses(hinges, kept, time_step):
+    """Add the impulses of the hinges over a step."""
+
+
+@optional(merged=True)
+def describe_units(hinges, kept, state, force, mass, time_step, reference, row):
+    """Fill a row with the columns `UNIT` of each plate and `HINGE` of each hinge, `force` being complete."""
+
+
+class Hinges(NamedTuple):
+    """Hinges of a train.
+
+    first, shape (hinges + 1,): where each hinge's nodes and weights begin in `nodes` and `weights`; those of the plate
+    behind are negative; inertia, shape (hinges, hinges): inverse of the mobilities of the gaps [kg]; unit, shape (all
+    nodes,): number of each node's plate.
+    """
+
+    first: np.ndarray
+    nodes: np.ndarray
+    weights: np.ndarray
+    inertia: np.ndarray
+    unit: np.ndarray
+
+
+class HingeState(NamedTuple):
+    """State of the hinges: impulse on the plate ahead [N s] and, workspace, its force in the last step [N] and gap [m],
+    each of shape (2, hinges); sums over the nodes of each plate, workspace, shape (units, SUMS)."""
+
+    impulse: np.ndarray
+    force: np.ndarray
+    gap: np.ndarray
+    sums: np.ndarray
+
+
+def unloaded(hinges: Any) -> HingeState | None:
+    """The hinges before any force; None without any."""
+    if hinges is None:
+        return None
+    count = len(hinges.inertia)
+    impulse, force, gap = np.zeros((3, 2, count))
+    return HingeState(impulse, force, gap, np.zeros((count + 1, SUMS)))
+
+
+@implements(join, Hinges, merged=True)
+def _join(hinges, kept, positions, velocities, mass, time_step, force):
+    count = hinges.inertia.shape[0]
+    for axis in range(2):
+        x, v, f = positions[axis], velocities[axis], force[axis]
+        for h in range(count):
+            gap = 0.0
+            for k in range(hinges.first[h], hinges.first[h + 1]):
+                i = hinges.nodes[k]
+                gap += hinges.weights[k] * (x[i] + time_step * (v[i] + time_step * f[i] / mass[i]))
+            kept.gap[axis, h] = gap
+        for h in range(count):
+            closing = 0.0
+            for other in range(count):
+                closing -= hinges.inertia[h, other] * kept.gap[axis, other]
+            kept.force[axis, h] = closing / time_step**2
+            for k in range(hinges.first[h], hinges.first[h + 1]):
+                f[hinges.nodes[k]] += hinges.weights[k] * kept.force[axis, h]
+
+
+@implements(add_impulses, Hinges, merged=True)
+def _add_impulses(hinges, kept, time_step):
+    for axis in range(2):
+        for h in range(hinges.inertia.shape[0]):
+            kept.impulse[axis, h] += time_step * kept.force[axis, h]
+
+
+@implements(describe_units, Hinges)
+def _describe_units(hinges, kept, state, force, mass, time_step, reference, row):
+    sums, half = kept.sums, 0.5 * time_step
+    x, y, v_x, v_y = state.positions[0], state.positions[1], state.velocities[0], state.velocities[1]
+    sums[:] = 0.0
+    for i in range(mass.size):
+        m, p, q, total = mass[i], reference[0, i], reference[1, i], sums[hinges.unit[i]]
+        u, v = v_x[i] + half * force[0, i] / m, v_y[i] + half * force[1, i] / m
+        total[0] += m
+        total[1] += m * x[i]
+        total[2] += m * y[i]
+        total[3] += m * u
+        total[4] += m * v
+        total[5] += m * p
+        total[6] += m * q
+        total[7] += m * (p * x[i] + q * y[i])
+        total[8] += m * (p * y[i] - q * x[i])
+        total[9] += m * (x[i] * v - y[i] * u)
+        total[10] += m * (x[i] * x[i] + y[i] * y[i])
+    for number in range(sums.shape[0]):
+        m, s = sums[number, 0], sums[number] / sums[number, 0]
+        cosine = s[7] - s[5] * s[1] - s[6] * s[2]
+        sine = s[8] - s[5] * s[2] + s[6] * s[1]
+        unit = row[len(UNIT) * number :]
+        unit[0], unit[1], unit[2] = state.origin[0] + s[1], s[2], -math.atan2(sine, cosine)
+        unit[3] = (s[9] - s[1] * s[4] + s[2] * s[3]) / (s[10] - s[1] * s[1] - s[2] * s[2])
+        unit[4], unit[5] = s[3], s[4]
+    for h in range(hinges.inertia.shape[0]):
+        for axis in range(2):
+            place = len(UNIT) * sums.shape[0] + len(HINGE) * h + axis
+            row[place] = kept.impulse[axis, h] + half * kept.force[axis, h]

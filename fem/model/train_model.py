@@ -1,0 +1,114 @@
+"""The plates of a train as one: their masses and nodes in the mesh of them all, and the hinges between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.laws.hinges import Hinges
+from fem.model import plate_model
+from fem.plate.discretisation import Discretisation, discretise
+from fem.plate.properties import ModelError, UnitProperties
+
+if TYPE_CHECKING:
+    import meshio
+
+
+def train_plate(
+    mesh: meshio.Mesh, units: Sequence[UnitProperties]
+) -> tuple[plate_model.UnitPlate, list[tuple[Discretisation, np.ndarray]], Hinges]:
+    """The plates of a train as one of unit modulus; of each its discretisation and its nodes in that one; the hinges.
+
+    mesh: of all plates, plate by plate. Raises ModelError where a mesh cannot carry the inertia or a hinge.
+    """
+    first = units[0].plate
+    whole = discretise(mesh, first.thickness, first.element)
+    masses, parts, begin = np.empty(whole.positions.shape[1]), list[tuple[Discretisation, np.ndarray]](), 0
+    for unit in units:
+        own = discretise(unit.mesh, first.thickness, first.element)
+        dofs = own.scalar.element_dofs
+        nodes = np.empty(own.positions.shape[1], dtype=np.int64)
+        nodes[dofs] = whole.scalar.element_dofs[:, begin : begin + dofs.shape[1]]
+        masses[nodes] = plate_model.nodal_masses(own, unit.plate)
+        parts.append((own, nodes))
+        begin += dofs.shape[1]
+    return plate_model.assembled(whole, masses, first), parts, _hinges(units, parts, masses)
+
+
+def _hinges(
+    units: Sequence[UnitProperties], parts: list[tuple[Discretisation, np.ndarray]], masses: np.ndarray
+) -> Hinges:
+    nodes, weights = list[np.ndarray](), list[np.ndarray]()
+    for number, (ahead, behind, unit) in enumerate(zip(parts, parts[1:], units[1:], strict=False)):
+        try:
+            for (own, places), at, sign in ((ahead, unit.hitch, 1.0), (behind, unit.kingpin, -1.0)):
+                found, weight = hinge_weights(own.positions, at, unit.hitch_length)
+                nodes.append(places[found])
+                weights.append(sign * weight)
+        except ValueError as error:
+            raise ModelError(f"trailer.{number}.hitch_length", str(error)) from None
+    gaps = np.zeros((len(units) - 1, masses.size))
+    for k, (i, w) in enumerate(zip(nodes, weights, strict=True)):
+        gaps[k // 2, i] = w
+    numbers = np.empty(masses.size, dtype=np.int64)
+    for number, (_, places) in enumerate(parts):
+        numbers[places] = number
+    first = np.cumsum([0, *(len(one) + len(two) for one, two in zip(nodes[::2], nodes[1::2], strict=True))])
+    inertia = np.linalg.inv(gaps / masses @ gaps.T)
+    return Hinges(first, np.concatenate(nodes), np.concatenate(weights), inertia, numbers)
+
+
+def hinge_weights(positions: np.ndarray, place: float, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of a hinge on the middle line of a plate.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (2, nodes)
+        In the plate's body frame [m].
+    place : float
+        Of the hinge, behind the front [m]; outside the plate the nodes nearest to it are extrapolated.
+    length : float
+        Of the middle line over which it is spread, on both sides as far as there is plate [m]; 0 for a point.
+
+    Returns
+    -------
+    nodes, weights : ndarray
+        Whose mean is the hinge in every rigid motion: the nodes' parts of the linear w(s) that has the integral 1 and
+        its first moment at the hinge. A point on a node has that node alone.
+
+    Raises
+    ------
+    ValueError
+        For a length that is not between an element and the plate.
+    """
+    middle = np.abs(positions[1] - 0.5 * positions[1].max())
+    row = np.flatnonzero(middle < middle.min() + 1e-9 * middle.max())  # or both beside it
+    _, column, number = np.unique(np.round(-positions[0, row], 9), return_inverse=True, return_counts=True)
+    s = np.bincount(column, -positions[0, row]) / number
+    weights = (_parts(s, place, length) / number)[column]
+    used = np.abs(weights) > 1e-12
+    return row[used], weights[used] / weights[used].sum()
+
+
+def _parts(s: np.ndarray, place: float, length: float) -> np.ndarray:
+    """Parts of nodes in a line, s [m], in the load of a hinge; two Gauss points are exact for it times a hat."""
+    points, loads = np.array([place]), np.ones(1)
+    if length > 0.0:
+        if not np.diff(s).max() <= length * (1.0 + 1e-9) <= (s[-1] - s[0]) * (1.0 + 2e-9):
+            raise ValueError(
+                f"a hinge over {length:g} m does not lie between {np.diff(s).max():g} m, an element, "
+                f"and {s[-1] - s[0]:g} m"
+            )
+        begin = float(np.clip(place - 0.5 * length, s[0], s[-1] - length))
+        inner = s[(s > begin) & (s < begin + length)]
+        cuts = np.concatenate([[begin], inner, [begin + length]])
+        half = 0.5 * np.diff(cuts)
+        points = (cuts[:-1] + half + np.outer([-1.0, 1.0], half) / np.sqrt(3.0)).ravel()
+        middle = begin + 0.5 * length
+        loads = np.tile(half, 2) / length * (1.0 + 12.0 * (place - middle) * (points - middle) / length**2)
+    before = np.clip(np.searchsorted(s, points, side="right") - 1, 0, s.size - 2)
+    ahead = (points - s[before]) / (s[before + 1] - s[before])
+    parts = np.bincount(before, loads * (1.0 - ahead), s.size)
+    return parts + np.bincount(before + 1, loads * ahead, s.size)

@@ -1,0 +1,303 @@
+"""Verification: trains of FE plates: hinges that are one node of both masses, free flight, conservation, limits of
+their masses, and the rigid train, which they come to as 1/E."""
+
+import functools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.explicit.impact_loop import ImpactMeasures
+from fem.laws.friction import Drag
+from fem.model.impact_model import build_impact_model, build_train_model
+from fem.model.train_model import hinge_weights
+from fem.plate.properties import (
+    ContactProperties,
+    Inertia,
+    ModelError,
+    PlateProperties,
+    StepProperties,
+    UnitProperties,
+)
+from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
+from fem.start.inertia_relief import internal_forces
+from meshes import plate_mesh, train_mesh
+from solver.impact import (
+    CrushLaw,
+    ImpactVehicle,
+    WallContact,
+    first_touch,
+    solve_trains,
+    strikes_of,
+    train_of,
+)
+
+TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
+TRAILER = ImpactVehicle(14.6, 2.59, 27770.0, 8.0, 497057.0)
+HINGE = (5.6, 0.9)
+ANGLE, SPEED, MU = math.radians(15.0), 22.35, 0.47
+TOUCH = FirstTouch(ANGLE, SPEED * math.cos(ANGLE), -SPEED * math.sin(ANGLE))
+COUNTS = ((8, 4), (16, 4))
+
+
+def train(
+    vehicles=(TRACTOR, TRAILER),
+    hinges=(HINGE,),
+    counts=COUNTS,
+    hitch_length=0.0,
+    modulus=2e11,
+    element="quad4",
+):
+    """The model of a train and the properties of its units."""
+    units, corners, x = [], [], 0.0
+    for number, (vehicle, mesh) in enumerate(zip(vehicles, counts, strict=True)):
+        hitch, kingpin = hinges[number - 1] if number else (0.0, 0.0)
+        x += kingpin - hitch
+        corners.append((x, 0.5 * (vehicles[0].width - vehicle.width)))
+        places = [kingpin] * (number > 0) + [ahead for ahead, _ in hinges[number : number + 1]]
+        made = plate_mesh(vehicle.length, vehicle.width, mesh, hinges=places)
+        density = vehicle.mass / (vehicle.length * vehicle.width * 0.05)
+        inertia = Inertia(vehicle.front_distance, vehicle.inertia)
+        plate = PlateProperties(0.05, density, modulus, 0.3, element=element, inertia=inertia)
+        contact = ContactProperties(Drag(MU), "crush", 2e6, 0.0, 0.22)
+        units.append(UnitProperties(made, plate, contact, hitch, kingpin, hitch_length))
+    whole = train_mesh([unit.mesh for unit in units], np.array(corners))
+    return build_train_model(whole, units, StepProperties()), units
+
+
+@functools.cache
+def struck(until=1.0, **given):
+    model, _ = train(**given)
+    return model, simulate_impact(model, TOUCH, 2e-4, until)
+
+
+def corner_strikes(run):
+    """Strikes by the number of the corner point."""
+    forces = {k: run.normal[1:, k] for k in range(run.normal.shape[1]) if run.normal[:, k].any()}
+    return strikes_of(run.history["t"], forces)
+
+
+def test_a_column_of_nodes_moves_onto_each_hinge_and_none_is_a_sliver():
+    mesh = plate_mesh(14.6, 2.59, (22, 4), hinges=(0.9, 13.0))
+    for hinge in (0.9, 13.0):
+        assert (np.abs(mesh.points[:, :2] - (-hinge, 1.295)).max(axis=1) < 1e-12).sum() == 1
+    for hinges in ((0.9, 13.0), (0.01,), (14.6,), (5.0, 5.1), (0.34, 0.67), (-2.0,)):
+        columns = np.unique(plate_mesh(14.6, 2.59, (22, 4), hinges=hinges).points[:, 0])
+        widths = np.diff(columns) * 22 / 14.6
+        assert (columns.size, columns[0], columns[-1]) == (23, -14.6, 0.0)
+        assert (widths.min() > 0.499, widths.max() < 1.501) == (True, True)
+
+
+@pytest.mark.parametrize("length", [0.0, 1.0, 4.0])
+@pytest.mark.parametrize("place", [0.9, 0.01, 14.6, 7.123, -3.0])
+@pytest.mark.parametrize(("counts", "element"), [((22, 4), "quad4"), ((21, 3), "quad4"), ((12, 3), "quad9")])
+def test_the_mean_of_a_hinge_is_the_hinge_in_every_rigid_motion(counts, element, place, length):
+    vehicle = replace(TRAILER, width=2.44)
+    model, _ = train((vehicle, TRACTOR), ((1.0, 1.0),), (counts, (8, 4)), element=element)
+    own = model.discretisation.positions[:, model.loop.hinges.unit == 0]
+    if length and length < 14.6 / counts[0] * 1.5:
+        length = 1.5
+    nodes, weights = hinge_weights(own, place, length)
+    assert weights.sum() == pytest.approx(1.0, abs=1e-12)
+    assert own[:, nodes] @ weights == pytest.approx((-place, 1.22), abs=1e-10)
+
+
+def test_a_hinge_on_a_node_has_that_node_alone():
+    hinges = train()[0].loop.hinges
+    assert (hinges.first.tolist(), hinges.weights.tolist()) == ([0, 2], [1.0, -1.0])
+    positions = train()[0].discretisation.positions[:, hinges.nodes]
+    assert positions[:, 0] == pytest.approx(positions[:, 1], abs=1e-12)
+
+
+def test_a_hinge_longer_than_a_unit_or_shorter_than_an_element_is_refused():
+    for length in (0.2, 7.0):
+        with pytest.raises(ModelError, match="does not lie between") as caught:
+            train(hitch_length=length)
+        assert caught.value.wrong == "trailer.0.hitch_length"
+
+
+def spinning(model, spins, hinges=(HINGE,)):
+    """A straight train far from the wall, each unit turning about the hinge ahead of it, in order of the units."""
+    stepper = ImpactStepper(model)
+    state = stepper.at_touch(FirstTouch(0.0, 3.0, 1.0))
+    state.positions[1] += 50.0
+    x, v_y, velocities = -hinges[0][0], 1.0, state.velocities
+    for number, spin in enumerate(spins):
+        own = model.loop.hinges.unit == number
+        arm = state.positions[:, own] - [[x], [51.22]]
+        velocities[0, own], velocities[1, own] = 3.0 - spin * arm[1], v_y + spin * arm[0]
+        if 0 < number < len(hinges):
+            v_y -= spin * (hinges[number][0] - hinges[number - 1][1])
+            x -= hinges[number][0] - hinges[number - 1][1]
+    return stepper, state
+
+
+def test_the_hinge_is_a_node_that_carries_both_masses():
+    """Against central differences with one unknown for both nodes, written out."""
+    model, _ = train(counts=((4, 2), (16, 2)))
+    stepper, state = spinning(model, (0.4, -0.3))
+    one, other = model.loop.hinges.nodes
+    mass, dt = model.loop.mass.copy(), model.loop.time_step
+    mass[[one, other]] = mass[one] + mass[other]
+    x, v = state.positions.copy(), state.velocities.copy()
+    v[:, other] = v[:, one]
+    for _ in range(200):
+        force = -internal_forces(model, x)
+        force[:, [one, other]] = (force[:, one] + force[:, other])[:, None]
+        v += dt * force / mass
+        x += dt * v
+    later = stepper.record(state, 200, 1).state
+    shift = later.origin[0]
+    assert later.positions[0] + shift == pytest.approx(x[0], abs=1e-11)
+    assert later.positions[1] == pytest.approx(x[1], abs=1e-11)
+
+
+@pytest.mark.parametrize("hitch_length", [0.0, 2.0])
+def test_free_flight_of_three_units(hitch_length):
+    """Momentum, angular momentum and energy stay, hinges stay closed, and each moves its unit as its force asks for."""
+    vehicles, hinges = (TRACTOR, TRAILER, TRAILER), (HINGE, (13.0, 1.2))
+    model, _ = train(vehicles, hinges, ((8, 4), (16, 4), (16, 4)), hitch_length)
+    stepper, state = spinning(model, (0.4, -0.3, 0.2), hinges)
+    interval = 40 * model.loop.time_step
+    end = stepper.record(state, 40, 500)
+    values, *_, units = stepper.parts(end.rows)
+    fields = dict(zip(ImpactMeasures._fields, values.T, strict=True))
+    for name in ("v_gx", "v_gy", "angular_momentum"):
+        assert fields[name] == pytest.approx(np.full(500, fields[name][0]), rel=1e-11)
+    energy = fields["kinetic_energy"] + fields["strain_energy"]
+    assert energy == pytest.approx(np.full(500, energy[0]), rel=1e-5)
+    ties = model.loop.hinges
+    gaps = np.add.reduceat(ties.weights * end.state.positions[:, ties.nodes], ties.first[:-1], axis=1)
+    assert np.abs(gaps).max() < 1e-11
+    motions, impulses = units[:, :18].reshape(-1, 3, 6), units[:, 18:].reshape(-1, 2, 2)
+    gains = np.diff(motions[:, :, 4:], axis=0) * [[v.mass] for v in vehicles]
+    pushes = np.diff(impulses, axis=0)
+    scale = np.abs(pushes).max()
+    for number, push in enumerate((pushes[:, 0], pushes[:, 1] - pushes[:, 0], -pushes[:, 1])):
+        assert gains[:, number] == pytest.approx(push, abs=1e-9 * scale)
+    reduced = TRACTOR.mass * 2.0 * TRAILER.mass / (TRACTOR.mass + 2.0 * TRAILER.mass)
+    behind = motions[:, 1:, 4:].mean(axis=1)
+    apart = np.diff(motions[:, 0, 4:] - behind, axis=0) / interval
+    assert pushes[:, 0] / interval == pytest.approx(reduced * apart, abs=1e-9 * scale / interval)
+
+
+def test_a_stiff_train_spins_as_the_rigid_one():
+    """Angles after half a second in free flight; what is left goes with 1/E."""
+    a, b = HINGE[0] - TRACTOR.front_distance, TRAILER.front_distance - HINGE[1]
+    rigid = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [HINGE])
+    state = [[[a, 50.0, 0.0, 3.0, 1.0 + 0.4 * a, 0.4], [-b, 50.0, 0.0, 3.0, 1.0 + 0.3 * b, -0.3]]]
+    expected = solve_trains(rigid, np.array(state), end=0.5, step=1e-4).state[0, :, 2]
+    errors = []
+    for modulus in (2e9, 2e10):
+        model, _ = train(modulus=modulus, counts=((4, 2), (8, 2)))
+        stepper, start = spinning(model, (0.4, -0.3))
+        steps = round(0.5 / model.loop.time_step)
+        *_, units = stepper.parts(stepper.record(start, steps, 1).rows)
+        own = steps * model.loop.time_step / 0.5
+        errors.append(np.abs(units[0].reshape(-1)[[2, 8]] / own - expected).max())
+    assert errors[1] < 2e-4
+    assert errors[1] < 0.2 * errors[0]
+
+
+@pytest.mark.parametrize("hitch_length", [0.0, 2.0])
+def test_momentum_energy_and_no_pull_of_a_train(hitch_length):
+    model, run = struck(hitch_length=hitch_length)
+    h, scale = run.history, model.mass * SPEED
+    assert np.abs(model.mass * (h["v_gx"] - TOUCH.v_x) - h["tangential_impulse"]).max() < 1e-12 * scale
+    assert np.abs(model.mass * (h["v_gy"] - TOUCH.v_y) - h["normal_impulse"]).max() < 1e-12 * scale
+    turned = h["angular_momentum"] - h["moment_impulse"]
+    assert np.abs(turned - turned[0]).max() < 1e-12 * np.abs(h["angular_momentum"]).max()
+    held = sum(h[name] for name in ("kinetic_energy", "strain_energy", "contact_energy", "crush_energy"))
+    balance = held - h["friction_work"]
+    assert np.abs(balance / balance[0] - 1.0).max() < 1e-5
+    assert run.normal.min() >= 0.0
+    masses = np.array([TRACTOR.mass, TRAILER.mass])
+    both = np.array([unit["v_gy"] for unit in run.units])
+    assert masses @ both / model.mass == pytest.approx(h["v_gy"], abs=1e-12 * SPEED)
+    assert run.hinges[0]["angle"] == pytest.approx(run.units[1]["theta"] - run.units[0]["theta"], abs=0.0)
+
+
+def test_units_have_the_masses_centres_and_inertias_that_are_given():
+    model, _ = train()
+    for number, vehicle in enumerate((TRACTOR, TRAILER)):
+        own = model.loop.hinges.unit == number
+        masses, (x, y) = model.loop.mass[own], model.discretisation.positions[:, own]
+        front = 0.0 if number == 0 else HINGE[1] - HINGE[0]
+        assert masses.sum() == pytest.approx(vehicle.mass, rel=1e-12)
+        assert masses @ x / vehicle.mass == pytest.approx(front - vehicle.front_distance, rel=1e-10)
+        assert masses @ y / vehicle.mass == pytest.approx(1.22, rel=1e-10)
+        about = (x - front + vehicle.front_distance) ** 2 + (y - 1.22) ** 2
+        assert masses @ about == pytest.approx(vehicle.inertia, rel=1e-9)
+
+
+def rigid_strikes(until):
+    """Rows of unit and corner, start, end, peak, impulse."""
+    first = first_touch(TRACTOR, ANGLE, SPEED)
+    x = HINGE[0] - TRACTOR.front_distance + TRAILER.front_distance - HINGE[1]
+    place = first.x_g - x * math.cos(ANGLE), first.y_g + x * math.sin(ANGLE)
+    moving = ANGLE, first.v_gx, first.v_gy, 0.0
+    states = np.array([[[first.x_g, first.y_g, *moving], [*place, *moving]]])
+    model = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(2e6, 0.0, 0.22), MU), [HINGE])
+    rows = solve_trains(model, states, end=until, strikes=8, step=2e-5).strikes[0]
+    return rows[np.argsort(rows[:, 1])]
+
+
+def impulse_errors(modulus, until, count, counts=COUNTS):
+    """Relative errors of the first impulses against the rigid train."""
+    rigid = rigid_strikes(until)[:count]
+    strikes = corner_strikes(struck(until, modulus=modulus, counts=counts)[1])[:count]
+    assert [strike.corner for strike in strikes] == rigid[:, 0].tolist()
+    return np.array([strike.impulse for strike in strikes]) / rigid[:, 4] - 1.0
+
+
+def test_a_train_comes_to_the_rigid_one():
+    """Two strikes; the error goes with 1/E."""
+    soft, stiff = (impulse_errors(modulus, 0.35, 2) for modulus in (2e11, 8e11))
+    assert np.abs(soft).max() < 8e-3
+    assert stiff / soft == pytest.approx(np.full(2, 0.25), rel=0.2)
+    assert np.abs((4.0 * stiff - soft) / 3.0).max() < 3e-4
+
+
+@pytest.mark.long
+def test_five_strikes_at_20_gpa_200_gpa_and_2_tpa():
+    errors = np.array(
+        [impulse_errors(modulus, 0.95, 5, ((16, 6), (34, 6))) for modulus in (2e10, 2e11, 2e12)]
+    )
+    assert (np.abs(errors[1:]) < 0.3 * np.abs(errors[:-1])).all()
+    assert np.abs((10.0 * errors[2] - errors[1]) / 9.0).max() < 5e-4
+
+
+def test_a_trailer_without_mass_changes_nothing():
+    """The error goes with the mass, and with it to nothing."""
+    mesh = plate_mesh(6.9, 2.44, (8, 4), hinges=(5.6,))
+    density = TRACTOR.mass / (6.9 * 2.44 * 0.05)
+    plate = PlateProperties(0.05, density, 2e11, 0.3, inertia=Inertia(2.9, 34621.0))
+    contact = ContactProperties(Drag(MU), "crush", 2e6, 0.0, 0.22)
+    single = build_impact_model(mesh, plate, contact, StepProperties(longest=1e-5))
+    expected = corner_strikes(simulate_impact(single, TOUCH, 2e-4, 0.1))[0].impulse
+    errors = []
+    for mass in (82.0, 8.2):
+        light = ImpactVehicle(14.6, 2.44, mass, 8.0, mass * 17.9)
+        found = corner_strikes(struck(0.1, vehicles=(TRACTOR, light))[1])[0].impulse
+        errors.append(found / expected - 1.0)
+    assert errors[1] == pytest.approx(0.1 * errors[0], rel=0.05)
+    assert abs(errors[1]) < 1e-3
+
+
+def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
+    """It does not turn, and its inertia plays no part while nothing touches it: what is left is flexibility."""
+    box = [ImpactVehicle(4.0, 0.5, 27770.0, 2.0, inertia) for inertia in (3e4, 5e4)]
+    found = [
+        struck(0.1, vehicles=(TRACTOR, each), hinges=((5.6, 2.0),), counts=((8, 4), (8, 2)), modulus=2e12)
+        for each in box
+    ]
+    impulses = [corner_strikes(run)[0].impulse for _, run in found]
+    assert impulses[0] == pytest.approx(impulses[1], rel=1e-4)
+    for _, run in found:
+        assert np.abs(run.units[1]["omega"]).max() < 1e-3 * np.abs(run.units[0]["omega"]).max()
+
+
+@pytest.mark.long
+def test_peaks_and_impulses_of_a_soft_train_converge_where_its_hinge_is_spread():
+    """Corners and hinge spread over 2 m, on 1, 2 and 4 times the elements each way."""
