@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from html import escape
 from importlib import import_module
 from itertools import chain
@@ -24,6 +26,7 @@ from tailslap.files.folder import result_folder
 from tailslap.files.manifest import Origin
 
 if TYPE_CHECKING:
+    import pandas
     import pyvista
 
     from postprocess.fields.series import FieldSeries
@@ -55,9 +58,8 @@ def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fi
     return fill
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class Columns(Mapping[str, np.ndarray]):
-    """A history or another table: arrays by the names of its columns.
+class Columns(dict[str, np.ndarray]):
+    """A history or another table: arrays by the names of its columns; `pandas.DataFrame` takes it as it is.
 
     Parameters
     ----------
@@ -69,29 +71,34 @@ class Columns(Mapping[str, np.ndarray]):
     Examples
     --------
     >>> history = Columns({"t": np.array([0.0, 0.1])}, {"t": "s"})
-    >>> history["t"].max(), history.units["t"]
+    >>> history["t"].max(), history.attrs["units"]["t"]
     (np.float64(0.1), 's')
     """
 
-    arrays: Mapping[str, np.ndarray]
-    units: Mapping[str, str] = field(default_factory=dict)
+    def __init__(self, arrays: Mapping[str, np.ndarray], units: Mapping[str, str] | None = None) -> None:
+        super().__init__(arrays)
+        self.attrs = {"units": dict(units or {})}
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.arrays[name]
+    def __missing__(self, name: str) -> np.ndarray:
+        raise KeyError(f"{name}: {one_of(name, self, 'columns are')}")
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.arrays)
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns."""
+        return list(self)
 
-    def __len__(self) -> int:
-        return len(self.arrays)
+    @property
+    def units(self) -> dict[str, str]:
+        """SI units by name."""
+        return self.attrs["units"]
 
     @property
     def rows(self) -> int:
         """Number of rows."""
-        return len(next(iter(self.arrays.values()), ()))
+        return len(next(iter(self.values()), ()))
 
     def __repr__(self) -> str:
-        return f"<Columns: {self.rows} rows of {', '.join(self.arrays)}>"
+        return f"<Columns: {self.rows} rows of {', '.join(self)}>"
 
     def heading(self, name: str) -> str:
         """Name of a column with its unit.
@@ -122,7 +129,7 @@ class Columns(Mapping[str, np.ndarray]):
         ImportError
             Where pandas is not installed.
         """
-        frame = _library("pandas").DataFrame(dict(self.arrays))
+        frame = _library("pandas").DataFrame(dict(self))
         frame.attrs["units"] = dict(self.units)
         return frame
 
@@ -139,7 +146,7 @@ class Columns(Mapping[str, np.ndarray]):
         ImportError
             Where polars is not installed.
         """
-        return _library("polars").DataFrame(dict(self.arrays))
+        return _library("polars").DataFrame(dict(self))
 
     def _repr_html_(self) -> str:
         """Its first and last rows, for notebooks."""
@@ -147,7 +154,7 @@ class Columns(Mapping[str, np.ndarray]):
         if self.rows > 2 * SHOWN:
             numbers = [*numbers[:SHOWN], -1, *numbers[-SHOWN:]]
         head = _cells(map(self.heading, self), "th")
-        rows = (["…"] * len(self) if n < 0 else [_text(v[n]) for v in self.arrays.values()] for n in numbers)
+        rows = (["…"] * len(self) if n < 0 else [_text(v[n]) for v in self.values()] for n in numbers)
         body = "".join(f"<tr>{_cells(row)}</tr>" for row in rows)
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><p>{self.rows} rows</p>"
 
@@ -171,6 +178,8 @@ def _library(name: str) -> Any:
 @dataclass(frozen=True, repr=False, eq=False)
 class Result:
     """Result of a command: numbers, tables, histories, fields and files.
+
+    `history` and `rigid` are pandas data frames where pandas is installed, and `Columns` otherwise.
 
     Attributes
     ----------
@@ -216,14 +225,17 @@ class Result:
     place: Path | None = None
     inputs: tuple[Path, ...] = ()
 
-    @property
-    def history(self) -> Columns:
-        """The FE run's history, or the only one that there is."""
+    @cached_property
+    def history(self) -> pandas.DataFrame | Columns:
+        """History of the FE run, or the only one; a data frame where pandas is installed, else `Columns`.
+
+        Both take `history["v_gy"]` and have `columns` and `attrs["units"]`.
+        """
         return self._history(FE, *self.histories)
 
-    @property
-    def rigid(self) -> Columns:
-        """The rigid vehicle's history, at the same instants."""
+    @cached_property
+    def rigid(self) -> pandas.DataFrame | Columns:
+        """History of the rigid vehicle at the same instants, likewise."""
         return self._history(RIGID)
 
     @property
@@ -344,9 +356,11 @@ class Result:
         text = "" if said or shown else f"<pre>{escape(self.text or repr(self))}</pre>"
         return f"<div>{said}{shown}{text}</div>"
 
-    def _history(self, *names: str) -> Columns:
+    def _history(self, *names: str) -> Any:
         for name in names:
             if name in self.histories:
+                with suppress(ImportError):
+                    return self.histories[name].to_pandas()
                 return self.histories[name]
         raise InputError(names[0], Missing, f"`tailslap {self.command}` leaves no such history")
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from tailslap.errors import InputError, Verbatim, one_of, shortened
 from tailslap.files.load import column_units, demand_listed, load
-from tailslap.result import Result
+from tailslap.result import FE, Result
 from tailslap.scene.read import read_text
 from tailslap.scene.units import COMMA, converted
 
@@ -67,8 +67,9 @@ def read_item(given: object, mapping: Mapping[str, str], force: bool = False) ->
         return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()})
     if not found.histories:
         raise InputError(str(given), Verbatim(found.command), "it has no history; allowed is a run")
-    _demand_rising(found.history, path)
-    return Item(label, dict(found.history), found.history.units, found.summary)
+    columns = found.histories.get(FE) or next(iter(found.histories.values()))
+    _demand_rising(columns, path)
+    return Item(label, dict(columns), columns.units, found.summary)
 
 
 def _time_as_t(name: str) -> str:

@@ -112,7 +112,7 @@ def _write_tables(found: Result, to: str, folder: Path) -> None:
     if not found.histories:
         raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed is a run or a sweep")
     for label, columns in found.histories.items():
-        write(folder / f"{names.get(label, label)}.{to}", (columns.arrays, columns.units))
+        write(folder / f"{names.get(label, label)}.{to}", (columns, columns.units))
     if found.make_fields is not None:
         for name, table in series.field_tables(found.fields).items():
             write(folder / f"{name}.{to}", table)

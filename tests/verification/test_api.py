@@ -82,7 +82,8 @@ def test_what_is_loaded_is_what_was_saved(result, tmp_path):
     for name in result.history:
         np.testing.assert_array_equal(again.history[name], result.history[name])
         np.testing.assert_array_equal(again.rigid[name], result.rigid[name])
-    assert again.history.units == result.history.units
+    for frame in (again.history, again.rigid):
+        assert frame.attrs["units"] == result.history.attrs["units"]
     assert (again.headline, again.passed) == (result.headline, result.passed)
     copied = again.save(tmp_path / "b")
     assert (copied / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
@@ -232,7 +233,10 @@ def test_a_sweep_has_a_row_a_run(tmp_path):
     values = {"corner.friction": [0.2, 0.47]}
     found = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
     assert list(found.history["corner.friction"]) == [0.2, 0.47]
-    assert (set(found.history["status"]), tailslap.load(tmp_path / "s").history.rows) == ({"passed"}, 2)
+    assert (set(found.history["status"]), len(tailslap.load(tmp_path / "s").history["run"])) == (
+        {"passed"},
+        2,
+    )
 
 
 def test_a_scene_may_be_tables_or_a_path(tmp_path):
@@ -312,11 +316,34 @@ def test_what_failed_is_told():
     assert "agreement with rigid motion" in found._repr_html_() or "Failed check" in found._repr_html_()
 
 
+def test_a_history_is_a_data_frame(result):
+    pandas = pytest.importorskip("pandas")
+    for frame, columns in (
+        (result.history, result.histories["FE"]),
+        (result.rigid, result.histories["rigid"]),
+    ):
+        assert isinstance(frame, pandas.DataFrame)
+        assert frame.attrs["units"] == columns.units
+        for each in (frame, pandas.DataFrame(frame), pandas.DataFrame(columns)):
+            assert list(each) == list(columns)
+            np.testing.assert_array_equal(each.to_numpy(), np.column_stack(list(columns.values())))
+
+
+def test_without_pandas_a_history_behaves_like_one_column_by_column(result, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    history = tailslap.rigid("mash-tl4-sut").history
+    assert isinstance(history, Columns)
+    assert list(history.columns) == list(history) == list(tailslap.rigid("mash-tl4-sut").rigid)
+    assert (history["t"][0], history.attrs["units"]["v_gy"], "v_gy" in history) == (0.0, "m/s", True)
+    with pytest.raises(KeyError, match=r"columns are t, .*; did you mean v_gy\?"):
+        history["v_gz"]
+
+
 def test_columns_say_what_is_missing(result, monkeypatch):
     for library in ("pandas", "polars"):
         monkeypatch.setitem(sys.modules, library, None)
         with pytest.raises(ImportError, match=f"{library} is not installed: `pip install {library}`"):
-            getattr(result.history, f"to_{library}")()
+            getattr(result.histories["FE"], f"to_{library}")()
 
 
 def test_columns_go_to_a_data_frame(monkeypatch):
@@ -337,7 +364,7 @@ def test_columns_are_those_of_a_real_data_frame(result, library):
     """Of a history, and of columns of words and whole numbers as sweeps have them."""
     pytest.importorskip(library)
     mixed = Columns({"run": np.arange(2), "status": np.array(["passed", ""], dtype=object)}, {})
-    for columns in (result.history, result.rigid, mixed):
+    for columns in (*result.histories.values(), mixed):
         frame = getattr(columns, f"to_{library}")()
         assert list(frame.columns) == list(columns)
         for name in columns:
@@ -346,7 +373,7 @@ def test_columns_are_those_of_a_real_data_frame(result, library):
 
 def test_every_column_has_its_unit(result):
     impact = tailslap.rigid("impact-mash-tl4-sut")
-    for columns in (result.history, result.rigid, impact.history):
+    for columns in (*result.histories.values(), *impact.histories.values()):
         assert [name for name in columns if name not in columns.units] == []
 
 

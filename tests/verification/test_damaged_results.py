@@ -111,7 +111,7 @@ def test_every_flip_in_a_manifest_is_found(results):
     with pytest.raises(InputError, match=f"{NAME} is missing or damaged"):
         tailslap.load(results / "rigid")
     with pytest.warns(UserWarning, match="missing or damaged"):
-        assert tailslap.load(results / "rigid", force=True).rigid.rows > 10
+        assert tailslap.load(results / "rigid", force=True).rigid["t"].size > 10
 
 
 def test_a_manifest_of_an_earlier_version_has_no_digest_of_itself(results):
@@ -140,7 +140,7 @@ def test_a_summary_of_wrong_types_is_refused_and_by_force_the_histories_are_ther
     with pytest.warns(UserWarning, match=r"summary\.json in it"):
         found = tailslap.load(place, force=True)
     assert (found.command, found.scene, found.summary) == ("run", "paper-table-3", {})
-    assert found.history.rows == found.rigid.rows == rows
+    assert found.history["t"].size == found.rigid["t"].size == rows
     entries = {manifest.read_entry(place / name) for name in ("summary.json", "history.csv", "rigid.csv")}
     manifest.write_manifest(place, entries, manifest.Origin("run", "a"))
     with pytest.raises(InputError, match=r"summary\.json in it cannot be read"):
@@ -149,10 +149,10 @@ def test_a_summary_of_wrong_types_is_refused_and_by_force_the_histories_are_ther
 
 def test_by_force_a_history_that_was_changed_is_read_with_a_remark(results, capsys):
     place, path = results / "run", results / "run" / "history.csv"
-    rows = tailslap.load(place).history.rows
+    rows = tailslap.load(place).history["t"].size
     path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
     with pytest.warns(UserWarning, match=r"history\.csv in it is damaged, or was changed"):
-        assert tailslap.load(place, force=True).history.rows == rows - 1
+        assert tailslap.load(place, force=True).history["t"].size == rows - 1
     paths = [str(results / name) for name in ("run", "run/rigid.csv", "out")]
     words = ["compare", *paths[:2], "--out", paths[2]]
     assert _status(words) == 2

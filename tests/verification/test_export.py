@@ -118,7 +118,7 @@ def test_parquet_has_every_bit_and_the_units(result, exported):
     assert table.column_names == list(result.history)
     for name, values in result.history.items():
         np.testing.assert_array_equal(table[name].to_numpy(), values)
-        assert table.schema.field(name).metadata[b"unit"].decode() == result.history.units[name]
+        assert table.schema.field(name).metadata[b"unit"].decode() == result.history.attrs["units"][name]
     nodes = pq.read_table(exported("parquet") / "nodes.parquet")
     velocity = result.fields.nodal["velocity"]
     np.testing.assert_array_equal(nodes["velocity_y"].to_numpy(), velocity[:, :, 1].ravel())

@@ -112,7 +112,7 @@ def test_every_key_of_a_scene_has_a_meaning_and_a_row():
 
 def test_every_column_of_a_history_has_a_row():
     for scene in ("paper-table-3", "impact-mash-tl4-sut"):
-        for name, unit in tailslap.rigid(scene).history.units.items():
+        for name, unit in tailslap.rigid(scene).history.attrs["units"].items():
             row = rf"^\| `{name}` \| {re.escape(unit)} \| \S"
             assert re.search(row, PAGES["results.md"], re.MULTILINE), name
 
