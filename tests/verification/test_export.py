@@ -150,7 +150,7 @@ def test_without_fields_there_are_histories_alone(to, tmp_path):
         folder = tailslap.export(bare, to, tmp_path / to)
         assert [path.name for path in folder.glob("[!.]*")] == [f"rigid.{to}"]
         return
-    with pytest.raises(InputError, match=r"output\.fields: given nothing; no fields were kept"):
+    with pytest.raises(InputError, match=r"output\.fields: given no value; the result has no fields"):
         tailslap.export(bare, to, tmp_path / to)
     assert not (tmp_path / to).exists()
 
