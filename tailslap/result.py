@@ -41,6 +41,10 @@ FE: str = "FE"
 SHOWN, MOST = 5, 4
 """Rows that a notebook shows at each end; columns that are drawn at most, unless they are asked for."""
 
+FIELDS_NEEDED = (
+    "the result has no fields; run the scene with --set output.fields=20 (Python: {'output.fields': 20})"
+)
+
 FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
 """Columns that are drawn unless the caller says otherwise, where they are there."""
 
@@ -244,7 +248,7 @@ class Result:
         """Fields of the plate at the instants of `[output] fields = N`, shape as `FieldSeries` says."""
         found = self.make_fields() if self.make_fields else None
         if found is None:
-            raise InputError("output.fields", Missing, "no fields were kept; run with {'output.fields': 20}")
+            raise InputError("output.fields", Missing, FIELDS_NEEDED)
         return found
 
     def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
