@@ -32,6 +32,7 @@ from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
 if TYPE_CHECKING:
     import meshio
 
+    from fem.laws.hinges import Hinges
     from fem.plate.windows import WindowBound
 
 
@@ -85,15 +86,17 @@ def nodal_masses(d: Discretisation, plate: PlateProperties) -> np.ndarray:
     return masses
 
 
-def assembled(d: Discretisation, masses: np.ndarray, plate: PlateProperties) -> UnitPlate:
-    """The plate of unit modulus with these nodal masses [kg]."""
+def assembled(
+    d: Discretisation, masses: np.ndarray, plate: PlateProperties, hinges: Hinges | None = None
+) -> UnitPlate:
+    """The plate of unit modulus with these nodal masses [kg]; hinges: of a train."""
     moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
     stiffness: Any = stiffness_matrix(d.scalar, plate.thickness, moduli)
     hourglass = None
     if kinds.ELEMENT_KINDS[plate.element].hourglass:
         hourglass = hourglass_control(d, plate.thickness, moduli)
         stiffness = stiffness + hourglass_matrix(d.table, hourglass, masses.size)
-    return UnitPlate(d, masses, hourglass, Inverse(stiffness, masses, d.positions))
+    return UnitPlate(d, masses, hourglass, Inverse(stiffness, masses, d.positions, hinges))
 
 
 WINDOWS_FROM = 100_000

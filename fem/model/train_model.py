@@ -34,7 +34,8 @@ def train_plate(
         masses[nodes] = plate_model.nodal_masses(own, unit.plate)
         parts.append((own, nodes))
         begin += dofs.shape[1]
-    return plate_model.assembled(whole, masses, first), parts, _hinges(units, parts, masses)
+    hinges = _hinges(units, parts, masses)
+    return plate_model.assembled(whole, masses, first, hinges), parts, hinges
 
 
 def _hinges(

@@ -9,18 +9,23 @@ mass-orthogonal to the rigid ones: shift-invert with the shift at zero. The thre
 they are known exactly.
 """
 
+from __future__ import annotations
+
 import hashlib
 import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from fem.lazy import cached
+
+if TYPE_CHECKING:
+    from fem.laws.hinges import Hinges
 
 TOLERANCE, MOST = 1e-10, 300
 """Residual over the load at which conjugate gradients end, and iterations that they may take: 15 to 45 are usual, more
@@ -156,10 +161,14 @@ class Inverse:
         [kg].
     positions : ndarray, shape (2, nodes)
         [m].
+    hinges : Hinges or None
+        Of a train; None for one plate.
     """
 
-    def __init__(self, stiffness: Any, masses: np.ndarray, positions: np.ndarray) -> None:
-        self.stiffness, self.masses, self.positions = stiffness, masses, positions
+    def __init__(
+        self, stiffness: Any, masses: np.ndarray, positions: np.ndarray, hinges: Hinges | None = None
+    ) -> None:
+        self.stiffness, self.masses, self.positions, self.hinges = stiffness, masses, positions, hinges
         self._solutions: dict[bytes, np.ndarray] = {}
 
     def __call__(self, load: np.ndarray) -> np.ndarray:
@@ -182,12 +191,27 @@ class Inverse:
     @property
     def is_large(self) -> bool:
         """True if it iterates, on large plates."""
-        return 2 * self.masses.size >= LARGE
+        return 2 * self.masses.size >= LARGE and self.hinges is None
 
     @cached_property
     def factorised(self) -> Solve:
         """Solver by a factorisation, for many loads."""
+        if self.hinges is not None:
+            return hinged_solver(self.stiffness, np.tile(self.masses, 2)[:, None] * self.rigid, self.hinges)
         return elastic_solver(self.stiffness, self.masses, self.positions)
+
+    @cached_property
+    def rigid(self) -> np.ndarray:
+        """Rigid motions about the centre of mass; of a train those of its units that leave the hinges closed. Shape
+        (2 nodes, 3 + hinges)."""
+        motions = rigid_motions(self.positions - (self.positions @ self.masses / self.masses.sum())[:, None])
+        if self.hinges is None:
+            return motions
+        from scipy.linalg import null_space
+
+        units = np.tile(self.hinges.unit, 2)[:, None] == np.arange(self.hinges.unit.max() + 1)
+        each = (units[:, :, None] * motions[:, None, :]).reshape(len(motions), -1)
+        return np.asarray(each @ null_space(gap_matrix(self.hinges) @ each))
 
     @cached_property
     def multigrid(self) -> Multigrid:
@@ -240,6 +264,27 @@ def elastic_solver(stiffness: Any, masses: np.ndarray, body: np.ndarray) -> Solv
     return solve
 
 
+def gap_matrix(hinges: Hinges) -> sp.csr_matrix:
+    """Gaps of the hinges, all along X and then all along Y [m], over displacements; shape (2 hinges, 2 nodes)."""
+    ends = hinges.weights, hinges.nodes, hinges.first
+    gaps = sp.csr_matrix(ends, shape=(len(hinges.inertia), hinges.unit.size))
+    return sp.block_diag([gaps, gaps], format="csr")
+
+
+def hinged_solver(stiffness: Any, momenta: np.ndarray, hinges: Hinges) -> Solve:
+    """Solver like `elastic_solver`, of a train: multipliers close the hinges and keep the momenta of rigid motion,
+    shape (2 nodes, motions), zero."""
+    from scipy.sparse.linalg import splu
+
+    ties = sp.vstack([gap_matrix(hinges), momenta.T])
+    factor = splu(sp.csc_matrix(sp.bmat([[stiffness, ties.T], [ties, None]])))
+
+    def solve(load: np.ndarray) -> np.ndarray:
+        return np.asarray(factor.solve(np.append(load, np.zeros(ties.shape[0])))[: load.size])
+
+    return solve
+
+
 @dataclass(frozen=True)
 class FreeModes:
     """Elastic modes by rising frequency, and the rigid ones.
@@ -251,7 +296,7 @@ class FreeModes:
     shapes : ndarray, shape (modes, 2, nodes)
         Of unit modal mass, body frame [1/sqrt(kg)].
     rigid : ndarray, shape (3, 2, nodes)
-        Two translations and the turn, likewise [1/sqrt(kg)].
+        Two translations and the turn, likewise [1/sqrt(kg)]; of a train a turn more for each hinge.
     rigid_frequencies : ndarray, shape (3,)
         What the stiffness gives for them, which is rounding [rad/s].
     """
@@ -294,20 +339,19 @@ def free_modes(model: Any, count: int) -> FreeModes:
 
 def plate_modes(plate: Inverse, count: int) -> FreeModes:
     """The lowest `count` elastic modes of the plate with the stiffness that is inverted here."""
-    stiffness, masses, positions = plate.stiffness, plate.masses, plate.positions
+    stiffness, masses = plate.stiffness, plate.masses
     nodes = masses.size
     if not 0 <= count <= most_modes(nodes):
         raise ValueError(f"{count} modes were asked for; {nodes} nodes give 0 to {most_modes(nodes)}")
     root = np.sqrt(np.tile(masses, 2))
-    body = positions - (positions @ masses / masses.sum())[:, None]
-    rigid, _ = np.linalg.qr(root[:, None] * rigid_motions(body))
+    rigid, _ = np.linalg.qr(root[:, None] * plate.rigid)
     shapes = (rigid / root[:, None]).T
     quotients = np.abs(((stiffness @ shapes.T).T * shapes).sum(axis=1))
     values, vectors = _lowest(plate, root, rigid, count)
     return FreeModes(
         frequencies=values,
         shapes=(vectors / root[:, None]).T.reshape(count, 2, nodes),
-        rigid=shapes.reshape(3, 2, nodes),
+        rigid=shapes.reshape(-1, 2, nodes),
         rigid_frequencies=np.sqrt(quotients),
     )
 
