@@ -7,12 +7,13 @@ hinges; each states its error. Signs are those of `solver.MotionState`; SI units
 """
 
 from solver.impact.solve import ImpactMotion, Impacts, solve_impact, solve_impacts
-from solver.impact.strikes import Strike, strikes_of
+from solver.impact.strikes import Strike, corner_name, strikes_of
 from solver.impact.train import (
     CORNERS,
     CrushLaw,
     ImpactState,
     ImpactVehicle,
+    Trailer,
     Train,
     WallContact,
     first_touch,
@@ -28,9 +29,11 @@ __all__ = [
     "ImpactVehicle",
     "Impacts",
     "Strike",
+    "Trailer",
     "Train",
     "Trajectories",
     "WallContact",
+    "corner_name",
     "first_touch",
     "solve_impact",
     "solve_impacts",

@@ -1,8 +1,11 @@
 """Whole impacts of rigid vehicles on a wall that only pushes: one with its motion, or many with their strikes."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
+from itertools import pairwise
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +14,10 @@ from fem.machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.impact import train as vehicles
 from solver.impact.step import SUMS, UNIT
-from solver.impact.strikes import Strike, strikes_of_rows
-from solver.impact.train import CORNERS, ImpactState, ImpactVehicle, Train, WallContact, train_of
+from solver.impact.strikes import Strike, corner_name, strikes_of_rows
+from solver.impact.train import ImpactState, ImpactVehicle, Trailer, Train, WallContact, train_of
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
-from solver.rules import Array, Gate, Number, number
+from solver.rules import Array, Gate, Number, RigidBodyError, number
 
 MANY = 4e-3
 """Error by which the step of many impacts at once is chosen."""
@@ -22,10 +25,20 @@ MANY = 4e-3
 MOST_STRIKES = 64
 """Strikes of one impact for which there is room at first."""
 
-COLUMNS = (*UNIT, *SUMS)
 RATES = {"x_g": "v_gx", "y_g": "v_gy"}
 RATES |= {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
-"""Columns of rows and, of those that are integrals of another, of which."""
+"""Columns of rows that are integrals of another, and of which."""
+
+
+def column_names(units: int) -> tuple[str, ...]:
+    """Columns of the rows of so many units: those of a trailer end with the unit's number, from 2 on; behind the sums
+    those of each unit's impulses with its number, of a train alone."""
+    states = [f"{name}_{unit}" if unit > 1 else name for unit in range(1, units + 1) for name in UNIT]
+    each = [f"impulse_{name}_{unit}" for unit in range(1, units + 1) for name in ("normal", "tangential")]
+    return (*states, *SUMS, *(each if units > 1 else ()))
+
+
+COLUMNS = column_names(1)
 
 
 @dataclass(frozen=True)
@@ -51,7 +64,9 @@ class ImpactMotion:
     interval : float
         Between rows [s].
     rows : ndarray, shape (rows, columns)
-        Every step, or as many as there is room for [SI]; columns as of `COLUMNS`.
+        Every step, or as many as there is room for [SI]; columns as of `column_names`.
+    trailers : tuple of Trailer
+        As given.
     """
 
     vehicle: ImpactVehicle
@@ -63,6 +78,12 @@ class ImpactMotion:
     error: float
     interval: float
     rows: Array
+    trailers: tuple[Trailer, ...] = ()
+
+    @property
+    def vehicles(self) -> tuple[ImpactVehicle, ...]:
+        """The vehicle and its trailers."""
+        return self.vehicle, *(each.vehicle for each in self.trailers)
 
     def at(self, times: ArrayLike) -> SimpleNamespace:
         """The motion at given instants.
@@ -81,7 +102,9 @@ class ImpactMotion:
             +X [N]; `impulse_normal`, `impulse_tangential`, their integrals [N s]; `impulse_angular`, the integral of
             their moment about X = Y = 0 [N m s]; `kinetic_energy` [J]; `crush_energy_stored`, `crush_energy_lost`,
             taken up by the crush, that unloading would return and that it would not [J]; `crush_work`, of the normal
-            forces on the crush, stored and lost together [J]; `friction_work`, on the vehicle, 0 or less [J].
+            forces on the crush, stored and lost together [J]; `friction_work`, on the vehicle, 0 or less [J]. Of a
+            train the motion is that of the first vehicle, with "_2" at the end of the name that of the next and so on;
+            `impulse_normal_1`, `impulse_tangential_1` are the wall's on the first alone; the others are of the train.
 
         Raises
         ------
@@ -93,16 +116,40 @@ class ImpactMotion:
         k = np.minimum((t / self.interval).astype(np.int64), len(self.rows) - 2)
         s, before, after = (t / self.interval - k)[..., None], self.rows[k], self.rows[k + 1]
         value = before + s * (after - before)
-        for name, rate in RATES.items():  # by the cubic with both rates
-            i, j = COLUMNS.index(name), COLUMNS.index(rate)
+        names = column_names(len(self.vehicles))
+        for name, rate in _rates(names):  # by the cubic with both rates
+            i, j = names.index(name), names.index(rate)
             one, two, u = before[..., j], after[..., j], s[..., 0]
             secant = after[..., i] - before[..., i]
             one, two = one * self.interval - secant, two * self.interval - secant
             value[..., i] += u * (1.0 - u) * ((1.0 - u) * one - u * two)
-        found = SimpleNamespace(t=t, **dict(zip(COLUMNS, np.moveaxis(value, -1, 0), strict=True)))
-        moving = self.vehicle.mass * (found.v_gx**2 + found.v_gy**2)
-        found.kinetic_energy = 0.5 * (moving + self.vehicle.inertia * found.omega**2)
+        found = SimpleNamespace(t=t, **dict(zip(names, np.moveaxis(value, -1, 0), strict=True)))
+        found.kinetic_energy = 0.0
+        for unit, vehicle in enumerate(self.vehicles):
+            u, v, w = np.moveaxis(value[..., 6 * unit + 3 : 6 * unit + 6], -1, 0)
+            found.kinetic_energy += 0.5 * (vehicle.mass * (u**2 + v**2) + vehicle.inertia * w**2)
         return found
+
+    def hinge_forces(self, times: Array) -> Array:
+        """Mean forces of each hinge between instants, on the vehicle behind it, by what that and all behind gain.
+
+        Parameters
+        ----------
+        times : ndarray, shape (n,)
+            From 0 to `t_end`, rising [s].
+
+        Returns
+        -------
+        ndarray
+            Along X and Y [N], shape (hinges, 2, n - 1).
+        """
+        at, gained = self.at(times), []
+        for unit, each in enumerate(self.trailers, 2):
+            momenta = (each.vehicle.mass * getattr(at, f"v_g{axis}_{unit}") for axis in "xy")
+            pushes = (getattr(at, f"impulse_{force}_{unit}") for force in ("tangential", "normal"))
+            gained.append([np.diff(own - wall) for own, wall in zip(momenta, pushes, strict=True)])
+        found = np.reshape(gained, (-1, 2, times.size - 1)) / np.diff(times)
+        return np.cumsum(found[::-1], axis=0)[::-1]
 
     def corner_depths(self, times: ArrayLike) -> Array:
         """Depths of the corners behind the wall at given instants.
@@ -117,14 +164,16 @@ class ImpactMotion:
         ndarray
             In the order of `CORNERS`, below 0 in front of the wall [m], shape (4, ...).
         """
-        at = self.at(times)
-        return corner_depths(train_of([self.vehicle], self.contact), at.y_g, at.theta)
+        at, size = self.at(times), (self.vehicle.front_distance, self.vehicle.length, self.vehicle.width)
+        places = vehicles.corner_places(*size).reshape(4, 2, *[1] * np.ndim(times))
+        return vehicles.corner_depths(places, at.y_g, at.theta)
 
 
-def corner_depths(train: Train, y_g: Array, theta: Array) -> Array:
-    """Depths of the corners of the first unit of the first train behind the wall [m], shape (4, ...)."""
-    along, across = (value[:4, 0].reshape(4, *[1] * np.ndim(theta)) for value in (train.along, train.across))
-    return -(y_g + across * np.cos(theta) - along * np.sin(theta))
+def _rates(names: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Columns that are integrals of another, and of which; those of trailers too."""
+    ends = ("", *(f"_{unit}" for unit in range(2, len(names) // 8 + 1)))
+    found = [(f"{name}{end}", f"{rate}{end}") for end in ends for name, rate in RATES.items()]
+    return [(name, rate) for name, rate in found if rate in names]
 
 
 def solve_impact(
@@ -137,8 +186,9 @@ def solve_impact(
     step: float | None = None,
     tolerance: float = TOLERANCE,
     on_compile: OnCompile = ignore_compiling,
+    trailers: Sequence[Trailer] = (),
 ) -> ImpactMotion:
-    """The whole impact of a rigid vehicle, any number of strikes.
+    """The whole impact of a rigid vehicle, or of a train, any number of strikes.
 
     Parameters
     ----------
@@ -149,8 +199,8 @@ def solve_impact(
     state : ImpactState
         At the start, outside the wall or touching it.
     end : float or None
-        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
-        nothing can touch any more, but for `after_second` at least.
+        How far to follow the motion [s]; None: `after_second` after the first two strikes, or of a train after the
+        strike of its last rear, and without one until nothing can touch any more, but for `after_second` at least.
     after_second : float
         [s].
     longest : float
@@ -161,6 +211,8 @@ def solve_impact(
         Of peaks, impulses and spin, by which the step is chosen [-].
     on_compile : callable
         Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
+    trailers : sequence of Trailer
+        Behind the vehicle, in a line with it at the start.
 
     Returns
     -------
@@ -175,39 +227,43 @@ def solve_impact(
     for value in (end, after_second, longest, step):
         if value is not None:
             rules.positive(rules.END, value)
-    train, start = train_of([vehicle], contact), np.array(astuple(state))
-    depth = corner_depths(train, np.array(state.y_g), np.array(state.theta))
-    for name, value in zip(CORNERS, depth, strict=True):
-        Gate().demand(rules.INSIDE, value <= 1e-9 * vehicle.length, value, name=name, depth=value)
+    units, contacts = [vehicle, *(t.vehicle for t in trailers)], [contact, *(t.contact for t in trailers)]
+    train = train_of(units, contacts, [(each.hitch, each.kingpin) for each in trailers])
+    start = vehicles.lined_up(astuple(state), vehicles.distances(vehicle, trailers))
+    for index, (unit, own) in enumerate(zip(units, start, strict=True)):
+        places = vehicles.corner_places(unit.front_distance, unit.length, unit.width)
+        for corner, value in enumerate(vehicles.corner_depths(places, own[1], own[2])):
+            met, name = value <= 1e-9 * vehicle.length, corner_name(index, corner)
+            Gate().demand(rules.INSIDE, met, value, name=name, depth=value)
     found = solve_trains(
-        train, start.reshape(1, 1, 6), step=step, end=end, interval=0.0, after_second=after_second,
+        train, start[None], step=step, end=end, interval=0.0, after_second=after_second,
         longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, on_compile=on_compile,
     )  # fmt: skip
     reached, last = float(found.end[0]), ImpactState(*found.state[0, 0].tolist())
-    strikes = strikes_of_rows(found.strikes[0], vehicle.front_distance, reached)
+    strikes = strikes_of_rows(found.strikes[0], [unit.front_distance for unit in units], reached)
     if end is None:
         Gate().demand(rules.NEVER, bool(strikes), state.v_gy)
     written = math.ceil(reached / found.interval[0] * (1.0 - 1e-12)) + 1  # no row behind the end is
     rows = found.rows[0, : max(written, 2)]
     return ImpactMotion(
         vehicle, contact, strikes, reached, last, float(found.step[0]), float(found.error[0]),
-        float(found.interval[0]), rows,
+        float(found.interval[0]), rows, tuple(trailers),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Impacts:
-    """The first two strikes of many impacts.
+    """The first two strikes of many impacts, of trains more.
 
     Attributes
     ----------
-    corner : ndarray, shape (2, ...)
-        Of each strike, index into `CORNERS`; -1 where there is no such strike [-].
-    start, duration : ndarray, shape (2, ...)
+    corner : ndarray, shape (strikes, ...)
+        Of each strike, index into `CORNERS`, of a trailer 4 more for each unit; -1 where there is no such strike [-].
+    start, duration : ndarray, shape (strikes, ...)
         [s]; NaN where there is no such strike.
-    peak_force : ndarray, shape (2, ...)
+    peak_force : ndarray, shape (strikes, ...)
         Of the normal force [N].
-    impulse : ndarray, shape (2, ...)
+    impulse : ndarray, shape (strikes, ...)
         Of the normal force [N s].
     mean_force : ndarray, shape (rows, ...)
         Total normal force [N], each row the mean since the even instant before, the first from first touch on; none
@@ -242,8 +298,9 @@ def solve_impacts(
     longest: float = 5.0,
     interval: float | None = None,
     tolerance: float = MANY,
+    trailers: Sequence[Mapping[str, Number]] = (),
 ) -> Impacts:
-    """Whole impacts of rigid vehicles whose corners alone touch; arguments broadcast.
+    """Whole impacts of rigid vehicles, or trains, whose corners alone touch; arguments broadcast.
 
     Parameters
     ----------
@@ -275,6 +332,9 @@ def solve_impacts(
         Between the rows of the force history [s]; None: there is none.
     tolerance : float
         Of peaks, impulses and spin, by which the step of each is chosen [-].
+    trailers : sequence of dict
+        Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `Trailer`, and where
+        it has its own `centre_of_mass`, `yaw_inertia` and `stiffness`.
 
     Returns
     -------
@@ -286,37 +346,77 @@ def solve_impacts(
     RigidBodyError
         As `solve_impact`, for the first row that has no answer.
     """
-    size = number("length", length), number("width", width), number("mass", mass)
-    centre = 0.5 * size[0] if centre_of_mass is None else number("centre_of_mass", centre_of_mass)
-    inertia = vehicles.uniform_inertia(*size) if yaw_inertia is None else number("yaw_inertia", yaw_inertia)
-    forces = number("stiffness", stiffness), number("initial_force", initial_force)
-    ratios = number("restitution", restitution), number("friction", friction)
-    motion = number("speed", speed), number("angle", angle)
-    arrays = np.broadcast_arrays(*size, centre, inertia, *forces, *ratios, *motion)
-    shape, flat = arrays[0].shape, (np.ravel(array).astype(float) for array in arrays)
-    long, wide, m, a, i, k, force, e, mu, v, theta = flat
-    vehicles.demand_body(long, wide, m, a, i, yaw_inertia is not None)
-    vehicles.demand_law(k, force, e)
-    gate = Gate()
-    gate.positive(rules.SPEED, v)
+    first: dict[str, Any] = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre_of_mass,
+                             "yaw_inertia": yaw_inertia, "stiffness": stiffness}  # fmt: skip
+    shared: dict[str, Any] = {"initial_force": initial_force, "restitution": restitution, "friction": friction,
+              "speed": speed, "angle": angle}  # fmt: skip
+    tables: list[dict[str, Any]] = [
+        {key: number(key, value) for key, value in table.items() if value is not None}
+        for table in (shared, first, *({"stiffness": stiffness, **each} for each in trailers))
+    ]
+    shape = np.broadcast_shapes(*(np.shape(value) for table in tables for value in table.values()))
+    its, *units = (
+        {key: np.broadcast_to(each, shape).ravel() for key, each in table.items()} for table in tables
+    )
+    for index, unit in enumerate(units):
+        try:
+            _complete(unit, its)
+        except RigidBodyError as error:
+            if index == 0:
+                raise
+            key = f"trailer.{index - 1}.{error.key}"
+            raise RigidBodyError(key, error.given, error.why, error.allowed) from None
+    gate, theta = Gate(), its["angle"]
+    gate.positive(rules.SPEED, its["speed"])
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
-    gate.not_negative(rules.FRICTION, mu)
-    places, none = vehicles.corner_places(a, long, wide), np.zeros((0, m.size))
-    k, force, e, mu = (np.tile(each, (4, 1)) for each in (k, force, e, mu))
-    train = Train(
-        m[None], i[None], none, none, np.zeros(4, dtype=np.int64), np.arange(4), places[:, 0], places[:, 1],
-        k, force, e, mu, np.zeros((1, 3, m.size)),
-    )  # fmt: skip
+    gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
-        train, np.stack(vehicles.touching(a, wide, theta, v), axis=-1)[:, None], interval=interval,
-        after_second=after_second, longest=longest, tolerance=tolerance,
+        *_trains(units, its), interval=interval, after_second=after_second, longest=longest, tolerance=tolerance,
+        strikes=8 * len(units) if trailers else 2,
     )  # fmt: skip
-    corner, first, last, peak, impulse = (
-        value.T.reshape(2, *shape) for value in np.moveaxis(found.strikes, -1, 0)[:5]
+    room = found.strikes.shape[1]
+    corner, start, last, peak, impulse = (
+        value.T.reshape(room, *shape) for value in np.moveaxis(found.strikes, -1, 0)[:5]
     )
     corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
     force = _mean_forces(found, interval).reshape(-1, *shape)
-    return Impacts(corners, first, last - first, peak, impulse, force, found.error.reshape(shape))
+    return Impacts(corners, start, last - start, peak, impulse, force, found.error.reshape(shape))
+
+
+def _complete(unit: dict[str, Array], its: Mapping[str, Array]) -> None:
+    """Put in centre of mass and inertia where a unit has none of its own, and demand what a body and its law can have.
+
+    Raises RigidBodyError.
+    """
+    size, given = (unit["length"], unit["width"], unit["mass"]), "yaw_inertia" in unit
+    unit.setdefault("centre_of_mass", 0.5 * size[0])
+    unit.setdefault("yaw_inertia", vehicles.uniform_inertia(*size))
+    vehicles.demand_body(*size, unit["centre_of_mass"], unit["yaw_inertia"], given)
+    vehicles.demand_law(unit["stiffness"], its["initial_force"], its["restitution"])
+
+
+def _trains(units: Sequence[Mapping[str, Array]], its: Mapping[str, Array]) -> tuple[Train, Array]:
+    """Trains and their states at first touch; units: quantities of each, its: those that they have in common."""
+    places = [vehicles.corner_places(each["centre_of_mass"], each["length"], each["width"]) for each in units]
+    n, count = its["speed"].size, len(units)
+    hitch, kingpin, behind = np.empty((count - 1, n)), np.empty((count - 1, n)), np.zeros((count, n))
+    for i, (ahead, unit) in enumerate(pairwise(units)):
+        hitch[i] = ahead["centre_of_mass"] - unit["hitch"]
+        kingpin[i] = unit["centre_of_mass"] - unit["kingpin"]
+        behind[i + 1] = behind[i] - hitch[i] + kingpin[i]
+    front = units[0]
+    state = vehicles.touching(front["centre_of_mass"], front["width"], its["angle"], its["speed"])
+    state = vehicles.cleared(state, places, behind[1:]) if count > 1 else state
+    along, across = np.moveaxis(np.concatenate(places), 1, 0)
+    force, e, mu = (np.tile(its[key], (4 * count, 1)) for key in ("initial_force", "restitution", "friction"))
+    mass, inertia, stiffness = (
+        np.array([unit[key] for unit in units]) for key in ("mass", "yaw_inertia", "stiffness")
+    )
+    train = Train(
+        mass, inertia, hitch, kingpin, np.repeat(np.arange(count), 4), np.tile(np.arange(4), count), along, across,
+        np.repeat(stiffness, 4, axis=0), force, e, mu, np.zeros((count, 3, n)),
+    )  # fmt: skip
+    return train, np.ascontiguousarray(np.moveaxis(vehicles.lined_up(state, behind[1:]), -1, 0))
 
 
 def _mean_forces(found: Trajectories, interval: float | None) -> Array:
@@ -324,7 +424,8 @@ def _mean_forces(found: Trajectories, interval: float | None) -> Array:
     if interval is None:
         return np.zeros((0, len(found.end)))
     count = math.ceil(float(found.end.max()) / interval)
-    column, instants = COLUMNS.index("impulse_normal"), interval * np.arange(count + 1)
+    column = column_names(found.state.shape[1]).index("impulse_normal")
+    instants = interval * np.arange(count + 1)
     impulse = found.rows[:, : count + 1, column]
     over = instants >= found.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
     last = np.where(over, -math.inf, impulse)

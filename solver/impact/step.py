@@ -29,10 +29,16 @@ STRIKE = ("corner", "start", "end", "peak", "impulse", "tangential", "along", "p
 impulse times place on the vehicle and along the wall [N s m], works [J]."""
 
 UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
-SUMS = ("force_normal", "force_tangential", "impulse_normal", "impulse_tangential", "impulse_angular",
-        "friction_work", "crush_work", "crush_energy_stored", "crush_energy_lost")  # fmt: skip
-"""Columns of a row: `UNIT` of each unit, then `SUMS` of the train: forces [N], their impulses [N s] and that of their
-moment about the origin [N m s], works of friction and on the crush, energies stored and lost [J]."""
+SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy_lost", "impulse_normal",
+        "impulse_tangential", "impulse_angular", "friction_work", "crush_work")  # fmt: skip
+"""Columns of a row: `UNIT` of each unit, then `SUMS` of the train: forces [N], energies stored and lost [J], impulses
+[N s] and that of their moment about the origin [N m s], works of friction and on the crush [J]. Of more units than one
+follow for each the wall's impulses on it, normal and tangential [N s]."""
+
+
+def columns(units):
+    """Number of columns of a row."""
+    return 6 * units + len(SUMS) + (2 * units if units > 1 else 0)
 
 
 class Work(NamedTuple):
@@ -40,10 +46,10 @@ class Work(NamedTuple):
 
     points: a row a point, and `whose`, its unit and its corner; motion, shape (3, 3 units): places and angles,
     velocities half a step ago and half a step ahead; masses: inverse, of each velocity, load: accelerations by the
-    outside load, and `lightness`, the inverse of the mass matrix of the hinged train; joints: hitch and kingpin of each
-    hinge; ties: its two rows of the hinges' system; reach: from each centre of mass to the farthest point; effect:
-    velocities by a unit impulse along and across on each point; groups: a row a corner; active: points that may touch
-    in this step; sums: impulses and works so far.
+    outside load; headings: cosine and sine of each unit's angle; joints: hitch and kingpin of each hinge; ties: its two
+    conditions, see `_tie`; reach: from each centre of mass to the farthest point; effect: velocities by a unit impulse
+    along and across on each point; groups: a row a corner; active: points that may touch in this step; sums: impulses
+    and works so far.
     """
 
     points: np.ndarray
@@ -51,7 +57,7 @@ class Work(NamedTuple):
     motion: np.ndarray
     masses: np.ndarray
     load: np.ndarray
-    lightness: np.ndarray
+    headings: np.ndarray
     joints: np.ndarray
     ties: np.ndarray
     reach: np.ndarray
@@ -76,9 +82,9 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     size = 3 * units
     return Work(
         np.zeros((points, 15)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
-        np.zeros(size), np.zeros((size, size)), np.zeros((hinges, 2)),
-        np.zeros((2 * hinges, 2 * size + 2 * hinges + 1)), np.zeros(units), np.zeros((points, 2, size)),
-        np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64), np.zeros(5),
+        np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64),
+        np.zeros(columns(units) - 6 * units - 4),
     )  # fmt: skip
 
 
@@ -99,14 +105,13 @@ def advance(train, states, clock, work, rows, strikes):
 def _begin(train, i, state, work):
     """Set the workspace to the start of sample i: its state, its numbers, no contact."""
     points, reach = work.points, work.reach
-    points[:], work.sums[:], work.groups[:], work.lightness[:], reach[:] = 0.0, 0.0, -1.0, 0.0, 0.0
+    points[:], work.sums[:], work.groups[:], reach[:] = 0.0, 0.0, -1.0, 0.0
     for u in range(state.shape[0]):
         for j in range(3):
             m = 3 * u + j
             work.motion[0, m], work.motion[2, m] = state[u, j], state[u, 3 + j]
             work.masses[m] = 1.0 / (train.inertia[u, i] if j == 2 else train.mass[u, i])
             work.load[m] = work.masses[m] * train.load[u, j, i]
-            work.lightness[m, m] = work.masses[m]
     for hinge in range(work.joints.shape[0]):
         work.joints[hinge, 0], work.joints[hinge, 1] = train.hitch[hinge, i], train.kingpin[hinge, i]
     for p in range(train.unit.size):
@@ -126,11 +131,11 @@ def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
     motion[2] -= 0.5 * h * work.load
     for k in range(most):
         t = k * h
-        _place(points, work.whose, motion, h, k == 0)
+        _place(points, work.whose, motion, work.headings, h, k == 0)
         motion[2] += h * work.load
         if work.joints.shape[0] > 0:
-            _tie(motion, work.masses, work.joints, work.lightness, work.ties, h)
-        touching = _press(points, work.whose, motion, work.lightness, work.effect, active, h)
+            _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
+        touching = _press(points, work.whose, motion, work.masses, work.ties, work.effect, active, h)
         pressed = active[:touching]
         if touching > 0 and t < finish + h:
             left = min((finish - t) / h, 1.0)
@@ -153,7 +158,7 @@ def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
 
 
 @compiled
-def _place(points, whose, motion, h, start):
+def _place(points, whose, motion, headings, h, start):
     """Update arms of all points, and their depths now and a step ago; what was ahead is now before."""
     for j in range(motion.shape[1]):
         motion[1, j] = motion[2, j]
@@ -162,6 +167,7 @@ def _place(points, whose, motion, h, start):
         if 3 * whose[p, 0] != j:
             j = 3 * whose[p, 0]
             c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+            headings[whose[p, 0], 0], headings[whose[p, 0], 1] = c, s
         x = points[p, ALONG] * c + points[p, ACROSS] * s
         y = points[p, ACROSS] * c - points[p, ALONG] * s
         depth = -(motion[0, j + 1] + y)
@@ -171,47 +177,46 @@ def _place(points, whose, motion, h, start):
 
 
 @compiled
-def _tie(motion, masses, joints, lightness, ties, h):
-    """Lightness of the train with its hinges, and velocities that keep them closed at the end of the step.
+def _tie(motion, masses, joints, headings, ties, h):
+    """Give the train velocities that keep its hinges closed at the end of the step.
 
-    Rows of `ties`: G/M, G over velocities, G G'/M, and the rate at which the gap is to close. One direction of a hinge
-    after the other is taken out of those behind it, so that they are orthogonal by the masses.
+    A row of `ties` is a hinge's condition along or across: velocities by a unit impulse in it, the condition itself,
+    and the rate at which the gap opens. Rows are made orthogonal by the masses, and of length one, so that none undoes
+    what another has closed.
     """
-    size, count = masses.size, ties.shape[0]
-    ties[:], lightness[:] = 0.0, 0.0
-    for a in range(count):
-        hinge, axis = a // 2, a % 2
+    size = masses.size
+    ties[:] = 0.0
+    for a in range(ties.shape[0]):
+        hinge, axis, row = a // 2, a % 2, ties[a]
         for side in range(2):
-            j, sign = 3 * (hinge + side), 1.0 - 2.0 * side
-            along, w = joints[hinge, side], motion[2, j + 2]
-            x, y = along * np.cos(motion[0, j + 2]), -along * np.sin(motion[0, j + 2])
+            u, sign = hinge + side, 1.0 - 2.0 * side
+            j, w = 3 * u, motion[2, 3 * u + 2]
+            x, y = joints[hinge, side] * headings[u, 0], -joints[hinge, side] * headings[u, 1]
             arm = x if axis == 0 else y
-            ties[a, size + j + axis] = sign
-            ties[a, size + j + 2] = sign * (x if axis == 1 else -y)
-            ties[a, -1] += sign * ((motion[0, j + axis] + arm) / h - 0.5 * h * w * w * arm)
-        for j in range(size):
-            ties[a, j] = masses[j] * ties[a, size + j]
-            ties[a, -1] += ties[a, size + j] * motion[2, j]
-    for a in range(count):
-        for b in range(count):
+            row[size + j + axis] = sign
+            row[size + j + 2] = sign * (x if axis == 1 else -y)
+            row[j + axis] = masses[j + axis] * row[size + j + axis]
+            row[j + 2] = masses[j + 2] * row[size + j + 2]
+            row[-1] += sign * ((motion[0, j + axis] + arm) / h - 0.5 * h * w * w * arm)
+            row[-1] += row[size + j + axis] * motion[2, j + axis] + row[size + j + 2] * w
+        for b in range(max(a - 3, 0), a):  # a unit has no more hinges than two
+            along = 0.0
             for j in range(size):
-                ties[a, 2 * size + b] += ties[a, j] * ties[b, size + j]
-    for j in range(size):
-        lightness[j, j] = masses[j]
-    for a in range(count):
-        pivot = ties[a, 2 * size + a]
+                along += ties[b, j] * row[size + j]
+            for j in range(2 * size):
+                row[j] -= along * ties[b, j]
+        length = 0.0
         for j in range(size):
-            motion[2, j] -= ties[a, j] * ties[a, -1] / pivot
-            for m in range(size):
-                lightness[j, m] -= ties[a, j] * ties[a, m] / pivot
-        for b in range(a + 1, count):
-            ratio = ties[b, 2 * size + a] / pivot
-            for j in range(ties.shape[1]):
-                ties[b, j] -= ratio * ties[a, j]
+            length += row[j] * row[size + j]
+        scale = 1.0 / np.sqrt(length)
+        for j in range(row.size):
+            row[j] *= scale
+        for j in range(size):
+            motion[2, j] -= row[j] * row[-1]
 
 
 @compiled
-def _press(points, whose, motion, lightness, effect, active, h):
+def _press(points, whose, motion, masses, ties, effect, active, h):
     """Forces of the wall, and velocities after them: returns the number of contact nodes in reach."""
     v, touching = motion[2], 0
     for p in range(points.shape[0]):
@@ -222,8 +227,15 @@ def _press(points, whose, motion, lightness, effect, active, h):
             points[p, NORMAL] = points[p, TANGENTIAL] = 0.0
             continue
         for m in range(v.size):
-            effect[p, 0, m] = lightness[m, j] - y * lightness[m, j + 2]
-            effect[p, 1, m] = lightness[m, j + 1] + x * lightness[m, j + 2]
+            effect[p, 0, m] = effect[p, 1, m] = 0.0
+        effect[p, 0, j], effect[p, 1, j + 1] = masses[j], masses[j + 1]
+        effect[p, 0, j + 2], effect[p, 1, j + 2] = -y * masses[j + 2], x * masses[j + 2]
+        for a in range(ties.shape[0]):
+            row = ties[a]
+            along, across = row[j] - y * row[j + 2], row[j + 1] + x * row[j + 2]
+            for m in range(v.size):
+                effect[p, 0, m] -= along * row[m]
+                effect[p, 1, m] -= across * row[m]
         points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else _part(points[p], ahead)
         active[touching] = p
         touching += 1
@@ -364,7 +376,10 @@ def _mean_speeds(point, motion, j):
 @compiled
 def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
     """End of the motion [s], as far as it can be said now; infinite while nothing can."""
-    if number >= 2:
+    last = groups[4 * reach.size - 3]  # of a train the rear of its last unit
+    if reach.size > 1 and number >= 2 and last[SLOT] >= 0.0:
+        return np.inf if last[STAMP] == k else last[LAST] + after
+    if reach.size == 1 and number >= 2:
         for s in range(2):
             group = groups[int(strikes[s, 0])]
             if group[STAMP] == k and group[SLOT] == s:
@@ -411,16 +426,16 @@ def _record(points, whose, motion, active, sums, early, h, row):
         row[base] += points[p, NORMAL]
         row[base + 1] += points[p, TANGENTIAL]
     for j in range(sums.size):
-        row[base + 2 + j] = sums[j]
-    _add(points, whose, motion, active, early * h, row[base + 2 :])
+        row[base + 4 + j] = sums[j]
+    _add(points, whose, motion, active, early * h, row[base + 4 :])
     for p in range(points.shape[0]):
         deepest = _deepest(points[p])
         if deepest > 0.0:
             _, taken, length = _line(points[p], deepest)
             left, returned = length - deepest + points[p, DEPTH], points[p, RESTITUTION] ** 2
-            row[base + 8] += (1.0 - returned) * taken
+            row[base + 3] += (1.0 - returned) * taken
             if left > 0.0 and length > 0.0:
-                row[base + 7] += returned * taken * min(left / length, 1.0) ** 2
+                row[base + 2] += returned * taken * min(left / length, 1.0) ** 2
 
 
 @compiled
@@ -442,6 +457,9 @@ def _add(points, whose, motion, active, h, sums):
         sums[2] += (motion[0, j] + points[p, X]) * normal - (motion[0, j + 1] + points[p, Y]) * along
         sums[3] += along * slip
         sums[4] -= normal * opening
+        if sums.size > 5:
+            sums[5 + 2 * whose[p, 0]] += normal
+            sums[6 + 2 * whose[p, 0]] += along
 
 
 @compiled

@@ -1,7 +1,7 @@
 """Strikes of a whole impact: found in sampled forces, or as the compiled step has counted them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ class Strike:
     Attributes
     ----------
     corner : str
-        One of `CORNERS`.
+        One of `CORNERS`; of a trailer with its name in front, as of `corner_name`.
     start, end : float
         [s]; `end` is that of the motion where the strike goes on.
     peak_force : float
@@ -153,11 +153,31 @@ def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
     return float(np.polyval(np.polyder(cubic), top))
 
 
-def strikes_of_rows(rows: Array, front: float, end: float) -> tuple[Strike, ...]:
-    """Rows of `step.STRIKE` as strikes of a vehicle whose centre of mass is so far behind its front [m]."""
+def corner_name(unit: int, corner: int) -> str:
+    """Name of a corner of a train.
+
+    Parameters
+    ----------
+    unit : int
+        From 0, the first vehicle.
+    corner : int
+        Index into `CORNERS`.
+
+    Returns
+    -------
+    str
+        "rear", "trailer rear", "trailer 2 rear" and so on.
+    """
+    number = f"{unit} " if unit > 1 else ""
+    return f"trailer {number}{CORNERS[corner]}" if unit else CORNERS[corner]
+
+
+def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[Strike, ...]:
+    """Rows of `step.STRIKE` as strikes of units whose centres of mass are so far behind their fronts [m]."""
     found, known = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
     for group, start, last, peak, impulse, along, station, place, crush, friction in rows[known]:
-        means = round(front - station / impulse, 12), place / impulse
+        unit, corner = divmod(int(group), 4)
+        means = round(fronts[unit] - station / impulse, 12), place / impulse
         values = start, min(last, end), peak, impulse, along, *means, crush, friction
-        found.append(Strike(CORNERS[int(group) % 4], *map(float, values)))
+        found.append(Strike(corner_name(unit, corner), *map(float, values)))
     return tuple(sorted(found, key=lambda strike: strike.start))

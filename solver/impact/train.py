@@ -176,7 +176,31 @@ class ImpactState:
             Gate().demand(rules.STATE, math.isfinite(rules.one("state", value)), value)
 
 
-def first_touch(vehicle: ImpactVehicle, angle: float, speed: float) -> ImpactState:
+@dataclass(frozen=True)
+class Trailer:
+    """A vehicle hinged to the one ahead, on the centre lines of both.
+
+    Parameters
+    ----------
+    vehicle : ImpactVehicle
+        The trailer.
+    contact : WallContact
+        Its laws of contact.
+    hitch : float
+        Where the hinge is, behind the front of the vehicle ahead [m].
+    kingpin : float
+        Where the hinge is, behind the trailer's own front; negative for a drawbar [m].
+    """
+
+    vehicle: ImpactVehicle
+    contact: "WallContact"
+    hitch: float
+    kingpin: float
+
+
+def first_touch(
+    vehicle: ImpactVehicle, angle: float, speed: float, trailers: Sequence[Trailer] = ()
+) -> ImpactState:
     """The state at first touch: the front corner of the wall side at X = Y = 0, the velocity along the heading.
 
     Parameters
@@ -187,6 +211,8 @@ def first_touch(vehicle: ImpactVehicle, angle: float, speed: float) -> ImpactSta
         Between side and wall, theta [rad].
     speed : float
         [m/s].
+    trailers : sequence of Trailer
+        Behind it in a line. One so wide that it touches first is on the wall, and the vehicle's corner off it.
 
     Returns
     -------
@@ -200,7 +226,50 @@ def first_touch(vehicle: ImpactVehicle, angle: float, speed: float) -> ImpactSta
     """
     theta = rules.within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
     v = rules.positive(rules.SPEED, speed)
-    return ImpactState(*touching(vehicle.front_distance, vehicle.width, theta, v))
+    state = touching(vehicle.front_distance, vehicle.width, theta, v)
+    if trailers:
+        units = vehicle, *(each.vehicle for each in trailers)
+        places = [corner_places(unit.front_distance, unit.length, unit.width) for unit in units]
+        state = cleared(state, places, distances(vehicle, trailers))
+    return ImpactState(*state)
+
+
+def distances(vehicle: ImpactVehicle, trailers: Sequence[Trailer]) -> list[float]:
+    """Distances from the vehicle's centre of mass back to that of each trailer, all in a line [m]."""
+    found, ahead, place = list[float](), vehicle, 0.0
+    for each in trailers:
+        place += each.hitch - ahead.front_distance + each.vehicle.front_distance - each.kingpin
+        found.append(place)
+        ahead = each.vehicle
+    return found
+
+
+def lined_up(state: Sequence[Any], behind: Sequence[Number] | Array) -> Array:
+    """States of a vehicle and of those so far behind it [m] in a line that moves as one body, shape (units, 6, ...)."""
+    x, y, theta, u, v, w = state
+    s, c = np.sin(theta), np.cos(theta)
+    others = [(x - d * c, y + d * s, theta, u - d * w * s, v - d * w * c, w) for d in behind]
+    return np.array([np.broadcast_arrays(*each) for each in ((x, y, theta, u, v, w), *others)])
+
+
+def cleared(
+    state: Sequence[Any], places: Sequence[Array], behind: Sequence[Number] | Array
+) -> tuple[Any, ...]:
+    """The state of the first vehicle, moved off the wall so far that no trailer is inside.
+
+    places: corners of each unit, as of `corner_places`; behind: as of `lined_up`.
+    """
+    states = lined_up(state, behind)[1:]
+    depths = [
+        corner_depths(corners, each[1], each[2]) for corners, each in zip(places[1:], states, strict=True)
+    ]
+    x, y, *rest = state
+    return x, y + np.maximum(np.max(depths, axis=(0, 1)), 0.0), *rest
+
+
+def corner_depths(places: Array, y_g: Any, theta: Any) -> Array:
+    """Depths of the corners of a vehicle behind the wall [m], shape (4, ...); places: as of `corner_places`."""
+    return np.asarray(-(y_g + places[:, 1] * np.cos(theta) - places[:, 0] * np.sin(theta)))
 
 
 def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tuple[Any, ...]:
@@ -314,7 +383,9 @@ def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array,
 
 
 def train_of(
-    vehicles: Sequence[ImpactVehicle], contact: WallContact, hinges: Sequence[tuple[float, float]] = ()
+    vehicles: Sequence[ImpactVehicle],
+    contact: WallContact | Sequence[WallContact],
+    hinges: Sequence[tuple[float, float]] = (),
 ) -> Train:
     """One train of vehicles joined by hinges, as a sample of `solve_trains`.
 
@@ -322,8 +393,8 @@ def train_of(
     ----------
     vehicles : sequence of ImpactVehicle
         From the first.
-    contact : WallContact
-        Of all of them.
+    contact : WallContact or sequence of WallContact
+        Of all of them, or of each.
     hinges : sequence of (float, float)
         Between each vehicle and the next: how far behind the front of the one, and of the other [m].
 
@@ -332,20 +403,24 @@ def train_of(
     Train
         Arrays of shape (units, 1), (hinges, 1), (points, 1).
     """
-    law, side = contact.crush, contact.side or contact.crush
-    found = [contact_places(vehicle, contact) for vehicle in vehicles]
-    place, corner, length = (np.concatenate(values) for values in zip(*found, strict=True))
+    contacts = [contact] * len(vehicles) if isinstance(contact, WallContact) else contact
+    found = [_points(*both) for both in zip(vehicles, contacts, strict=True)]
+    place, corner, laws = (np.concatenate(values) for values in zip(*found, strict=True))
     unit = np.repeat(np.arange(len(vehicles)), [len(values[1]) for values in found])
-    at_corner = np.concatenate([np.arange(len(values[1])) < 4 for values in found])
     joints = [(v.front_distance - a, w.front_distance - b)
               for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
     hitch, kingpin = np.array(joints).reshape(-1, 2).T
-
-    def own(name: str, part: Array) -> Array:
-        return np.where(at_corner, getattr(law, name), getattr(side, name) * part)[:, None]
-
     masses = np.array([[v.mass] for v in vehicles]), np.array([[v.inertia] for v in vehicles])
-    laws = own("stiffness", length), own("initial_force", length), own("restitution", np.ones_like(length))
-    friction, load = np.full((unit.size, 1), contact.friction), np.zeros((len(vehicles), 3, 1))
-    ends = hitch[:, None], kingpin[:, None]
-    return Train(*masses, *ends, unit, corner, place[:, :1], place[:, 1:], *laws, friction, load)
+    load, ends = np.zeros((len(vehicles), 3, 1)), (hitch[:, None], kingpin[:, None])
+    along, across, k, force, e, mu = (np.ascontiguousarray(column)[:, None] for column in (*place.T, *laws.T))
+    return Train(*masses, *ends, unit, corner, along, across, k, force, e, mu, load)
+
+
+def _points(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
+    """Places and corners of a vehicle's contact nodes, as of `contact_places`, and their k, F0, e and mu."""
+    places, corner, length = contact_places(vehicle, contact)
+    laws = np.empty((len(length), 4))
+    for law, part in ((contact.crush, slice(4)), (contact.side or contact.crush, slice(4, None))):
+        laws[part] = law.stiffness, law.initial_force, law.restitution, contact.friction
+        laws[part, :2] *= length[part, None]
+    return places, corner, laws

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
-from solver.impact.step import STRIKE, SUMS, advance, workspace
+from solver.impact.step import STRIKE, advance, columns, workspace
 from solver.impact.train import Train
 from solver.rules import Array, RigidBodyError
 
@@ -66,7 +66,8 @@ class Trajectories(NamedTuple):
     step : ndarray, shape (n,)
         [s].
     error : ndarray, shape (n,)
-        Largest relative change of the first two peaks and impulses, and of the spin at the end, against twice the step.
+        Largest relative change of the first two peaks and impulses, of trains of all strikes of weight, and of the spin
+        at the end, against twice the step.
     """
 
     end: Array
@@ -142,7 +143,7 @@ def solve_trains(
         if interval is not None:
             stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
             count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
-        rows = np.empty((n, count, 6 * out.shape[1] + len(SUMS)))
+        rows = np.empty((n, count, columns(out.shape[1])))
         found, ends = np.full((n, room, len(STRIKE)), np.nan), np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(h, stride, ends, after_second, latest, most, reached, counted)
@@ -188,14 +189,37 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
     return rate, np.maximum(turning.max(axis=0), 1e-300)
 
 
+WEIGHT = 0.05
+"""Impulse of a strike of weight, over the largest of its train."""
+
+
 def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Array:
     """Largest change, of spin against its own and a tenth of speed over size; infinite where strikes differ, or
     anything is not finite."""
-    one, two = fine.strikes[:, :2], coarse.strikes[:, :2]
-    same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
     spin, other = fine.state[..., 5], coarse.state[..., 5]
+    strikes = _changes if fine.state.shape[1] == 1 else _changes_of_trains
     with np.errstate(invalid="ignore", divide="ignore"):
-        changes = np.nan_to_num(np.abs(two[..., 3:5] / one[..., 3:5] - 1.0), nan=0.0).max(axis=(1, 2))
+        changes = strikes(fine.strikes, coarse.strikes)
         spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
     known = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
-    return np.where(known & same.all(axis=1), np.maximum(changes, spins), math.inf)
+    return np.where(known, np.maximum(changes, spins), math.inf)
+
+
+def _changes(fine: Array, coarse: Array) -> Array:
+    """Largest change of the peaks and impulses of the first two strikes, shape (n,)."""
+    one, two = fine[:, :2], coarse[:, :2]
+    same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
+    changes = np.nan_to_num(np.abs(two[..., 3:5] / one[..., 3:5] - 1.0), nan=0.0).max(axis=(1, 2))
+    return np.where(same.all(axis=1), changes, math.inf)
+
+
+def _changes_of_trains(fine: Array, coarse: Array) -> Array:
+    """Largest change of all strikes of weight, each beside the one of the same corner that begins next to it, for
+    others of no weight come and go between; shape (n,)."""
+    apart = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])
+    apart = np.where(fine[:, :, None, 0] == coarse[:, None, :, 0], apart, math.inf)
+    beside = np.take_along_axis(coarse, apart.argmin(axis=2)[..., None], axis=1)
+    changes = np.abs(beside[..., 3:5] / fine[..., 3:5] - 1.0).max(axis=2)
+    changes = np.where(np.isfinite(apart.min(axis=2)), changes, math.inf)
+    weighs = fine[..., 4] >= WEIGHT * np.nanmax(fine[..., 4], axis=1, initial=0.0)[:, None]
+    return np.where(weighs, changes, 0.0).max(axis=1)

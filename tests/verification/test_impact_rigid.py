@@ -1,5 +1,5 @@
-"""Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, trains,
-refusals; strikes from sampled forces, by the rule of the rigid impact.
+"""Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, refusals; strikes
+from sampled forces, by the rule of the rigid impact.
 """
 
 import math
@@ -531,110 +531,6 @@ def test_what_cannot_be_among_many_is_refused(key, value, allowed):
         solve_impacts(**{**GIVEN, key: value})
     assert caught.value.key == key
     assert allowed in str(caught.value)
-
-
-# --- trains ---
-
-TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
-TRAILER = ImpactVehicle(14.6, 2.59, 27770.0, 8.0, 497057.0)
-HITCH, KINGPIN = 5.6, 0.9
-
-
-def train_run(vehicles, hinges, k, speed=22.35, **more):
-    """A straight train in its first touch; all units have the same width or the first sticks out."""
-    train = train_of(vehicles, WallContact(CrushLaw(k, 0.0, 0.22), MU), hinges)
-    first = first_touch(vehicles[0], ANGLE, speed)
-    states, x = [[first.x_g, first.y_g, ANGLE, first.v_gx, first.v_gy, 0.0]], 0.0
-    for h, (hitch, kingpin) in enumerate(hinges):
-        x += hitch - vehicles[h].front_distance + vehicles[h + 1].front_distance - kingpin
-        place = first.x_g - x * math.cos(ANGLE), first.y_g + x * math.sin(ANGLE)
-        states.append([*place, ANGLE, first.v_gx, first.v_gy, 0.0])
-    return solve_trains(train, np.array([states]), **more)
-
-
-TRAIN = {  # unit and corner, start, duration, peak, impulse, as of a trial by another scheme
-    1e6: [
-        (0, "front", 0.0, 0.1268, 390.5e3, 31.43e3), (1, "front", 0.1958, 0.1590, 531.2e3, 52.34e3),
-        (0, "rear", 0.2490, 0.0944, 304.0e3, 18.59e3), (0, "front", 0.4190, 0.0447, 405.2e3, 13.29e3),
-        (1, "rear", 0.7058, 0.1721, 704.0e3, 77.16e3),
-    ],
-    2e6: [
-        (0, "front", 0.0, 0.0904, 554.0e3, 31.82e3), (1, "front", 0.1958, 0.1204, 797.5e3, 59.50e3),
-        (0, "rear", 0.2452, 0.0616, 348.8e3, 13.99e3), (0, "front", 0.4414, 0.0297, 561.3e3, 11.46e3),
-        (1, "rear", 0.6983, 0.1217, 996.6e3, 77.23e3),
-    ],
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("k", TRAIN)
-def test_the_strikes_of_a_tractor_and_trailer(k):
-    """Five strikes to the digits of the trial."""
-    found = train_run([TRACTOR, TRAILER], [(HITCH, KINGPIN)], k, end=0.95, strikes=8, step=2e-5)
-    rows = sorted(found.strikes[0][found.strikes[0, :, 4] > 0.0].tolist(), key=lambda row: row[1])
-    for row, (unit, corner, first, duration, peak, impulse) in zip(rows, TRAIN[k], strict=False):
-        assert row[0] == 4 * unit + CORNERS.index(corner)
-        assert (row[1], row[2] - row[1]) == pytest.approx((first, duration), abs=3e-4)
-        assert (row[3], row[4]) == (pytest.approx(peak, rel=1e-3), pytest.approx(impulse, rel=1e-3))
-
-
-def test_a_trailer_without_mass_changes_nothing():
-    light = ImpactVehicle(14.6, 2.44, 1e-4, 8.0, 1e-4 * 17.9)
-    train = train_run([TRACTOR, light, light], [(HITCH, KINGPIN), (13.0, KINGPIN)], 2e6, end=0.15, step=2e-5)
-    single = train_run([TRACTOR], [], 2e6, end=0.15, step=2e-5)
-    assert train.strikes[0, 0] == pytest.approx(single.strikes[0, 0], rel=1e-6, abs=1e-6)
-    assert train.state[0, 0] == pytest.approx(single.state[0, 0], rel=1e-6)
-
-
-def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass():
-    """J = (1 + e) v0 sin(theta)/(n' W d), n = (0, 1), d = (-mu, 1), W the inverse mass of the hinged train there."""
-    masses = np.diag([each for v in (TRACTOR, TRAILER) for each in (v.mass, v.mass, v.inertia)])
-    c, s = math.cos(ANGLE), math.sin(ANGLE)
-
-    def rows(along, across, unit):
-        x, y = along * c + across * s, across * c - along * s
-        out = np.zeros((2, 6))
-        out[0, 3 * unit], out[1, 3 * unit + 1] = 1.0, 1.0
-        out[:, 3 * unit + 2] = -y, x
-        return out
-
-    hinge = rows(TRACTOR.front_distance - HITCH, 0.0, 0) - rows(TRAILER.front_distance - KINGPIN, 0.0, 1)
-    system = np.block([[masses, hinge.T], [hinge, np.zeros((2, 2))]])
-    corner = rows(TRACTOR.front_distance, -TRACTOR.width / 2.0, 0)
-    blow = np.concatenate([corner.T @ np.array([-MU, 1.0]), np.zeros(2)])
-    gain = corner[1] @ np.linalg.solve(system, blow)[:6]
-    found = train_run([TRACTOR, TRAILER], [(HITCH, KINGPIN)], 1e11, end=2e-3)
-    assert found.strikes[0, 0, 4] == pytest.approx(1.22 * 22.35 * s / gain, rel=2e-3)
-
-
-def test_a_train_in_free_flight():
-    """Momentum, angular momentum and energy stay; the hinges stay closed; its force is what the masses ask for."""
-    train = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [(HITCH, KINGPIN)])
-    a, b = HITCH - TRACTOR.front_distance, TRAILER.front_distance - KINGPIN
-    w_a, w_b = 0.4, -0.3  # both along X: the hinge at the origin
-    state = np.array([[[a, 50.0, 0.0, 3.0, 1.0 + w_a * a, w_a], [-b, 50.0, 0.0, 3.0, 1.0 - w_b * b, w_b]]])
-    found = solve_trains(train, state, end=2.0, interval=0.0, step=1e-3)
-    rows = found.rows[0, :1999, :12].reshape(-1, 2, 6)
-    m, inertia = train.mass[:, 0], train.inertia[:, 0]
-    x, y, theta, u, v, w = np.moveaxis(rows, -1, 0)
-    assert (u @ m, v @ m) == (pytest.approx(u[0] @ m, rel=1e-12), pytest.approx(v[0] @ m, rel=1e-12))
-    spin = w @ inertia + (x * v - y * u) @ m
-    assert spin == pytest.approx(spin[0], rel=1e-6)
-    energy = (u**2 + v**2) @ m / 2.0 + w**2 @ inertia / 2.0
-    assert energy == pytest.approx(energy[0], rel=1e-6)
-    gap = x[:, 0] - a * np.cos(theta[:, 0]) - (x[:, 1] + b * np.cos(theta[:, 1]))
-    assert np.abs(gap).max() < 1e-9
-    t, reduced = 1e-3 * np.arange(len(rows)), m[0] * m[1] / m.sum()
-    pull = m[0] * np.gradient(u[:, 0], t)
-    apart = np.gradient(np.gradient(x[:, 0] - x[:, 1], t), t)
-    assert pull[5:-5] == pytest.approx(reduced * apart[5:-5], abs=1e-3 * np.abs(pull).max())
-
-
-def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
-    """Its inertia plays no part while nothing touches it."""
-    trailers = [ImpactVehicle(4.0, 0.5, 27770.0, 2.0, inertia) for inertia in (3e4, 1e5)]
-    runs = [train_run([TRACTOR, each], [(HITCH, 2.0)], 2e6, end=0.12, step=2e-5) for each in trailers]
-    assert runs[0].strikes[0, 0] == pytest.approx(runs[1].strikes[0, 0], rel=1e-9, abs=1e-9)
-    assert runs[0].state[0, 0] == pytest.approx(runs[1].state[0, 0], rel=1e-9)
 
 
 def test_the_columns_of_rows_are_named():

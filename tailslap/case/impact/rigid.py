@@ -174,7 +174,7 @@ class RigidImpact(Case):
         given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
         if (inertia := self.scene.vehicle.yaw_inertia) is not None:
             given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
-        until = {"after_second": AFTER_SECOND, "longest": LONGEST, "interval": INTERVAL}
+        until: dict[str, Any] = {"after_second": AFTER_SECOND, "longest": LONGEST, "interval": INTERVAL}
         with refusals(self.scene):
             found = impact.solve_impacts(**given, **until)
         starts, ends = found.start, found.start + found.duration

@@ -1,0 +1,229 @@
+"""Verification: trains of rigid vehicles: exact answers, a trial by another scheme, the hinge's force, many at once."""
+
+import math
+
+import numpy as np
+import pytest
+
+from solver import RigidBodyError
+from solver.impact import (
+    CORNERS,
+    CrushLaw,
+    ImpactMotion,
+    ImpactVehicle,
+    Trailer,
+    WallContact,
+    corner_name,
+    first_touch,
+    solve_impact,
+    solve_impacts,
+    solve_trains,
+    train_of,
+)
+
+ANGLE, MU = math.radians(15.0), 0.47
+TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
+TRAILER = ImpactVehicle(14.6, 2.59, 27770.0, 8.0, 497057.0)
+HITCH, KINGPIN = 5.6, 0.9
+
+
+def train_run(vehicles, hinges, k, speed=22.35, **more):
+    """A straight train in its first touch; all units have the same width or the first sticks out."""
+    train = train_of(vehicles, WallContact(CrushLaw(k, 0.0, 0.22), MU), hinges)
+    first = first_touch(vehicles[0], ANGLE, speed)
+    states, x = [[first.x_g, first.y_g, ANGLE, first.v_gx, first.v_gy, 0.0]], 0.0
+    for h, (hitch, kingpin) in enumerate(hinges):
+        x += hitch - vehicles[h].front_distance + vehicles[h + 1].front_distance - kingpin
+        place = first.x_g - x * math.cos(ANGLE), first.y_g + x * math.sin(ANGLE)
+        states.append([*place, ANGLE, first.v_gx, first.v_gy, 0.0])
+    return solve_trains(train, np.array([states]), **more)
+
+
+def train_impact(k=2e6, vehicle=TRACTOR, trailers=((TRAILER, HITCH, KINGPIN),), speed=22.35, **more):
+    law = WallContact(CrushLaw(k, 0.0, 0.22), MU)
+    behind = [Trailer(unit, law, *hinge) for unit, *hinge in trailers]
+    return solve_impact(vehicle, law, first_touch(vehicle, ANGLE, speed, behind), trailers=behind, **more)
+
+
+TRAIN = {  # unit and corner, start, duration, peak, impulse, as of a trial by another scheme
+    1e6: [
+        (0, "front", 0.0, 0.1268, 390.5e3, 31.43e3), (1, "front", 0.1958, 0.1590, 531.2e3, 52.34e3),
+        (0, "rear", 0.2490, 0.0944, 304.0e3, 18.59e3), (0, "front", 0.4190, 0.0447, 405.2e3, 13.29e3),
+        (1, "rear", 0.7058, 0.1721, 704.0e3, 77.16e3),
+    ],
+    2e6: [
+        (0, "front", 0.0, 0.0904, 554.0e3, 31.82e3), (1, "front", 0.1958, 0.1204, 797.5e3, 59.50e3),
+        (0, "rear", 0.2452, 0.0616, 348.8e3, 13.99e3), (0, "front", 0.4414, 0.0297, 561.3e3, 11.46e3),
+        (1, "rear", 0.6983, 0.1217, 996.6e3, 77.23e3),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("k", TRAIN)
+def test_the_strikes_of_a_tractor_and_trailer(k):
+    """Five strikes to the digits of the trial."""
+    found = train_run([TRACTOR, TRAILER], [(HITCH, KINGPIN)], k, end=0.95, strikes=8, step=2e-5)
+    rows = sorted(found.strikes[0][found.strikes[0, :, 4] > 0.0].tolist(), key=lambda row: row[1])
+    for row, (unit, corner, first, duration, peak, impulse) in zip(rows, TRAIN[k], strict=False):
+        assert row[0] == 4 * unit + CORNERS.index(corner)
+        assert (row[1], row[2] - row[1]) == pytest.approx((first, duration), abs=3e-4)
+        assert (row[3], row[4]) == (pytest.approx(peak, rel=1e-3), pytest.approx(impulse, rel=1e-3))
+
+
+def test_a_trailer_without_mass_changes_nothing():
+    light = ImpactVehicle(14.6, 2.44, 1e-4, 8.0, 1e-4 * 17.9)
+    train = train_run([TRACTOR, light, light], [(HITCH, KINGPIN), (13.0, KINGPIN)], 2e6, end=0.15, step=2e-5)
+    single = train_run([TRACTOR], [], 2e6, end=0.15, step=2e-5)
+    assert train.strikes[0, 0] == pytest.approx(single.strikes[0, 0], rel=1e-6, abs=1e-6)
+    assert train.state[0, 0] == pytest.approx(single.state[0, 0], rel=1e-6)
+
+
+def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass():
+    """J = (1 + e) v0 sin(theta)/(n' W d), n = (0, 1), d = (-mu, 1), W the inverse mass of the hinged train there."""
+    masses = np.diag([each for v in (TRACTOR, TRAILER) for each in (v.mass, v.mass, v.inertia)])
+    c, s = math.cos(ANGLE), math.sin(ANGLE)
+
+    def rows(along, across, unit):
+        x, y = along * c + across * s, across * c - along * s
+        out = np.zeros((2, 6))
+        out[0, 3 * unit], out[1, 3 * unit + 1] = 1.0, 1.0
+        out[:, 3 * unit + 2] = -y, x
+        return out
+
+    hinge = rows(TRACTOR.front_distance - HITCH, 0.0, 0) - rows(TRAILER.front_distance - KINGPIN, 0.0, 1)
+    system = np.block([[masses, hinge.T], [hinge, np.zeros((2, 2))]])
+    corner = rows(TRACTOR.front_distance, -TRACTOR.width / 2.0, 0)
+    blow = np.concatenate([corner.T @ np.array([-MU, 1.0]), np.zeros(2)])
+    gain = corner[1] @ np.linalg.solve(system, blow)[:6]
+    soft, stiff = (
+        train_impact(k, end=200.0 / math.sqrt(k), tolerance=1e-7).strikes[0].impulse for k in (1e11, 1e13)
+    )
+    rigid = stiff + (stiff - soft) / 9.0  # what is missing goes with the duration, k to the -1/2
+    assert rigid == pytest.approx(1.22 * 22.35 * s / gain, rel=1e-6)
+
+
+def flown(w_a, w_b, end=2.0, step=2e-4):
+    """A train far from the wall along X, with these spins; the hinge at rest at first."""
+    a, b = HITCH - TRACTOR.front_distance, TRAILER.front_distance - KINGPIN
+    train = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [(HITCH, KINGPIN)])
+    state = np.array([[[a, 50.0, 0.0, 3.0, w_a * a, w_a], [-b, 50.0, 0.0, 3.0, -w_b * b, w_b]]])
+    return train, a, b, solve_trains(train, state, end=end, interval=0.0, step=step)
+
+
+def test_a_train_in_free_flight():
+    """Momentum, angular momentum and energy stay; the hinges stay closed."""
+    train, a, b, found = flown(0.4, -0.3)
+    rows = found.rows[0, : int(2.0 / 2e-4), :12].reshape(-1, 2, 6)
+    m, inertia = train.mass[:, 0], train.inertia[:, 0]
+    x, y, theta, u, v, w = np.moveaxis(rows, -1, 0)
+    assert (u @ m, v @ m) == (pytest.approx(u[0] @ m, rel=1e-12), pytest.approx(v[0] @ m, rel=1e-12))
+    spin = w @ inertia + (x * v - y * u) @ m
+    assert spin == pytest.approx(spin[0], rel=1e-6)
+    energy = (u**2 + v**2) @ m / 2.0 + w**2 @ inertia / 2.0
+    assert energy == pytest.approx(energy[0], rel=1e-6)
+    gap = x[:, 0] - a * np.cos(theta[:, 0]) - (x[:, 1] + b * np.cos(theta[:, 1]))
+    assert np.abs(gap).max() < 1e-9
+
+
+def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
+    """m1 m2/(m1 + m2) times that of their centres: of a straight train that turns as one body w^2 times their distance,
+    for ever, and at any instant of one that folds."""
+    behind = [Trailer(TRAILER, WallContact(CrushLaw(1e6), MU), HITCH, KINGPIN)]
+    reduced = TRACTOR.mass * TRAILER.mass / (TRACTOR.mass + TRAILER.mass)
+    for spins in ((0.4, 0.4), (0.4, -0.3)):
+        _, a, b, found = flown(*spins)
+        law = WallContact(CrushLaw(1e6), MU)
+        motion = ImpactMotion(
+            TRACTOR, law, (), 2.0, None, 2e-4, 0.0, 2e-4, found.rows[0, :10001], tuple(behind)
+        )
+        t = np.linspace(0.0, 2.0, 1001)
+        force, at = motion.hinge_forces(t)[0], motion.at(t)
+        apart = [np.diff(own - its) / np.diff(t) for own, its in ((at.v_gx_2, at.v_gx), (at.v_gy_2, at.v_gy))]
+        assert force == pytest.approx(reduced * np.array(apart), abs=1e-6 * np.abs(force).max())
+        if spins[0] == spins[1]:
+            assert np.hypot(*force) == pytest.approx(reduced * 0.4**2 * (a + b), rel=1e-6)
+
+
+def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
+    """Which has no angle: while nothing touches it, the tractor with it is one rigid vehicle."""
+    m, point, a = TRACTOR.mass, 27770.0, TRACTOR.front_distance
+    centre = (m * a + point * HITCH) / (m + point)
+    inertia = TRACTOR.inertia + m * (a - centre) ** 2 + point * (HITCH - centre) ** 2
+    one = train_impact(
+        vehicle=ImpactVehicle(6.9, 2.44, m + point, centre, inertia), trailers=(), end=0.12, step=2e-5
+    )
+    for own in (3e4, 1e5):
+        pair = train_impact(
+            trailers=[(ImpactVehicle(4.0, 0.5, point, 2.0, own), HITCH, 2.0)], end=0.12, step=2e-5
+        )
+        for name in ("duration", "peak_force", "impulse", "friction_work", "position"):
+            assert getattr(pair.strikes[0], name) == pytest.approx(getattr(one.strikes[0], name), rel=1e-6)
+        assert (pair.end.theta, pair.end.omega) == pytest.approx((one.end.theta, one.end.omega), rel=1e-6)
+
+
+def test_a_wide_trailer_that_touches_first_starts_on_the_wall():
+    """Its front corner lies 1.5 m behind, and 2 m farther out than the vehicle's."""
+    wide = ImpactVehicle(10.0, 6.44, 20000.0)
+    motion = train_impact(trailers=[(wide, 5.0, 3.5)], end=0.2)
+    assert motion.strikes[0].corner == "trailer front"
+    assert motion.strikes[0].start == pytest.approx(0.0, abs=1e-6)
+    depth = motion.corner_depths(0.0)
+    assert depth[0] == pytest.approx(1.5 * math.sin(ANGLE) - 2.0 * math.cos(ANGLE), rel=1e-9)
+
+
+def test_a_train_ends_after_the_strike_of_its_last_rear():
+    motion = train_impact()
+    assert [strike.corner for strike in motion.strikes[:5]] == [
+        "front", "trailer front", "rear", "front", "trailer rear",
+    ]  # fmt: skip
+    assert motion.t_end == pytest.approx(motion.strikes[4].end + 0.1, rel=1e-6)
+    assert motion.error < 1e-5
+
+
+def test_many_trains_are_what_each_is_alone():
+    """Eight tractors, trailers and walls at once, a trailer's crush its own; both limits of a first trailer's hinge."""
+    rng = np.random.default_rng(3)
+    n, between = 8, lambda low, high: rng.uniform(low, high, 8)
+    shared = {
+        "restitution": 0.22,
+        "friction": between(0.2, 0.6),
+        "speed": between(18.0, 25.0),
+        "angle": ANGLE,
+    }
+    first = {"length": 6.9, "width": 2.44, "mass": between(7e3, 9e3), "centre_of_mass": 2.9, "stiffness": 2e6}
+    behind = {
+        "length": 14.6,
+        "width": 2.59,
+        "mass": between(1e4, 3e4),
+        "hitch": between(5.0, 6.0),
+        "kingpin": 0.9,
+    }
+    behind |= {"stiffness": between(1e6, 3e6), "centre_of_mass": 8.0}
+    many = solve_impacts(**first, **shared, trailers=[behind], tolerance=1e-5, interval=5e-4)
+    for i in range(n):
+        one, two, its = (
+            {key: np.broadcast_to(v, n)[i] for key, v in table.items()} for table in (first, behind, shared)
+        )
+        laws = [
+            WallContact(CrushLaw(unit.pop("stiffness"), 0.0, 0.22), its["friction"]) for unit in (one, two)
+        ]
+        hinge = two.pop("hitch"), two.pop("kingpin")
+        vehicle, trailer = ImpactVehicle(**one), Trailer(ImpactVehicle(**two), laws[1], *hinge)
+        state = first_touch(vehicle, ANGLE, its["speed"], [trailer])
+        alone = solve_impact(vehicle, laws[0], state, trailers=[trailer])
+        assert many.error[i] < 1e-4
+        for k, strike in enumerate(alone.strikes):
+            assert corner_name(*divmod(int(many.corner[k, i]), 4)) == strike.corner
+            assert (many.start[k, i], many.impulse[k, i]) == pytest.approx(
+                (strike.start, strike.impulse), rel=1e-5
+            )
+        assert many.mean_force[:, i].sum() * 5e-4 == pytest.approx(
+            many.impulse[:, i][many.corner[:, i] >= 0].sum()
+        )
+
+
+def test_what_no_trailer_can_have_is_refused_by_its_number():
+    trailer = {"length": 14.6, "width": 2.59, "mass": [1e4, -1.0], "hitch": 5.6, "kingpin": 0.9}
+    with pytest.raises(RigidBodyError, match=r"trailer\.0\.mass is -1 at index 1"):
+        solve_impacts(length=6.9, width=2.44, mass=8200.0, speed=20.0, angle=0.2, stiffness=1e6, restitution=0.2,
+                      friction=0.4, trailers=[trailer])  # fmt: skip
