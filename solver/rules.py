@@ -243,6 +243,26 @@ END = Rule("end", "the motion must go on for some time", f"{POSITIVE}, s")
 IMPACT_TIME = Rule("time", _FAR, "from 0 to {end:.10g} s")
 POINTS = Rule("side_points", "a layer is taken at points along each side", "1 or more")
 
+ROLLING = {
+    name: Rule(name, why, f"{POSITIVE}, {unit}")
+    for name, why, unit in (
+        ("mass", "a body without mass has no momentum", "kg"),
+        ("centre_height", "the centre of mass is above the ground", "m"),
+        ("roll_inertia", "a body without inertia has no roll", "kg m^2"),
+        ("track", "a vehicle stands on wheels to either side", "m"),
+        ("suspension", "wheels without a spring carry nothing", "N/m"),
+        ("wall_height", "a wall without height holds nothing", "m"),
+    )
+}
+ROLLING |= {
+    name: Rule(name, "it is a size", "0 or more, and finite")
+    for name in ("damping_ratio", "width", "friction", "speed")
+}
+"""Rules of a vehicle that rolls over a wall, by the name of the input."""
+ROLL_STEPS = Rule(
+    "suspension", "the vehicle oscillates on it at {rate:.3g} rad/s, too fast to be followed", "softer, N/m"
+)
+
 
 def one(key: str, value: Any) -> float:
     """`value` as a float; raises RigidBodyError for arrays."""
