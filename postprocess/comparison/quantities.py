@@ -88,8 +88,9 @@ class Compared:
     where: str
 
 
-TAIL_SLAP = Compared(QUANTITIES, "v_gy", "at the tail-slap")
-"""Quantities of the constrained corner."""
+FORCE = _by_key(ComparedQuantity("peak_force", "Peak lateral force", "F", "N"))
+TAIL_SLAP = Compared(FORCE | QUANTITIES, "peak_force", "at the tail-slap")
+"""Quantities of the constrained corner: the force of Stage 3, and the five that it follows from."""
 
 OF_STRIKES = _by_key(
     ComparedQuantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),

@@ -20,6 +20,8 @@ History = Mapping[str, scales.Floats]
 STRETCHES = 200
 COLOURS = ("fe", "red", "green", "violet")
 TIME = chart.Axis("t [s]", margin=0.0)
+MAIN = "v_gy"
+"""The column whose chart takes the width of the page: it sets the force of the tail-slap."""
 
 
 class Panel(NamedTuple):
@@ -38,10 +40,10 @@ class Panel(NamedTuple):
 COMPARED = tuple(
     Panel(name, ((name, "FE"),), symbol, unit, group, caption)
     for name, symbol, unit, group, caption in (
+        ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
+        ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
         ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
         ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive where it closes the angle"),
-        ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
-        ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
         ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
         ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
         ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),
@@ -92,11 +94,12 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
     rigid_line = marks.Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0)
     lines = rigid_line, marks.Line("FE", *thinned(t, values * 10.0**-own))
     difference = marks.Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
+    high, wide = (220.0, chart.FULL) if panel.name == MAIN else (130.0, chart.HALF)
     plots = (
-        chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), 130.0),
+        chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), high),
         chart.Plot((difference,), chart.Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
     )
-    return chart.draw_chart(panel.name, panel.caption, plots, TIME, panel.group)
+    return chart.draw_chart(panel.name, panel.caption, plots, TIME, panel.group, wide)
 
 
 def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
@@ -105,13 +108,8 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
         found = {label: values - values[0] for label, values in found.items()}
     power = power_of_ten(np.concatenate([*found.values()]))
     lines = tuple(
-        marks.Line(
-            label,
-            *thinned(fe["t"], values * 10.0**-power),
-            colour,
-            3.0 if panel.from_start and colour == "fe" else 1.3,
-        )
-        for (label, values), colour in zip(found.items(), COLOURS, strict=False)
+        marks.Line(label, *thinned(fe["t"], values * 10.0**-power), colour, **marks.look(number))
+        for number, ((label, values), colour) in enumerate(zip(found.items(), COLOURS, strict=False))
     )
     axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
     height = 216.0 - (18.0 if len(lines) > 1 else 0.0)
@@ -159,13 +157,16 @@ WIDTH, HEIGHT = 6.4, 2.5
 """Size of a panel that matplotlib draws [inches]."""
 
 
-def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str) -> chart.Chart:
-    """Curves over one another as SVG for a page; name: of its file, heading: of their axis, with unit."""
+def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str, width: float) -> chart.Chart:
+    """Curves over one another as SVG for a page; name: of its file, heading: of their axis, with unit; width: of the
+    chart [pixels]."""
     lines = tuple(
-        marks.Line(curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)])
+        marks.Line(
+            curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)], **marks.look(number)
+        )
         for number, curve in enumerate(curves)
     )
-    return chart.draw_chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME)
+    return chart.draw_chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME, width=width)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Span, Swatch, Words
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Span, Swatch, Words, look
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import SI, Units, measure
 
@@ -43,8 +43,8 @@ def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
     return tuple(Span(each.corner, each.start, each.end, corner_colour(each.corner)) for each in strikes)
 
 
-WIDTH, EDGE = 900.0, 0.4
-"""Width of the figure [pixels]; free space about what is drawn [m]."""
+EDGE = 0.4
+"""Free space about what is drawn [m]."""
 
 TOP, ROW = 0.9, 0.5
 """Height of the row of instants above the vehicle, and of each strike's row below the wall's face [m]."""
@@ -86,7 +86,12 @@ def draw_positions(
         marks += _strike(strike, row, high[0])
     x, y = chart.Axis("X along the wall [m]", low[0], high[0]), chart.Axis("Y [m]", low[1], high[1])
     return chart.draw_chart(
-        "positions", caption, (chart.Plot(tuple(marks), y, None, has_grid=False),), x, "Motion", WIDTH
+        "positions",
+        caption,
+        (chart.Plot(tuple(marks), y, None, "xy", has_grid=False),),
+        x,
+        "Motion",
+        chart.FULL,
     )
 
 
@@ -95,7 +100,7 @@ def _position(outline: Floats, instant: float, shade: float, top: float) -> list
     x, y = outline[outline[:, 0].argmax()]
     foot = top - 0.5 * TOP
     return [
-        Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade),
+        Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade, label=f"{instant:.2f} s"),
         Line("", np.array([x, x]), np.array([y, foot]), "steel", 0.7, "1 2"),
         Words(f"{instant:.2f} s", x, foot, (0.0, -3.0), "middle", "fe"),
     ]
@@ -112,15 +117,14 @@ def _strike(strike: StrikeMark, height: float, end: float) -> list[Mark]:
 
 
 START = replace(histories.TIME, low=0.0)
-WIDE = 540.0
-"""Time from first touch on; width of the plots over time [pixels]."""
+"""Time from first touch on."""
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
-    "raw": ("raw", {"colour": "grey", "width": 2.4}),
-    "cfc180": ("CFC 180", {"colour": "green", "width": 1.0}),
-    "cfc60": ("CFC 60", {"colour": "fe"}),
-    "cutoff_60hz": ("60 Hz cut-off", {"colour": "violet", "dashes": "5 2"}),
-    "mean_50ms": ("50 ms mean", {"colour": "rigid", "width": 2.2}),
+    "raw": ("raw", {"colour": "grey", **look(0)}),
+    "cfc180": ("CFC 180", {"colour": "green", **look(1)}),
+    "cfc60": ("CFC 60", {"colour": "fe", **look(2)}),
+    "cutoff_60hz": ("60 Hz cut-off", {"colour": "violet", **look(3)}),
+    "mean_50ms": ("50 ms mean", {"colour": "rigid", **look(4), "width": 2.2}),
 }
 """Label and look of each curve, in the order in which they are drawn."""
 
@@ -132,16 +136,17 @@ def draw_forces(
     curves: Mapping[str, Floats],
     strikes: Strikes = (),
     levels: Mapping[str, float] | None = None,
+    width: float = chart.HALF,
 ) -> Chart:
     """Curves of one force by the names of `force_curves`, shape (n,) [N], over t [s]; drawn in kN.
 
-    levels: what a design force is called -> force [N], drawn as a line.
+    levels: what a design force is called -> force [N], drawn as a line; width: of the chart [pixels].
     """
     shown = [(look, curves[key] / 1e3) for key, look in LINES.items() if key in curves]
     lines = [Line(label, *histories.thinned(t, force), **look) for (label, look), force in shown]
     across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
-    plot = chart.Plot((*shaded(strikes), *across, *lines), chart.Axis("force on the wall [kN]"), 230.0)
-    return chart.draw_chart(name, caption, (plot,), START, "Force", WIDE)
+    plot = chart.Plot((*shaded(strikes), *across, *lines), chart.Axis("force on the wall [kN]"), 270.0)
+    return chart.draw_chart(name, caption, (plot,), START, "Force", width)
 
 
 def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
@@ -179,7 +184,7 @@ def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strik
     layers = tuple(Layer(label, t[shown], below, above, colour) for label, below, above, colour in bands)
     line = Line("given up", t[shown], (kinetic[0] - kinetic[shown]) / 1e3, "ink", 1.3)
     plot = chart.Plot((*shaded(strikes), *layers, line), chart.Axis("energy [kJ]"), 220.0)
-    return chart.draw_chart("energies", caption, (plot,), START, "Energy", WIDE)
+    return chart.draw_chart("energies", caption, (plot,), START, "Energy", chart.HALF)
 
 
 COLUMNS = 240
@@ -209,7 +214,7 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, stri
     y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
     keys = [Swatch(*each) for each in shades.keys(unit)]
     plot = chart.Plot((*keys, cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
-    return chart.draw_chart("side-force", caption, (plot,), x, "Force", WIDE)
+    return chart.draw_chart("side-force", caption, (plot,), x, "Force", chart.HALF)
 
 
 BODY, WALL = "#14467c", "#8a929b"

@@ -14,7 +14,7 @@ from postprocess.units import measure
 VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"} | {"caught": "rigid", "wrong": "red"}
 """Colours of the verdicts; all else is an error."""
 
-MAP_WIDTH, HEIGHT, LEGEND, TICKS = 260.0, 190.0, 320.0, 5
+MAP_WIDTH, HEIGHT, TICKS = 252.0, 190.0, 5
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def _rounded(value: float) -> str:
 def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
     """Draw the meaning of every colour of all maps."""
     keys = [Swatch(f"{kind}: {meaning}", VERDICTS[kind]) for kind, meaning in meanings.items()]
-    return chart.draw_legend("map-legend", caption, keys, "Maps", LEGEND)
+    return chart.draw_legend("map-legend", caption, keys, "Maps")
 
 
 Integers = NDArray[np.integer]
@@ -108,7 +108,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
     (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
     x, y = chart.Axis(low=left, high=right, named=()), chart.Axis(low=low, high=high, named=())
     plot = chart.Plot(boxes, y, None, nearest="xy", has_grid=False, has_legend=False)
-    return chart.draw_chart(name, caption, (plot,), x, "Shapes", 400.0)
+    return chart.draw_chart(name, caption, (plot,), x, "Shapes")
 
 
 def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:

@@ -1,7 +1,7 @@
 """Charts of studies: bars and bands in named rows, one below the other, histogram, one input at a time.
 
-On logarithmic axes: error against run time, a small plot for each line with the others behind
-it in grey; sizes over the first frequency of a plate, stiff plates on the left.
+On logarithmic axes: error against run time, a line for each method; sizes over the first frequency of a plate, stiff
+plates on the left.
 """
 
 import math
@@ -13,20 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from postprocess.svg import chart
-from postprocess.svg.marks import Boxes, Level, Line, Mark, Span, Words, key
-from postprocess.svg.scales import Floats
+from postprocess.svg.marks import Boxes, Level, Line, Mark, Span, Words, key, look, text_width
+from postprocess.svg.scales import Floats, Range, Scale
 from postprocess.units import measure
-
-WIDTH, WIDE, NARROW = 400.0, 480.0, 320.0
 
 # Of the indices: name, label, place in a row, colour.
 INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", -0.19, "steel"))
 
 # Words and colour of each.
 STRIKES = {1: ("first strike", "fe"), 2: ("second strike", "rigid")}
-
-# Width and dashes of the quantities of one plot, in their order.
-LOOKS = ((2.0, ""), (1.2, "5 3"), (1.2, "1 3"))
 
 ORIGINS = {False: ("measured", "green"), True: ("projected by the authors", "violet")}
 
@@ -89,7 +84,7 @@ def draw_histogram(
     ]
     plot = chart.Plot(tuple(marks), chart.Axis("fraction [%]", *ends.tolist()), 220.0)
     x = chart.Axis("peak force [kN]", margin=0.0)
-    return chart.draw_chart("histogram", caption, (plot,), x, "Distribution", WIDTH)
+    return chart.draw_chart("histogram", caption, (plot,), x, "Distribution", chart.FULL)
 
 
 def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak force") -> chart.Chart:
@@ -106,7 +101,9 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
         intervals = [(*row[f"{index}_interval"], np.nan) for row in inputs]
         marks.append(Line("", np.ravel(intervals), np.repeat(rows, 3), "ink", 1.4))
     plot = _row_plot(names, marks, 34.0)
-    return chart.draw_chart("sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", WIDTH)
+    return chart.draw_chart(
+        "sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", chart.HALF
+    )
 
 
 def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]:
@@ -115,7 +112,7 @@ def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]
     lines = [replace(line, x=np.zeros(0), y=np.zeros(0)) for line in _lines(panels[0].values, first)]
     keys = [*lines, key("the scene's own", "grey", 1.0, "2 2")]
     words = "What the lines are; impulse and duration are drawn as the first peak of their strike"
-    drawn = [chart.draw_legend("inputs-legend", words, keys, width=NARROW)]
+    drawn = [chart.draw_legend("inputs-legend", words, keys)]
     for panel in panels:
         own = Span("", panel.own, panel.own, "grey")
         plots = [
@@ -126,15 +123,17 @@ def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]
         ]
         x = chart.Axis(panel.label, is_log=panel.logarithmic, margin=0.0)
         heading = f"{caption} {panel.label.partition(' [')[0]}"
-        drawn.append(chart.draw_chart(panel.name, heading, plots, x, width=NARROW))
+        drawn.append(chart.draw_chart(panel.name, heading, plots, x))
     return drawn
 
 
 def _lines(x: Floats, strikes: Mapping[int, Mapping[str, Floats]]) -> list[Line]:
     return [
-        Line(f"{STRIKES[strike][0]}, {name}", x, values, STRIKES[strike][1], *look)
+        Line(
+            f"{STRIKES[strike][0]}, {name}", x, values, STRIKES[strike][1], **look(3 * (strike - 1) + number)
+        )
         for strike, quantities in strikes.items()
-        for (name, values), look in zip(quantities.items(), LOOKS, strict=False)
+        for number, (name, values) in enumerate(quantities.items())
     ]
 
 
@@ -168,7 +167,9 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
         ]
         marks += _dots(name, colour, sorted(dots, key=lambda dot: dot[0])) if dots else []
     plot = _row_plot(labels, marks, 46.0)
-    return chart.draw_chart("bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=WIDE)
+    return chart.draw_chart(
+        "bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=chart.FULL
+    )
 
 
 def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:
@@ -187,23 +188,16 @@ COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
 
 
 class Series(NamedTuple):
-    """A line: times [s] and errors in their order, and which passed their checks.
-
-    joined: drawn as a line, else as marks alone; dashed: what a choice adds, not the whole error.
-    """
+    """A line: times [s] and errors in their order, which passed their checks, and what each point is, like its mesh."""
 
     label: str
     times: Sequence[float]
     errors: Sequence[float]
     passed: Sequence[bool]
-    joined: bool = True
-    dashed: bool = False
+    points: Sequence[str] = ()
 
-    def mark(self, label: str, colour: str, width: float, dots: float) -> Line:
-        """Line of a plot with these values."""
-        dashes = "5 3" if self.dashed else ""
-        times, errors = np.array(self.times), np.array(self.errors)
-        return Line(label, times, errors, colour, width * self.joined, dashes, dots)
+
+PRECISION_HEIGHT = 460.0
 
 
 def draw_precision(
@@ -214,9 +208,9 @@ def draw_precision(
     front: tuple[str, Sequence[tuple[float, float]]],
     floor: tuple[str, float],
 ) -> list[chart.Chart]:
-    """A plot of each line that has points, all over the same axes.
+    """Work-precision diagram: a line for each method, its name at its end; none without points.
 
-    front: label, times and errors of the Pareto front, quick to slow; floor: label, and what the truth is known to.
+    front: label, times and errors of the Pareto front, quick to slow; floor: label, and error of the reference.
     """
     shown = [each for each in series if len(each.times)]
     if not shown:
@@ -224,25 +218,51 @@ def draw_precision(
     known = [floor[1]] if math.isfinite(floor[1]) and floor[1] > 0.0 else []
     x = _decades([time for each in shown for time in each.times])
     y = _decades([error for each in shown for error in each.errors] + known)
-    behind: list[Mark] = [each.mark("", "steel", 0.6, 1.0) for each in shown]
+    marks: list[Mark] = []
     if known:
-        behind.append(Line(floor[0], np.array(x), np.array(2 * known), "soft", 1.0, "1 3"))
+        marks.append(Line(floor[0], np.array(x), np.array(2 * known), "soft", 1.2, "1 3"))
     if front[1]:
-        behind.append(_steps(*front, x[1]))
-    across = chart.Axis("time to solution, set-up included [s]", *x, is_log=True)
-    up, charts = chart.Axis(error_label, *y, is_log=True), []
-    for number, each in enumerate(shown, 1):
-        failed = ~np.array(each.passed)
-        marks = [*behind, each.mark(each.label, "fe", 1.6, 2.6)]
-        if failed.any():
-            times, errors = np.array(each.times)[failed], np.array(each.errors)[failed]
-            marks.append(Line("failed a check", times, errors, "red", 0.0, dots=2.6))
-        caption = f"{title}: {'what one choice adds to its mesh, ' if each.dashed else ''}{each.label}"
-        plot = chart.Plot(tuple(marks), up, 170.0, nearest="xy")
-        charts.append(
-            chart.draw_chart(f"{name}-{number}", caption, (plot,), across, "Work and precision", 330.0)
+        marks.append(_steps(*front, x[1]))
+    for number, (each, colour) in enumerate(zip(shown, cycle(COLOURS), strict=False)):
+        times, errors, failed = np.array(each.times), np.array(each.errors), ~np.array(each.passed)
+        marks.append(
+            Line(each.label, times, errors, colour, 1.5, look(number)["dashes"], 3.0, at=each.points)
         )
-    return charts
+        if failed.any():
+            marks.append(Line("failed a check", times[failed], errors[failed], "red", 0.0, dots=3.0))
+    across = chart.Axis("time to solution, set-up included [s]", *x, is_log=True)
+    plot = chart.Plot(
+        (*marks, *_end_names(shown, x, y)),
+        chart.Axis(error_label, *y, is_log=True),
+        PRECISION_HEIGHT,
+        nearest="xy",
+        is_wide=True,
+    )
+    return [chart.draw_chart(name, title, (plot,), across, "Work and precision", chart.FULL)]
+
+
+def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
+    """The name of each line to the right of its last point, or to the left near the edge, as high as others allow."""
+    across = Scale(*x, 0.0, chart.FULL - 70.0, is_log=True)
+    up, names = Scale(*y, PRECISION_HEIGHT, 0.0, is_log=True), []
+    taken: list[tuple[float, float, float]] = []
+    for each, colour in zip(series, cycle(COLOURS), strict=False):
+        end, height = float(across.at(each.times[-1])), float(up.at(each.errors[-1]))
+        wide, is_left = text_width(each.label, 11.0) + 14.0, False
+        if end + wide > across.end:
+            end, is_left = end - wide, True
+        for shift in (sign * 12.0 * step for step in range(1 * is_left, 20) for sign in (-1.0, 1.0)):
+            at = height + shift
+            if all(
+                end + wide < left or right < end or abs(at - other) > 12.0 for left, right, other in taken
+            ):
+                break
+        taken.append((end, end + wide, at))
+        place = (-8.0, shift + 3.5) if is_left else (8.0, shift + 3.5)
+        names.append(
+            Words(each.label, each.times[-1], each.errors[-1], place, "end" if is_left else "start", colour)
+        )
+    return names
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:
@@ -256,7 +276,7 @@ def _steps(label: str, front: Sequence[tuple[float, float]], end: float) -> Line
     """Steps down the front and on to the right edge."""
     times, errors = np.array(front).T
     x, y = np.repeat(np.append(times, end), 2)[1:], np.repeat(np.append(errors, errors[-1]), 2)[:-1]
-    return Line(label, x, y, "rigid", 1.6)
+    return Line(label, x, y, "grid", 6.0)
 
 
 class SweepLine(NamedTuple):
@@ -282,7 +302,13 @@ class SweepAxis(NamedTuple):
 
 
 def draw_sweep(
-    name: str, axis: SweepAxis, lines: Sequence[SweepLine], label: str, caption: str, levels: Sequence[float]
+    name: str,
+    axis: SweepAxis,
+    lines: Sequence[SweepLine],
+    label: str,
+    caption: str,
+    levels: Sequence[float],
+    width: float = chart.HALF,
 ) -> chart.Chart:
     """The lines, in per cent, and levels, sizes that are marked; red where a run failed its checks, plates that failed
     shaded half-way to their neighbours."""
@@ -296,28 +322,28 @@ def draw_sweep(
     marks += [Level("", 100.0 * level, "grey") for level in levels]
     if frequencies[-1] <= axis.own <= frequencies[0]:
         marks.append(Span("the scene's plate", axis.own, axis.own, "ink"))
-    for line, colour in zip(lines, cycle(COLOURS), strict=False):
-        marks += _sweep_marks(axis, line, colour)
+    for number, (line, colour) in enumerate(zip(lines, cycle(COLOURS), strict=False)):
+        marks += _sweep_marks(axis, line, colour, number)
     marks += [key("numerical error", "soft", 0.7, "4 2")] if any(line.errors for line in lines) else []
     words = "first frequency of the plate [Hz], rigid to soft"
     x = chart.Axis(words, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
     plot = chart.Plot(tuple(marks), chart.Axis(f"{label} [%]", is_log=True), 260.0)
-    return chart.draw_chart(name, caption, (plot,), x, "Sweeps", WIDE)
+    return chart.draw_chart(name, caption, (plot,), x, "Sweeps", width)
 
 
-def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str) -> list[Mark]:
+def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str, number: int) -> list[Mark]:
     x, values = np.array(axis.frequencies), _per_cent(line.values)
     if line.form == DOTS:
-        return [Line(line.label, x, values, colour, 1.2, "1 3")]
+        return [Line(line.label, x, values, colour, **look(number))]
     if line.form == RINGS:
         return [Line(line.label, x, values, colour, 0.0, dots=5.0)]
     passed = np.array(line.passed or axis.passed)
     good, bad = np.where(passed, values, np.nan), np.where(passed, np.nan, values)
-    marks: list[Mark] = [Line(line.label, x, good, colour, 1.3, dots=2.4)]
+    marks: list[Mark] = [Line(line.label, x, good, colour, **look(number), dots=2.4)]
     marks += [Line("failed a check", x, bad, "red", 0.0, dots=2.4)] if np.isfinite(bad).any() else []
     if line.errors:
         errors = np.where(passed, _per_cent(line.errors), np.nan)
-        marks.append(Line("", x, errors, colour, 0.7, "4 2"))
+        marks.append(Line("numerical error", x, errors, colour, 0.7, "4 2"))
     return marks
 
 
@@ -348,4 +374,4 @@ def draw_plates(
         plots.append(chart.Plot(tuple(marks), chart.Axis(label, low=0.0), 120.0))
     caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
     x = chart.Axis("first frequency of the plate [Hz]", is_log=True)
-    return chart.draw_chart("plates", caption, plots, x, width=WIDE)
+    return chart.draw_chart("plates", caption, plots, x, width=chart.FULL)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison import quantities
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Line, Mark, Swatch, Words
 from postprocess.svg.scales import Scale, Shades, cells_about, power_text
 from postprocess.units import measure
@@ -22,8 +22,8 @@ Values = NDArray[Any]
 STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grey", "error": "ink"}
 MAX_DRAWN = 1500
 """Rows above which not all are drawn, or shown on pages: both would be too large."""
-WIDTH, TICKS = 940.0, 4
-"""Width of the chart of all keys side by side, and ticks of a scale."""
+TICKS = 4
+"""Ticks of a scale."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
 
 
 def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
-    """Each result, and the largest difference, against one key; lines where it is the only one."""
+    """Each result, the main one first, and the largest difference, against one key; lines where it is the only one."""
     order = _drawn_rows(rows, item)
     x, group = item.values[order], f"Against {item.key}"
     lowest, room = float(x.min()), 0.03 * float(np.ptp(x))
@@ -96,7 +96,8 @@ def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
         key: (Axis(quantity.label), quantity.title, _marks_against(rows, key, order, x))
         for key, quantity in rows.compared.quantities.items()
     }
-    worst, status = rows.worst[order], rows.status[order]
+    main, worst, status = rows.compared.mapped, rows.worst[order], rows.status[order]
+    plots = {main: plots[main]} | plots
     apart = [
         Line(label, x[chosen], worst[chosen], colour, 0.0, dots=1.8)
         for label, colour in (("passed", "fe"), ("failed", "red"))
@@ -108,10 +109,17 @@ def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
         draw_chart(
             "-".join(("against", *re.split(r"[._]", item.key), key.replace(".", "-"))),
             f"{title} against {item.key}",
-            (Plot(tuple(marks), up, 170.0, nearest="xy" if len(rows.varied) > 1 else "x"),),
+            (
+                Plot(
+                    tuple(marks),
+                    up,
+                    250.0 if key == main else 170.0,
+                    nearest="xy" if len(rows.varied) > 1 else "x",
+                ),
+            ),
             axis,
             group,
-            360.0,
+            FULL if key == main else PART,
         )
         for key, (up, title, marks) in plots.items()
     ]
@@ -176,7 +184,7 @@ def _draw_map(
     cells = Boxes(title, left, low, colours[shown].tolist(), texts, at)
     along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=0.0) for item in (across, up))
     plot = Plot((*keys, cells), upwards, 230.0, nearest="xy", has_grid=False)
-    return draw_chart(f"map-{name}", title, (plot,), along, "Maps", 360.0)
+    return draw_chart(f"map-{name}", title, (plot,), along, "Maps")
 
 
 def _ends(item: Varied, is_grid: bool) -> Values:
@@ -246,7 +254,7 @@ def draw_parallels(rows: SweepRows) -> Chart:
     y = Axis(low=-0.04, high=1.04, named=())
     marks = (*lines, *axes, _points(scales, shown))
     plot = Plot(marks, y, 330.0, nearest="xy", has_grid=False, has_legend=False)
-    return draw_chart("parallels", caption, (plot,), x, "All keys side by side", WIDTH)
+    return draw_chart("parallels", caption, (plot,), x, "All keys side by side", FULL)
 
 
 def _lines(heights: Values, failed: Values) -> list[Mark]:

@@ -1,15 +1,19 @@
 """A chart: plots one below the other over one x axis, with legend, ticks at round values, and units in the labels.
 
 The text stands by itself as an SVG file, and goes into a page as it is: it has no ids, text stays text, and colours of
-`PALETTE` are classes that a page may change. Lines and layers carry their values for pages that show them (`page.js`).
+`PALETTE` are classes that a page may change. Beside it stands the table of what is drawn, as CSV: two columns for each
+mark that has a label and values, in the order of the marks, of where these are and what they are. `page.js` reads both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import io
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
-from typing import Literal
+from itertools import zip_longest
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,7 +22,10 @@ from postprocess.svg.marks import Level, Mark, found_ranges
 from postprocess.units import SI, Units
 
 SIZE, SMALL = 12.0, 11.0
-"""Letters of labels, and of ticks."""
+"""Letters of labels, and of all else."""
+
+FULL, HALF, PART = 1072.0, 520.0, 340.0
+"""Widths of the main chart of a page, and of one of two or three side by side [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +71,7 @@ class Axis:
 @dataclass(frozen=True)
 class Plot:
     """Marks in a frame, if there are ticks. height: of the frame, None for equal scales of both axes; nearest: along
-    which axes points are near whose values are shown."""
+    which axes points are near whose values are shown; is_wide: never narrower on pages, for it has words inside."""
 
     marks: tuple[Mark, ...]
     y: Axis = Axis()
@@ -72,9 +79,10 @@ class Plot:
     nearest: Literal["x", "y", "xy"] = "x"
     has_grid: bool = True
     has_legend: bool = True
+    is_wide: bool = False
 
 
-HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 12.0
+HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 13.0
 """Room above a plot, to the right of the plots, beside a bare axis, and of a line of a level's name."""
 
 
@@ -99,7 +107,7 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
     left = 8.0 + max(marks.text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
-    beside = [marks.text_width(line, 10.0) for plot in plots for _, lines in _levels(plot) for line in lines]
+    beside = [marks.text_width(line, SMALL) for plot in plots for _, lines in _levels(plot) for line in lines]
     along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
@@ -111,7 +119,7 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
     return frames
 
 
-def drawn(frame: Frame) -> str:
+def drawn(frame: Frame, across: Axis) -> str:
     """Grid, marks, box and y axis."""
     x, y, plot = frame.x, frame.y, frame.plot
     width, height = x.end - x.start, y.start - y.end
@@ -119,18 +127,30 @@ def drawn(frame: Frame) -> str:
     places = [(float(y.at(value)), text) for value, text in frame.y_ticks]
     grid = "".join(f"M{x.start:.2f} {place:.2f}H{x.end:.2f}" for place, _ in places)
     texts = [marks.words(text, x.start - 5.0, place + 4.0, "end", SMALL) for place, text in places]
+    attributes = {
+        "box": f"{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}",
+        "x": f"{x.low:.10g} {x.high:.10g}",
+        "y": f"{y.low:.10g} {y.high:.10g}",
+        "scales": f"{_kind(x, across)} {_kind(y, plot.y)}",
+        "nearest": plot.nearest,
+        "quantity": plot.y.label,
+        "fixed": "equal" if plot.height is None else "wide" * plot.is_wide,
+    }
+    data = " ".join(f'data-{name}="{escape(str(value))}"' for name, value in attributes.items())
     parts = [
-        f'<g class="plot" data-box="{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}" '
-        f'data-x="{x.low:.7g} {x.high:.7g}" data-log="{int(x.is_log)}" '
-        f'data-nearest="{plot.nearest}" data-y="{escape(plot.y.label)}">',
-        _stroked(f'<path d="{grid}"', "grid") if plot.has_grid else "",
-        *(mark.draw(x, y) for mark in plot.marks),
-        _stroked(f"<rect {box}", "grey") if places else "",
-        marks.coloured("".join(texts), "soft"),
+        f'<g class="plot" {data}>',
+        _stroked(f'<path class="rows" d="{grid}"', "grid") if plot.has_grid else "",
+        f'<g class="marks">{"".join(mark.draw(x, y) for mark in plot.marks)}</g>',
+        _stroked(f'<rect class="frame" {box}', "grey") if places else "",
+        f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>',
         marks.coloured(marks.words(plot.y.label, 0.0, y.end - 10.0), "ink"),
-        _level_names(frame),
+        f'<g class="beside">{_level_names(frame)}</g>',
     ]
     return "".join(parts) + "</g>"
+
+
+def _kind(scale: scales.Scale, axis: Axis) -> str:
+    return "named" if axis.named is not None else "log" if scale.is_log else "linear"
 
 
 def _stroked(opening: str, colour: str) -> str:
@@ -159,28 +179,32 @@ def _level_names(frame: Frame) -> str:
     for number in reversed(range(len(levels))):
         places[number] = min(places[number], end)
         end = places[number] - rooms[number]
-    drawn = [
-        marks.coloured(marks.words(line, frame.x.end + 5.0, place - LEVEL_ROW * row, size=10.0), level.colour)
-        for (level, lines), place in zip(levels, places, strict=True)
-        for row, line in enumerate(reversed(lines))
-    ]
+    drawn = []
+    for (level, lines), place in zip(levels, places, strict=True):
+        names = [
+            marks.words(line, frame.x.end + 5.0, place - LEVEL_ROW * row, size=SMALL)
+            for row, line in enumerate(reversed(lines))
+        ]
+        at = float(frame.y.at(level.value))
+        drawn.append(f'<g data-at="{at:.2f}">{marks.coloured("".join(names), level.colour)}</g>')
     return "".join(drawn)
 
 
-FOOT, ROW = 36.0, 16.0
-"""Room below the last plot, and of a row of words."""
+FOOT, ROW, GAP = 36.0, 16.0, 12.0
+"""Room below the last plot, of a row of words, and between keys."""
 
 
 @dataclass(frozen=True)
 class Chart:
-    """A drawn chart: short name, heading of the group it belongs to, caption, SVG text, width in pixels; and what it
-    was drawn from, to be drawn in other units."""
+    """A drawn chart: short name, heading of the group it belongs to, caption, SVG text, width in pixels, table of what
+    is drawn as CSV; and what it was drawn from, to be drawn in other units."""
 
     name: str
     group: str
     caption: str
     svg: str
     width: float = 0.0
+    csv: str = ""
     plots: tuple[Plot, ...] = field(default=(), compare=False)
     x: Axis = field(default=Axis(), compare=False)
 
@@ -208,27 +232,53 @@ def draw_chart(
     plots: Sequence[Plot],
     x: Axis,
     group: str = "",
-    width: float = 400.0,
+    width: float = PART,
     units: Units = SI,
 ) -> Chart:
     """Draw a chart as SVG text of so many pixels' width; units: of the measures in its texts."""
     with np.errstate(all="ignore"):
         legend, top = _legend(plots[0], width)
         frames = framed(plots, x, width, top)
-        parts = [legend, *map(drawn, frames), _x_axis(x, frames)]
+        body = "".join([*(drawn(frame, x) for frame in frames), _x_axis(x, frames)])
+        table = units.rendered(_table(x, frames))
     height = frames[-1].y.start + _foot(x)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:.0f}" width="{width:g}" '
-        f'height="{height:.0f}" role="img" aria-label="{escape(caption)}" class="chart" '
+        f'height="{height:.0f}" role="img" aria-label="{escape(caption)}" class="chart" data-top="{top:g}" '
         f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
         '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
     )
-    svg = units.rendered(head + "".join(parts) + "</svg>", "\N{NO-BREAK SPACE}")
-    return Chart(name, group, caption, svg, width, tuple(plots), x)
+    svg = units.rendered(f"{head}{legend}{body}</svg>", "\N{NO-BREAK SPACE}")
+    return Chart(name, group, caption, svg, width, table, tuple(plots), x)
+
+
+def _table(x: Axis, frames: Sequence[Frame]) -> str:
+    """The samples of all marks as CSV."""
+    columns = [column for frame in frames for column in _columns(x.label, frame)]
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(zip_longest(*columns, fillvalue=""))
+    return text.getvalue()
+
+
+def _columns(where: str, frame: Frame) -> Iterator[list[str]]:
+    """Headings and cells of the two columns of each mark: words that have a place of their own name both axes."""
+    label = frame.plot.y.label
+    for mark in frame.plot.marks:
+        at, values = mark.samples(frame.x, frame.y) if mark.label else ((), ())
+        if len(at):
+            is_named = isinstance(at[0], str)
+            both = "; ".join(filter(None, (where, label))) if is_named else where
+            heading = mark.label if is_named or not label else f"{mark.label}: {label}"
+            yield [both, *map(_cell, at)]
+            yield [heading, *map(_cell, values)]
+
+
+def _cell(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def draw_legend(
-    name: str, caption: str, marks: Sequence[Mark], group: str = "", width: float = 300.0
+    name: str, caption: str, marks: Sequence[Mark], group: str = "", width: float = PART
 ) -> Chart:
     """A chart of nothing but the keys of these marks, for several charts that have none."""
     bare = Axis(named=())
@@ -248,13 +298,14 @@ def _legend(plot: Plot, width: float) -> tuple[str, float]:
         return "", 0.0
     across, row, keys = 0.0, 0, []
     for label, mark in shown.items():
-        wide = 24.0 + marks.text_width(label, SMALL)
+        wide = marks.KEY + 6.0 + marks.text_width(label, SMALL)
         if across and across + wide > width:
             across, row = 0.0, row + 1
-        text = marks.words(label, 23.0, 9.0, size=SMALL)
-        place = f'<g transform="translate({across:.1f} {row * ROW + 2.0:.1f})">'
-        keys.append(place + mark.key() + marks.coloured(text, "ink") + "</g>")
-        across += wide + 12.0
+        text = marks.words(label, marks.KEY + 5.0, 9.0, size=SMALL)
+        place = f'transform="translate({across:.1f} {row * ROW + 2.0:.1f})"'
+        key = f'<g class="key" {marks.labelled(label)}data-width="{wide:.1f}" {place}>'
+        keys.append(key + mark.key() + marks.coloured(text, "ink") + "</g>")
+        across += wide + GAP
     return "".join(keys), (row + 1) * ROW + 2.0
 
 
@@ -271,5 +322,6 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     path = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
     middle = 0.5 * (last.x.start + last.x.end)
     label = marks.words(axis.label, middle, last.y.start + _foot(axis) - 5.0, "middle")
-    shown = marks.coloured("".join(texts), "soft") + marks.coloured(label, "ink")
-    return _stroked(f'<path d="{path}"', "grey") + shown
+    shown = f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>{marks.coloured(label, "ink")}'
+    notches = _stroked(f'<path d="{path}"', "grey")
+    return f'<g class="x-axis">{notches}{shown}</g>'

@@ -6,7 +6,7 @@ A colour is a name of `PALETTE`, which a page may give another colour (`page.css
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from itertools import compress, pairwise
@@ -44,6 +44,11 @@ _WIDTHS = {
 }
 
 
+def labelled(label: str) -> str:
+    """Attribute by which pages know the mark; nothing without a label."""
+    return f'data-label="{escape(label)}" ' if label else ""
+
+
 def path(places: Floats) -> str:
     """Path through places, shape (n, 2), broken where they are not finite."""
     sound = np.isfinite(places).all(axis=-1)
@@ -53,20 +58,6 @@ def path(places: Floats) -> str:
         points = places[first:last].ravel().tolist()
         pieces.append("M" + "L".join(["%.2f %.2f"] * (last - first)) % tuple(points))
     return "".join(pieces)
-
-
-def named(label: str, values: Sequence[Any] | Floats, at: Sequence[str] = ()) -> str:
-    """Attributes for pages that show values, and where these are, if `at` tells it; nothing without label or values."""
-    if not (label and len(values)):
-        return ""
-    place = f' data-at="{_listed(at)}"' if len(at) else ""
-    return f'data-label="{escape(label)}" data-values="{_listed(values)}"{place} '
-
-
-def _listed(items: Iterable[Any]) -> str:
-    """Numbers and words with spaces between, and none within."""
-    texts = (item.replace(" ", NO_BREAK) if isinstance(item, str) else f"{item:.5g}" for item in items)
-    return escape(" ".join(texts))
 
 
 def coloured(elements: str, colour: str) -> str:
@@ -79,7 +70,7 @@ def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12
     """A text element; a letter with a subscript, like v_GY, is set as one. No element for no text."""
     if not text:
         return ""
-    small = f'\\1<tspan dy="0.25em" font-size="{0.75 * size:g}">\\2</tspan><tspan dy="-0.19em">\u200b</tspan>'
+    small = f'\\1<tspan dy="0.22em" font-size="{0.82 * size:g}">\\2</tspan><tspan dy="-0.18em">\u200b</tspan>'
     shown = SUBSCRIPT.sub(small, escape(text, quote=False))
     place = f'x="{x:.2f}" y="{y:.2f}"' + (f' text-anchor="{anchor}"' if anchor != "start" else "")
     return f'<text {place} font-size="{size:g}"{more}>{shown}</text>'
@@ -91,6 +82,22 @@ def text_width(text: str, size: float = 12.0) -> float:
 
 
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
+
+
+Samples = tuple[Sequence[Any] | Floats, Sequence[Any] | Floats]
+"""Places and values of equal number: numbers, or words."""
+
+KEY = 26.0
+"""Width of a key in the legend: room for a dash and the gaps beside it."""
+
+DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
+WIDTHS = (3.0, 2.2, 1.7, 1.4)
+
+
+def look(number: int) -> dict[str, Any]:
+    """Width and dashes of line `number` of a plot. One that is drawn later is thinner or has gaps, and hides none
+    before it; each has dashes of its own, which tell lines apart where colours do not."""
+    return {"width": WIDTHS[min(number, len(WIDTHS) - 1)], "dashes": DASHES[number % len(DASHES)]}
 
 
 class Mark:
@@ -116,15 +123,20 @@ class Mark:
         """SVG elements."""
         return ""
 
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Places and values of its points, in the order of those of its first path; none for most marks."""
+        return (), ()
+
     def key(self) -> str:
-        """SVG of 18 by 10 that shows its look in the legend; empty for what is not in it."""
+        """SVG of `KEY` by 10 that shows its look in the legend; empty for what is not in it."""
         return ""
 
 
 @dataclass(frozen=True)
 class Line(Mark):
-    """A line through points, shape (n,), with gaps where they are not finite. Pages show y of each, or `values`, and
-    where it is, or `at`. width: 0 for points alone; dots: their radius."""
+    """A line through points, shape (n,), with gaps where they are not finite. Its samples are y of each, or `values`,
+    at x, or `at`. width: 0 for points alone; dots: their diameter, over 2; those of points with `at` have it as their
+    title."""
 
     label: str
     x: Floats
@@ -137,27 +149,43 @@ class Line(Mark):
     at: Sequence[str] = ()
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """A path, and dots at its points where it has any; of dots alone each is a stroke of no length."""
-        places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
-        sound = np.isfinite(places).all(axis=-1)
-        edge = path(places) if self.width else "".join(f"M{a:.2f} {b:.2f}Z" for a, b in places[sound])
-        values, at = (list(compress(of, sound)) for of in (self.values or self.y, self.at))
-        shown = f'<path {named(self.label, values, at)}d="{edge}" fill="none"{self._look()}/>'
-        dotted = places[sound] if self.dots and self.width else places[:0]
-        dots = "".join(f'<circle cx="{a:.2f}" cy="{b:.2f}" r="{self.dots:g}"/>' for a, b in dotted)
-        return coloured(shown + dots, self.colour)
+        """A path, and dots at its points where it has any; each dot is a stroke of no length."""
+        places, sound = self._places(x, y)
+        dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound]]
+        label, edge = labelled(self.label), path(places) if self.width else "".join(dots)
+        shown = f'<path {label}d="{edge}" fill="none"{self._look() if self.width else self._dots()}/>'
+        if self.dots and self.at:
+            named = zip(dots, compress(self.at, sound), strict=True)
+            shown += "".join(
+                f'<path d="{dot}"{self._dots()}><title>{escape(at)}</title></path>' for dot, at in named
+            )
+        elif self.dots and self.width:
+            shown += f'<path d="{"".join(dots)}"{self._dots()}/>'
+        return coloured(shown, self.colour)
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Places and values of the points that are drawn."""
+        _, sound = self._places(x, y)
+        at, values = (list(compress(of, sound)) for of in (self.at or self.x, self.values or self.y))
+        return at, values
 
     def key(self) -> str:
         """A piece of the line."""
-        dot = f'<circle cx="9" cy="5" r="{self.dots:g}"/>' if self.dots else ""
-        line = f'<path d="M0 5H18"{self._look()}/>' if self.width else ""
+        dot = f'<path d="M{0.5 * KEY:g} 5Z"{self._dots()}/>' if self.dots else ""
+        line = f'<path d="M0 5H{KEY:g}"{self._look()}/>' if self.width else ""
         return coloured(line + dot, self.colour)
+
+    def _places(self, x: Scale, y: Scale) -> tuple[Floats, list[bool]]:
+        """Places of the points, shape (n, 2), and which of them are finite."""
+        places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
+        return places, list(np.isfinite(places).all(axis=-1))
 
     def _look(self) -> str:
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
-        round_ends = ' stroke-linecap="round"' if not self.width else ""
-        width = self.width or 2.0 * self.dots
-        return f' stroke="currentColor" stroke-width="{width:g}" stroke-linejoin="round"{dashes}{round_ends}'
+        return f' stroke="currentColor" stroke-width="{self.width:g}" stroke-linejoin="round"{dashes}'
+
+    def _dots(self) -> str:
+        return f' stroke="currentColor" stroke-width="{2.0 * self.dots:g}" stroke-linecap="round"'
 
 
 @dataclass(frozen=True)
@@ -191,7 +219,7 @@ class Words(Mark):
     def draw(self, x: Scale, y: Scale) -> str:
         """The text, with an edge that sets it off from lines."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
-        return coloured(words(self.label, across, down, self.anchor, 10.0, HALO), self.colour)
+        return coloured(words(self.label, across, down, self.anchor, 11.0, HALO), self.colour)
 
 
 @dataclass(frozen=True)
@@ -215,7 +243,7 @@ def key(label: str, colour: str, width: float, dashes: str = "") -> Line:
 
 def patch(colour: str, strength: float = 1.0) -> str:
     """A filled key of the legend."""
-    return coloured(f'<rect width="18" height="10" fill-opacity="{strength:g}"/>', colour)
+    return coloured(f'<rect width="{KEY:g}" height="10" fill-opacity="{strength:g}"/>', colour)
 
 
 def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:
@@ -246,8 +274,14 @@ class Layer(Mark):
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
         back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
-        name, edge = (named(self.label, self.high - self.low), path(np.concatenate([forth, back])))
-        return coloured(f'<path {name}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour)
+        edge = path(np.concatenate([forth, back]))
+        return coloured(
+            f'<path {labelled(self.label)}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour
+        )
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Distances of the two lines."""
+        return self.x, self.high - self.low
 
     def key(self) -> str:
         """A patch of it."""
@@ -285,7 +319,11 @@ class Boxes(Mark):
             return shown
         centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
         unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
-        return f'{shown}<path {named(self.label, self.values, self.at)}d="{unseen}"/>'
+        return f'<g>{shown}<path {labelled(self.label)}d="{unseen}"/></g>'
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """The values of the boxes, at `at` or their middle."""
+        return self.at or np.mean(self.x, axis=-1), self.values
 
     def key(self) -> str:
         """A patch, if it has one colour."""
@@ -308,16 +346,16 @@ class Span(Mark):
         left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
         if self.start == self.end:
             line = f'<path d="M{left:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
-            name = words(self.label, left + 3.0, y.end + 11.0, size=10.0)
+            name = words(self.label, left + 3.0, y.end + 11.0, size=11.0)
             return coloured(line + name, self.colour)
-        box = f'x="{left:.2f}" y="{y.end:.2f}" width="{right - left:.2f}" height="{y.start - y.end:.2f}"'
-        name = words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 10.0)
-        return coloured(f'<rect {box} fill-opacity="0.1"/>{name}', self.colour)
+        box = f"M{left:.2f} {y.end:.2f}H{right:.2f}V{y.start:.2f}H{left:.2f}Z"
+        name = words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 11.0)
+        return coloured(f'<path d="{box}" fill-opacity="0.1"/>{name}', self.colour)
 
 
 @dataclass(frozen=True)
 class Outline(Mark):
-    """A closed polygon through points, shape (n,), its area faintly filled."""
+    """A closed polygon through points, shape (n,), its area faintly filled; a label is in the table, not the legend."""
 
     x: Floats
     y: Floats
@@ -328,6 +366,10 @@ class Outline(Mark):
 
     def draw(self, x: Scale, y: Scale) -> str:
         """A closed path."""
-        edge = path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))
+        edge = labelled(self.label) + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
-        return coloured(f'<path d="{edge}Z" {look}/>', self.colour)
+        return coloured(f"<path {edge} {look}/>", self.colour)
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Its corners."""
+        return self.x, self.y

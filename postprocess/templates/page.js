@@ -1,78 +1,236 @@
-/* Shows the values of the lines, layers and boxes of charts at the pointer; without it charts are as they are. */
-const powers = (text) => text.replace(/e([-+])0*(\d+)/, (_, sign, power) =>
-  "×10" + [...(sign === "-" ? "⁻" : ""), ...[...power].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit])].join(""));
-const shown = (text) => powers(text).replace(/^-/, "−");
-const NEAR = 14;
+/* Charts: values at the pointer and by arrow keys, zoom, lines to hide, narrow windows. Without it they are as drawn. */
+const all = (part, what) => [...part.querySelectorAll(what)];
 const numbers = (text) => text.split(" ").map(Number);
+const raised = (power) => [...String(+power)].map((digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)]).join("");
+const printed = (text) => {
+  const [factor, power] = text.split("e"), ten = `10${raised(power)}`;
+  const product = /^-?1$/.test(factor) ? factor.replace("1", ten) : `${factor}×${ten}`;
+  return (power ? product : text).replace(/^-/, "−");
+};
+const cells = (row) => [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) =>
+  quoted?.replaceAll('""', '"') ?? plain);
+const set = (element, attributes) => {
+  Object.entries(attributes).forEach(([name, value]) => element.setAttribute(name, value));
+  return element;
+};
+const add = (parent, name, attributes) =>
+  parent.appendChild(set(document.createElementNS("http://www.w3.org/2000/svg", name), attributes));
+
+/* An axis has its ends at the pixels `from` and `to` of the file; what lies between those of `seen` is shown in `place`. */
+const axisOf = (ends, scale, from, to) => ({ ends: numbers(ends), scale, from, to, seen: [from, to], place: [from, to] });
+const shownAt = ({ seen: [a, b], place: [p, q] }) => (pixel) => p + ((pixel - a) * (q - p)) / (b - a);
+const drawnAt = ({ seen: [a, b], place: [p, q] }) => (pixel) => a + ((pixel - p) * (b - a)) / (q - p);
+const ticksOf = (axis, room) => {
+  const isLog = axis.scale === "log", [start, end] = isLog ? axis.ends.map(Math.log10) : axis.ends;
+  const value = (pixel) => start + ((pixel - axis.from) / (axis.to - axis.from)) * (end - start);
+  const pixel = (at) => shownAt(axis)(axis.from + ((at - start) / (end - start)) * (axis.to - axis.from));
+  const seen = axis.seen.map(value).sort((a, b) => a - b), isDecades = isLog && seen[1] - seen[0] > 1.5;
+  const [low, high] = isLog && !isDecades ? seen.map((power) => 10 ** power) : seen;
+  const most = Math.max(2, Math.floor(Math.abs(axis.place[1] - axis.place[0]) / room));
+  const size = 10 ** Math.floor(Math.log10((high - low) / most));
+  const round = size * [1, 2, 5, 10].find((factor) => high - low <= factor * size * most * (1 + 1e-9));
+  const step = isDecades ? Math.max(1, Math.ceil(round)) : round, first = Math.ceil(low / step - 1e-9);
+  const values = Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, i) => (first + i) * step);
+  if (isDecades) return values.map((n) => [pixel(n), Math.abs(n) < 4 ? String(+`1e${n}`) : printed(`1e${n}`)]);
+  const largest = Math.max(...values.map(Math.abs)), digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const isPlain = largest >= 1e-4 && largest < 1e6;
+  const text = (number) => (isPlain ? number.toFixed(digits) : number && (+number.toPrecision(4)).toExponential());
+  return values.map((number) => [pixel(isLog ? Math.log10(number) : number), printed(String(text(number)))]);
+};
+const setTicks = (holder, attribute, ticks, shift) => holder.replaceChildren(...ticks.map(([at, text]) => {
+  const node = set(holder.firstElementChild.cloneNode(), { [attribute]: at + shift });
+  node.textContent = text;
+  return node;
+}));
 
 const plotOf = (element) => {
-  const [left, top, right, bottom] = numbers(element.dataset.box), [low, high] = numbers(element.dataset.x);
-  const lines = [...element.querySelectorAll("[data-label]")].filter((line) => line.dataset.label).map((line) => {
-    const [values, where] = [line.dataset.values, line.dataset.at ?? ""].map((texts) => texts.split(" "));
-    const path = (line.getAttribute("d").match(/-?[\d.]+/g) || []).map(Number);
-    return { label: line.dataset.label, values, where, places: values.map((_, i) => path.slice(2 * i, 2 * i + 2)) };
+  const { box, x, y, scales, nearest, quantity, fixed } = element.dataset, [left, top, right, bottom] = numbers(box);
+  const [across, up] = scales.split(" "), plot = { element, top, right, bottom, nearest, quantity, fixed };
+  const parts = all(element, ".marks path, .marks text").map((node) =>
+    ({ node, path: node.getAttribute("d"), at: ["x", "y"].map((name) => +node.getAttribute(name)) }));
+  const lines = parts.filter(({ node, path }) => path && node.dataset.label).map(({ node, path }) => {
+    const home = path.match(/[ML]-?[\d.]+ -?[\d.]+/g).map((point) => numbers(point.slice(1)));
+    return { plot, node, label: node.dataset.label, isOn: true, home, places: home };
   });
-  const across = (place) => {
-    const share = (place - left) / (right - left);
-    return element.dataset.log === "1" ? low * (high / low) ** share : low + share * (high - low);
-  };
-  const { nearest } = element.dataset;
-  const at = (place) => shown(across(place).toPrecision(4));
-  return { element, left, top, right, bottom, lines, nearest, at, label: element.dataset.y };
+  return Object.assign(plot, { parts, lines, x: axisOf(x, across, left, right), y: axisOf(y, up, bottom, top) });
+};
+const drawPlot = ({ element, parts, lines, x, y, top, right, bottom }) => {
+  const [across, down, [start, end]] = [shownAt(x), shownAt(y), x.place];
+  const moved = (path) => path.replace(/([MLHV])(-?[\d.]+)(?: (-?[\d.]+))?/g, (_, kind, a, b) =>
+    kind + (kind === "V" ? down(a) : across(a)).toFixed(2) + (b === undefined ? "" : ` ${down(b).toFixed(2)}`));
+  parts.forEach(({ node, path, at: [a, b] }) => set(node, path ? { d: moved(path) } : { x: across(a), y: down(b) }));
+  all(element, ".beside > g").forEach((name) => {
+    const at = Number(name.dataset.at), height = down(at);
+    set(name, { transform: `translate(${end - right} ${height - at})` });
+    name.style.display = height < top - 1 || height > bottom + 1 ? "none" : "";
+  });
+  lines.forEach((line) => (line.places = line.home.map(([a, b]) => [across(a), down(b)])));
+  const isWhole = [x, y].every(({ from, to, seen }) => seen[0] === from && seen[1] === to);
+  const corners = [[start, top], [end, top], [end, bottom], [start, bottom]].map(([a, b]) => `${a}px ${b}px`);
+  element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
+  element.querySelector(".frame")?.setAttribute("width", end - start);
+  const holder = element.querySelector(".ticks g");
+  if (y.scale === "named" || !holder.childElementCount) return;
+  const ticks = ticksOf(y, 26);
+  setTicks(holder, "y", ticks, 4);
+  element.querySelector(".rows")?.setAttribute("d", ticks.map(([at]) => `M${start} ${at}H${end}`).join(""));
 };
 
-const closest = (places, far) => places.reduce((best, place, i) =>
-  place.length && far(place) < far(places[best] ?? [1e9, 1e9]) ? i : best, -1);
-
-const mark = (plot, name, attributes) => {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-  Object.entries({ class: "pointer", ...attributes }).forEach(([key, value]) => made.setAttribute(key, value));
-  plot.element.append(made);
+const NEAR = 14;
+/* Each line with the number of its point nearest to a place, of those about as near as the nearest. */
+const nearTo = (plot, x, y) => {
+  const weights = ["x", "y"].map((name) => (plot.nearest.includes(name) ? 1 : 1e-3));
+  const far = ([a, b]) => Math.hypot(weights[0] * (a - x), weights[1] * (b - y));
+  const found = plot.lines.filter((line) => line.isOn).map((line) =>
+    [line, line.places.reduce((best, place, i) => (far(place) < far(line.places[best]) ? i : best), 0)]);
+  const least = Math.min(...found.map(([line, i]) => far(line.places[i])));
+  return found.filter(([line, i]) => far(line.places[i]) < least + NEAR);
+};
+/* Name of a quantity, and its value with the unit that stands in its heading. */
+const said = (heading, text, least = 0) => {
+  const [, name, unit] = heading.match(/^(.*?)(?: \[(.*)\])?$/);
+  const value = text && isFinite(text) ? printed(String(Math.abs(text) < least ? 0 : +(+text).toPrecision(5))) : text;
+  return [name, unit ? `${value} ${unit}` : value];
 };
 
-const point = (plot, x, y) => {
-  const along = (axis) => (plot.nearest.includes(axis) ? 1 : 1e-3);
-  const far = ([a, b]) => Math.hypot(along("x") * (a - x), along("y") * (b - y));
-  const found = plot.lines.map((line) => [line, closest(line.places, far)]).filter(([, i]) => i >= 0);
-  const least = Math.min(...found.map(([{ places }, i]) => far(places[i])));
-  return found.filter(([{ places }, i]) => far(places[i]) < least + NEAR)
-    .map(([{ label, values, where, places }, i]) => {
-      mark(plot, "circle", { cx: places[i][0], cy: places[i][1], r: 3 });
-      return { at: where[i] || plot.at(places[i][0]), place: places[i][0], text: `${label}: ${shown(values[i])}` };
-    });
-};
-
-document.querySelectorAll("svg.chart").forEach((svg) => {
-  const figure = svg.closest("figure"), note = document.createElement("output");
-  const plots = [...svg.querySelectorAll(".plot")].map(plotOf);
-  note.className = "values";
-  note.hidden = true;
-  figure.append(note);
+const chartOf = (svg) => {
+  const figure = svg.closest("figure"), section = svg.closest("section"), note = document.createElement("output");
+  const [, , width, height] = numbers(svg.getAttribute("viewBox")), top = Number(svg.dataset.top);
+  const plots = all(svg, ".plot").map(plotOf), lines = plots.flatMap((plot) => plot.lines), last = plots.at(-1);
+  const axis = svg.querySelector(".x-axis"), csv = figure.querySelector("[download$=csv]");
+  let from = null, reading = null;
   const clear = () => {
     note.hidden = true;
-    svg.querySelectorAll(".pointer").forEach((each) => each.remove());
+    all(svg, ".pointer").forEach((each) => each.remove());
   };
-  const show = (event) => {
+  const draw = () => {
     clear();
-    const box = svg.getBoundingClientRect(), around = figure.getBoundingClientRect();
-    const scale = svg.viewBox.baseVal.width / box.width;
-    const x = (event.clientX - box.left) * scale, y = (event.clientY - box.top) * scale;
-    const inside = (p) => p.lines.length && x >= p.left && x <= p.right && y >= p.top && y <= p.bottom;
-    if (!plots.some(inside)) return;
-    const each = plots.map((plot) => point(plot, x, y)), found = each.flat();
-    const place = found[0]?.place ?? x;
-    plots.filter((p) => p.nearest === "x").forEach((p) => mark(p, "path", { d: `M${place} ${p.top}V${p.bottom}` }));
-    const texts = (part) => part.map(({ text }) => text);
-    const said = each.flatMap((part, i) => (part.length && each[1] ? [plots[i].label, ...texts(part)] : texts(part)));
-    note.textContent = [`at ${found[0]?.at ?? plots[0].at(place)}`, ...said].join("\n");
-    note.hidden = false;
-    const left = Math.min(event.clientX - around.left + 14, around.width - note.offsetWidth);
-    note.style.left = `${Math.max(0, left)}px`;
-    note.style.top = `${event.clientY - around.top + 16}px`;
+    plots.forEach(drawPlot);
+    const holder = axis.querySelector(".ticks g"), { scale, place: [start, end] } = last.x;
+    axis.querySelector(".ink text")?.setAttribute("x", (start + end) / 2);
+    if (scale === "named" || !holder.childElementCount) return;
+    const ticks = ticksOf(last.x, 58);
+    setTicks(holder, "x", ticks, 0);
+    set(axis.querySelector("path"), { d: ticks.map(([at]) => `M${at} ${last.bottom}v3`).join("") });
   };
-  ["pointermove", "pointerdown"].forEach((name) => svg.addEventListener(name, show));
-  svg.addEventListener("pointerleave", clear);
+  /* As wide as its place, if that is narrower than the chart; the keys stand above it as buttons. */
+  const isFixed = plots.some(({ fixed, x }) => fixed || x.scale === "named");
+  const fit = (wide = isFixed ? width : Math.min(width, figure.clientWidth)) => {
+    if (!wide || !lines.length) return;
+    set(svg, { viewBox: `0 ${top} ${wide} ${height - top}`, width: wide, height: height - top });
+    svg.closest(".large")?.classList.toggle("fitted", !isFixed);
+    plots.forEach(({ x, right }) => (x.place = [x.from, right + wide - width]));
+    if (!isFixed) draw();
+  };
+  const reset = () => {
+    plots.flatMap(({ x, y }) => [x, y]).forEach((each) => (each.seen = [each.from, each.to]));
+    draw();
+  };
+  const zoom = ({ x, y, fixed }, [a, b], [c, d]) => {
+    const part = Math.abs(c - a) / (x.place[1] - x.place[0]), half = fixed === "equal" ? (part * (y.place[0] - y.place[1])) / 2 : Math.abs(d - b) / 2;
+    const across = [Math.min(a, c), Math.max(a, c)].map(drawnAt(x)), up = [half, -half].map((h) => drawnAt(y)((b + d) / 2 + h));
+    if (Math.abs(c - a) > 8 && x.scale !== "named") plots.forEach((plot) => (plot.x.seen = across));
+    if (half > 4 && y.scale !== "named") y.seen = up;
+    draw();
+  };
+
+  const readTable = () => {
+    const rows = decodeURIComponent(csv.href.slice(csv.href.indexOf(",") + 1)).split("\n").map(cells);
+    lines.forEach((line, k) => (line.table = rows.map((row) => row.slice(2 * k, 2 * k + 2))));
+  };
+  const plotAt = ([x, y]) => plots.find((plot) => x >= plot.x.place[0] && x <= plot.x.place[1] && y >= plot.top && y <= plot.bottom);
+  const show = ([x, y], reader) => {
+    clear();
+    if (!csv || !lines.length || !plotAt([x, y])) return;
+    if (!lines[0].table) readTable();
+    const found = reader ? [[reader]] : plots.map((plot) => nearTo(plot, x, y)), [line, i] = found.flat()[0] ?? [];
+    if (!line) return;
+    const rows = [[said(line.table[0][0], line.table[i + 1][0]).filter(Boolean).join(" ")]];
+    found.forEach((near) => near.forEach(([each, n], k) => {
+      const [a, b] = each.places[n], { quantity, nearest, top, bottom, y: { ends } } = each.plot;
+      if (!k && quantity) rows.push([quantity.replace(/ \[.*/, "")]);
+      const value = said(each.table[0][1], each.table[n + 1][1], 1e-6 * Math.abs(ends[1] - ends[0]))[1];
+      rows.push([`${each.label} ${value}`, getComputedStyle(each.node).color]);
+      if (!k && nearest === "x") add(svg, "path", { class: "pointer", d: `M${a} ${top}V${bottom}` });
+      add(svg, "circle", { class: "pointer", cx: a, cy: b, r: 3 });
+    }));
+    note.replaceChildren(...rows.map(([text, colour]) => {
+      const row = document.createElement("div"), dot = document.createElement("b");
+      [dot.style.color, dot.textContent] = [colour ?? "", colour ? "● " : ""];
+      row.append(dot, text);
+      return row;
+    }));
+    [note.hidden, note.ariaLive] = [false, reader ? "polite" : "off"];
+    const foot = new DOMPoint(x, last.bottom + 4).matrixTransform(svg.getScreenCTM()), around = figure.getBoundingClientRect();
+    note.style.left = `${Math.max(0, Math.min(foot.x - around.left - note.offsetWidth / 2, around.width - note.offsetWidth))}px`;
+    note.style.top = `${foot.y - around.top}px`;
+  };
+  const step = (event) => {
+    const by = { ArrowRight: 1, ArrowLeft: -1, Home: -1e9, End: 1e9, ArrowDown: 0, ArrowUp: 0 }[event.key], shown = lines.filter((line) => line.isOn);
+    if (event.key === "Escape") reset();
+    if (by === undefined || !shown.length) return;
+    event.preventDefault();
+    const [old, at] = reading ?? [shown[0], -1], turn = by ? 0 : event.key === "ArrowDown" ? 1 : shown.length - 1;
+    const line = shown[(shown.indexOf(old) + turn) % shown.length], x = old.places[at]?.[0] ?? 0;
+    const order = line.places.map((_, i) => i).sort((i, j) => line.places[i][0] - line.places[j][0]);
+    const rank = by && line === old ? order.indexOf(at) : order.findIndex((i) => line.places[i][0] >= x);
+    const next = order[Math.max(0, Math.min(order.length - 1, rank + by * (event.shiftKey ? 10 : 1)))];
+    reading = [line, next];
+    show(line.places[next], reading);
+  };
+
+  const at = ({ clientX, clientY }) => {
+    const { x, y } = new DOMPoint(clientX, clientY).matrixTransform(svg.getScreenCTM().inverse());
+    return [x, y];
+  };
+  const drag = (event) => {
+    if (event.type === "pointerdown" && event.pointerType === "mouse") from = at(event);
+    show(at(event));
+    const [[a, b], [c, d]] = [from ?? at(event), at(event)];
+    add(svg, "path", { class: "pointer selected", d: `M${a} ${b}H${c}V${d}H${a}Z` });
+  };
+  const drop = (event) => {
+    if (event.type === "pointerup" && from && plotAt(from)) zoom(plotAt(from), from, at(event));
+    if (event.type !== "pointerup") clear();
+    from = null;
+  };
+  [note.className, note.hidden] = ["values", true];
+  figure.append(note);
+  if (lines.length) {
+    set(svg, { role: "application", tabindex: 0, "aria-roledescription": "chart" });
+    const heard = { pointermove: drag, pointerdown: drag, pointerup: drop, pointerleave: drop, blur: drop, dblclick: reset, keydown: step };
+    Object.entries(heard).forEach(([name, act]) => svg.addEventListener(name, act));
+  }
+  figure.querySelector("[download$=svg]")?.addEventListener("click", ({ currentTarget }) => {
+    fit(width);
+    const whole = set(svg.cloneNode(true), { viewBox: `0 0 ${width} ${height}`, height });
+    currentTarget.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(whole)], { type: "image/svg+xml" }));
+    fit();
+  });
+  return { svg, section: svg.closest("section"), lines, fit };
+};
+
+const charts = all(document, "svg.chart").map(chartOf);
+/* Keys of the lines as buttons; those of a legend that has no lines are of all charts of its section. */
+charts.forEach(({ svg, section, lines }) => {
+  const reach = lines.length ? lines : charts.filter((other) => other.section === section).flatMap((other) => other.lines);
+  const row = document.createElement("div");
+  row.className = "keys";
+  all(svg, ".key").forEach((key) => {
+    const { label, width } = key.dataset, own = reach.filter((line) => line.label === label), button = document.createElement("button");
+    add(button, "svg", { width, height: 14 }).append(...[...key.cloneNode(true).childNodes]);
+    set(button, { type: "button", "aria-pressed": true, "aria-label": label }).disabled = !own.length;
+    button.addEventListener("click", () => own.forEach((line) => {
+      line.isOn = !line.isOn;
+      line.node.parentNode.style.display = line.isOn ? "" : "none";
+      button.ariaPressed = line.isOn;
+    }));
+    row.append(button);
+  });
+  svg.before(row);
 });
+const observer = new ResizeObserver(() => charts.forEach(({ fit }) => fit()));
+all(document, "main").forEach((main) => observer.observe(main));
 
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
 document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));

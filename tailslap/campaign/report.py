@@ -159,8 +159,7 @@ def _rows(definition: sweeps.Definition, table: Path, units: Units) -> SweepRows
     columns = read_columns(table, ["status", *keys, *names])
     fe, rigid, difference = ({key: columns[name] for key, name in groups[group].items()} for group in groups)
     varied = tuple(_varied(item, columns[item.key], units) for item in definition.variations)
-    if len(difference) < len(fe):
-        difference = {key: fe[key] / rigid[key] - 1.0 for key in fe}
+    difference = {key: difference.get(key, fe[key] / rigid[key] - 1.0) for key in fe}
     factors = {key: units.of(quantity.unit)[0] for key, quantity in compared.quantities.items()}
     fe, rigid = ({key: factors[key] * values for key, values in of.items()} for of in (fe, rigid))
     quantities = {key: replace(q, unit=units.of(q.unit)[1]) for key, q in compared.quantities.items()}

@@ -10,7 +10,7 @@ from postprocess.comparison.quantities import LIMITS, QUANTITIES, Beside, beside
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.page import Column, Page, Section, Table, columns
 from postprocess.report.report import Report
-from postprocess.svg.chart import Chart
+from postprocess.svg.chart import FULL, PART, Chart
 from postprocess.units import SI, percent
 from tailslap.case.report import footer
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
@@ -21,6 +21,9 @@ USUAL = (
     *("x_g", "y_g", "force_normal", "force_tangential"),
 )
 """Columns that are compared unless the caller says otherwise."""
+
+FORCES = ("force_normal", "reaction_normal")
+"""Forces across the wall, one of which takes the width of the page."""
 
 HEADS = {"magnitude": "M", "phase": "P", "combined": "C", "mean_residual": "Mean", "deviation": "SD"}
 METRICS = (
@@ -114,8 +117,8 @@ def compare_report(found: Comparison) -> Report:
     sections = (
         Section("Metrics", tables=(table,), sentences=notes),
         Section("Numbers of the results", tables=tuple(_quantities(found))),
-        Section("Curves", figures=[*_curves(found)], layout="wide"),
-        Section("Differences from the reference", figures=[*_curves(found, True)], layout="wide"),
+        Section("Curves", figures=[*_curves(found)]),
+        Section("Differences from the reference", figures=[*_curves(found, True)]),
     )
     title = " · ".join(item.label for item in found.items)
     below = footer("summary.json, these numbers; metrics.csv, the table")
@@ -175,8 +178,10 @@ def _quantities(found: Comparison) -> Iterator[Table]:
 
 
 def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
-    """Each column that was compared, of all items; less: less the reference's."""
-    for name in dict.fromkeys(each.name for _, each in found.pairs):
+    """Each column that was compared, of all items, the force first; less: less the reference's."""
+    names = [*dict.fromkeys(each.name for _, each in found.pairs)]
+    main = next((name for name in FORCES if name in names), names[0])
+    for name in sorted(names, key=lambda name: name != main):
         symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
         if less:
             curves = [Curve(label, x.t, x.difference) for label, x in found.pairs if x.name == name]
@@ -189,4 +194,5 @@ def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
             file, title = name, symbol
         unit = found.reference.units.get(name)
         heading = f"{title} [{unit}]" if unit else title
-        yield draw_overlay(file, heading, curves, caption).in_units(SI)
+        width = FULL if name == main and not less else PART
+        yield draw_overlay(file, heading, curves, caption, width).in_units(SI)

@@ -79,7 +79,7 @@ def test_a_spike_of_the_force_is_drawn():
 def test_names_of_close_levels_do_not_overlap():
     levels = {"a": 340e3, "b": 350e3, "c": 356e3}
     svg = impact.draw_forces("force", "Force", T, {"raw": 5e5 * np.sin(T)}, (), levels).svg
-    heights = [float(found(rf'y="([\d.]+)" font-size="10">{name}</text>', svg)) for name in levels]
+    heights = [float(found(rf'y="([\d.]+)" font-size="11">{name}</text>', svg)) for name in levels]
     assert (np.diff(heights) < -2.2 * 10.0).all()
 
 
@@ -103,19 +103,22 @@ def test_layers_end_at_what_was_given_up():
     ).svg
     assert {"given up", "crush, lost", "friction"} <= set(texts(svg))
     assert "damping" not in texts(svg)
-    layer = re.findall(r"[ML]([-\d.]+) ([-\d.]+)", found(r'data-label="friction".*?d="([^"]+)"', svg))
+    layer = re.findall(r"[ML]([-\d.]+) ([-\d.]+)", found(r'<path data-label="friction".*?d="([^"]+)"', svg))
     assert max(-float(y) for _, y in layer) == pytest.approx(points(svg, "ink")[:, 1].max(), abs=1e-4)
 
 
 def test_contact_of_one_instant_is_seen():
     """A cell keeps the largest force of its time, and there are few however many instants there are."""
     force = np.zeros((T.size, 5))
-    plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN").svg
+    plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN")
     force[1777, 2] = 300.0
-    svg = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES).svg
-    assert "data-values" not in plain
-    assert found('data-label="force" data-values="([^"]*)"', svg) == "300\N{NO-BREAK SPACE}kN"
-    time, place = found('data-at="([^"]*)"', svg).replace("\N{NO-BREAK SPACE}", " ").split("; ")
+    chart = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES)
+    assert plain.csv == ""
+    plain, svg = plain.svg, chart.svg
+    (heading, row) = chart.csv.splitlines()
+    at, value = row.split(",")
+    assert (heading, value) == ("t [s]; distance from the front [m],force", "300 kN")
+    time, place = at.split("; ")
     assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / impact.COLUMNS), "5 m")
     assert "300\N{NO-BREAK SPACE}kN" in texts(svg)
     assert len(svg) < len(plain) + 1500

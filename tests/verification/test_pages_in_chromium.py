@@ -1,19 +1,23 @@
 """Verification: small pages in Chromium: nothing is wrong on screens and on paper; and what is wrong is found."""
 
+import csv
 import importlib.util
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
-from postprocess.report.page import write_page
+from postprocess.report.page import Page, Section, write_page
+from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
+from postprocess.svg.marks import Line, look
 from tailslap.case.corner.report import corner_report
 from tailslap.cli import _status
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
 sys.path.insert(0, BENCHMARKS)
-from browser import charts, paper, screen  # noqa: E402
-from browser.looked import look  # noqa: E402
+from browser import charts, looked, paper, screen  # noqa: E402
 from browser.session import CHROMIUM, chromium, opened  # noqa: E402
 
 sys.path.remove(BENCHMARKS)
@@ -53,18 +57,122 @@ def changed(page, place, old, new):
     return place
 
 
-def wrong(looked):
-    return {kind: texts for kind, texts in looked.found.items() if texts}
+def wrong(found):
+    return {kind: texts for kind, texts in found.found.items() if texts}
 
 
 def test_nothing_is_wrong_with_a_small_page(browser, page):
-    assert wrong(look(browser, "modes", page, widths=(390,))) == {}
+    assert wrong(looked.look(browser, "modes", page, widths=(390,))) == {}
 
 
 @pytest.mark.long
 def test_nothing_is_wrong_with_the_page_of_a_run(browser, tmp_path, outcome):
     path = write_page(tmp_path / "report.html", corner_report(outcome("mash-tl4-sut"), pictures=False).page)
-    assert wrong(look(browser, "run", path)) == {}
+    assert wrong(looked.look(browser, "run", path)) == {}
+
+
+CURVES = {"slow": 2.0 * np.arange(41.0), "fast": 5.0 * np.arange(41.0)}
+
+
+@pytest.fixture
+def shown_chart(browser, tmp_path):
+    """A page with a chart of two lines from 0 to 40 s, as wide as the page."""
+    t = np.arange(41.0)
+    lines = tuple(Line(label, t, force, **look(k)) for k, (label, force) in enumerate(CURVES.items()))
+    chart = draw_chart(
+        "c", "A chart", (Plot(lines, Axis("force [kN]")),), Axis("t [s]", margin=0.0), width=FULL
+    )
+    path = write_page(tmp_path / "p.html", Page("", "Charts", "", (Section("Chart", figures=(chart,)),), ""))
+    with opened(browser, path) as found:
+        yield found.page
+        assert (found.errors, found.requests) == ([], [])
+
+
+def ticks_of(page, axis):
+    texts = page.locator(f"svg.chart {axis} .ticks text").all_text_contents()
+    return [float(text.replace("−", "-")) for text in texts]
+
+
+def frame_of(page):
+    box = page.locator("svg.chart .frame").bounding_box()
+    return box["x"], box["y"], box["width"], box["height"]
+
+
+def test_the_pointer_names_quantity_and_unit_and_covers_no_line(shown_chart):
+    left, top, width, height = frame_of(shown_chart)
+    shown_chart.mouse.move(left + 0.5 * width, top + 0.5 * height)
+    note = shown_chart.locator("output.values")
+    assert note.inner_text().split("\n") == ["t 20 s", "force", "● slow 40 kN", "● fast 100 kN"]
+    assert note.bounding_box()["y"] >= top + height
+    colours = note.locator("b").evaluate_all("dots => dots.map((dot) => getComputedStyle(dot).color)")
+    strokes = "lines => lines.map((line) => getComputedStyle(line).stroke)"
+    assert colours[2:] == shown_chart.locator("svg.chart .marks path").evaluate_all(strokes)
+
+
+def test_a_drag_zooms_both_axes_and_a_double_click_resets(shown_chart):
+    """From a quarter to half of each axis: 10 to 20 s, and as much of the forces; the line stays within the frame."""
+    left, top, width, height = frame_of(shown_chart)
+    low, *_, high = shown_chart.locator("svg.chart .plot").get_attribute("data-y").split()
+    shown_chart.mouse.move(left + 0.25 * width, top + 0.5 * height)
+    shown_chart.mouse.down()
+    shown_chart.mouse.move(left + 0.5 * width, top + 0.75 * height, steps=4)
+    shown_chart.mouse.up()
+    along, up = ticks_of(shown_chart, ".x-axis"), ticks_of(shown_chart, ".plot")
+    assert (along[0], along[-1]) == (pytest.approx(10.0, abs=1.0), pytest.approx(20.0, abs=1.0))
+    span = float(high) - float(low)
+    assert float(low) + 0.25 * span - 0.1 < min(up) < max(up) < float(low) + 0.5 * span + 0.1
+    assert "polygon" in shown_chart.locator("svg.chart .marks").get_attribute("style")
+    shown_chart.mouse.dblclick(left + 0.5 * width, top + 0.5 * height)
+    assert (ticks_of(shown_chart, ".x-axis")[0], ticks_of(shown_chart, ".x-axis")[-1]) == (0.0, 40.0)
+
+
+def test_a_key_hides_its_line(shown_chart):
+    key = shown_chart.get_by_role("button", name="slow")
+    key.press("Enter")
+    assert key.get_attribute("aria-pressed") == "false"
+    left, top, width, height = frame_of(shown_chart)
+    shown_chart.mouse.move(left + 0.5 * width, top + 0.5 * height)
+    assert "slow" not in shown_chart.locator("output.values").inner_text()
+    key.click()
+    assert key.get_attribute("aria-pressed") == "true"
+
+
+def test_arrow_keys_read_the_samples_aloud(shown_chart):
+    shown_chart.locator("svg.chart").focus()
+    note, said = shown_chart.locator("output.values"), []
+    for key in ("ArrowRight", "ArrowRight", "ArrowDown", "End", "Home", "Escape"):
+        shown_chart.keyboard.press(key)
+        said.append(" ".join(note.inner_text().split("\n")[::2]) if note.is_visible() else "")
+    assert said == [
+        "t 0 s ● slow 0 kN",
+        "t 1 s ● slow 2 kN",
+        "t 1 s ● fast 5 kN",
+        "t 40 s ● fast 200 kN",
+        "t 0 s ● fast 0 kN",
+        "",
+    ]
+    assert note.get_attribute("aria-live") == "polite"
+
+
+def test_table_and_drawing_are_kept(shown_chart, tmp_path):
+    """Without a file beside the page: the table from its link, the drawing as it is shown."""
+    for kind in ("csv", "svg"):
+        with shown_chart.expect_download() as kept:
+            shown_chart.locator(f"a[download='c.{kind}']").click()
+        kept.value.save_as(tmp_path / f"c.{kind}")
+    heading, *rows = csv.reader((tmp_path / "c.csv").read_text(encoding="utf-8").splitlines())
+    assert heading == ["t [s]", "slow: force [kN]", "t [s]", "fast: force [kN]"]
+    assert rows[7] == ["7", "14", "7", "35"]
+    drawn = ElementTree.parse(tmp_path / "c.svg").getroot()
+    assert drawn.get("viewBox", "").split()[:3] == ["0", "0", f"{FULL:g}"]
+
+
+def test_a_narrow_window_has_a_narrow_chart_with_letters_as_large(shown_chart):
+    shown_chart.set_viewport_size({"width": 390, "height": 800})
+    shown_chart.wait_for_function("document.querySelector('svg.chart').getBoundingClientRect().width < 370")
+    size = "text => parseFloat(getComputedStyle(text).fontSize) * text.ownerSVGElement.getScreenCTM().a"
+    assert min(shown_chart.locator("svg.chart text").evaluate_all(f"texts => texts.map({size})")) >= 9.0
+    assert ticks_of(shown_chart, ".x-axis") == [0.0, 10.0, 20.0, 30.0, 40.0]
 
 
 def test_what_is_wrong_on_a_screen_is_found(browser, page, tmp_path):

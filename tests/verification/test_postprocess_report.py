@@ -154,7 +154,8 @@ def test_symbols_and_keys_are_typeset(page):
 
 def test_what_is_empty_is_not_shown(page):
     assert "Empty" not in page.text
-    assert [value for tag, _, value in page.attributes if tag == "a"] == ["#part-1", "#part-2", "#part-3"]
+    links = [link for _, link, *_ in page.named("a") if "download" not in link]
+    assert [link["href"] for link in links] == ["#part-1", "#part-2", "#part-3"]
 
 
 def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page):
@@ -168,9 +169,19 @@ def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page):
 
 def test_nothing_is_fetched(page):
     names = ("src", "href", "xlink:href", "srcset", "action")
-    links = [value for _, name, value in page.attributes if name in names]
+    kept = [link for _, link, *_ in page.named("a") if "download" in link]
+    links = [
+        value
+        for _, found, *_ in page.elements
+        if found not in kept
+        for name, value in found.items()
+        if name in names
+    ]
     assert links
     assert all(link.startswith(("data:image/png;base64,", "#")) for link in links)
+    assert [link["href"] for link in kept] == ["omega.svg"], (
+        "to a file beside the page, if the reader wants it"
+    )
     assert not {"link", "iframe", "object"} & page.tags
     assert not re.search(r"fetch|import|XMLHttp|https?:(?!//www.w3.org/2000/svg)", page.inside("script"))
     for words in ("@import", "url("):
@@ -426,8 +437,10 @@ def test_pictures_have_words(any_page):
 def test_ids_are_unique_and_links_lead_somewhere(any_page):
     ids = [attributes["id"] for _, attributes, *_ in any_page.elements if "id" in attributes]
     assert len(ids) == len(set(ids))
-    targets = [attributes["href"][1:] for _, attributes, *_ in any_page.named("a")]
-    assert set(targets) <= set(ids)
+    links = [attributes for _, attributes, *_ in any_page.named("a")]
+    assert {link["href"][1:] for link in links if "download" not in link} <= set(ids)
+    files = {link["download"]: link["href"] for link in links if "download" in link}
+    assert all(link.startswith("data:text/csv;") or link == name for name, link in files.items())
 
 
 def test_without_scripts_all_is_there(any_page):

@@ -1,5 +1,7 @@
 """Verification: charts are XML with round ticks, and show the numbers that they are given where they belong."""
 
+import csv
+import io
 import itertools
 import math
 import re
@@ -9,9 +11,10 @@ import numpy as np
 import pytest
 
 from postprocess.figures import studies
-from postprocess.figures.histories import draw_histories, power_of_ten, thinned
+from postprocess.figures.histories import Curve, draw_histories, draw_overlay, power_of_ten, thinned
+from postprocess.figures.impact import LINES, draw_forces
 from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
-from postprocess.svg.chart import Axis, Plot, draw_chart
+from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
 from postprocess.svg.marks import PALETTE, Boxes, Layer, Level, Line, Span, Swatch, Words, text_width
 from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
 from postprocess.units import SI
@@ -79,7 +82,7 @@ def chart(*marks, **options):
 
 
 def places(root, label):
-    (path,) = [each for each in root.iter() if each.get("data-label") == label]
+    (path,) = [each for each in root.iter(SVG + "path") if each.get("data-label") == label]
     return np.array(re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path.get("d", "")), float)
 
 
@@ -107,8 +110,10 @@ def test_words_are_escaped_and_subscripts_set():
 def test_gaps_are_gaps():
     y = np.array([0.0, 1.0, np.nan, 2.0, 3.0])
     root = chart(Line("FE", X, y))
-    (path,) = [each for each in root.iter() if each.get("data-label") == "FE"]
-    assert (path.get("d", "").count("M"), path.get("data-values")) == (2, "0 1 2 3")
+    (path,) = [each for each in root.iter(SVG + "path") if each.get("data-label") == "FE"]
+    assert path.get("d", "").count("M") == 2
+    drawn = draw_chart("n", "", (Plot((Line("FE", X, y),)),), Axis("t [s]"))
+    assert shown(drawn) == {"FE": ["0", "1", "2", "3"]}
 
 
 def test_levels_stay_in_the_picture_and_clear_of_each_other():
@@ -137,13 +142,17 @@ def test_names_of_levels_stand_at_their_lines():
         assert found == pytest.approx(0.0, abs=0.1 + below)
 
 
+PARTS = ("plot", "key", "marks", "ticks", "beside", "x-axis")
+"""Classes by which pages find the parts of a chart."""
+
+
 def test_the_legend_names_what_is_drawn_once():
     marks = (Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X))
     marks = (*marks, Swatch("60 kN", "#123456"))
     root = chart(*marks)
     said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
     assert [said.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
-    assert {each.get("class") for each in root.iter(SVG + "g")} - {None, "plot"} <= set(PALETTE)
+    assert {each.get("class") for each in root.iter(SVG + "g")} - {None, *PARTS} <= set(PALETTE)
 
 
 def test_a_long_legend_takes_rows():
@@ -154,14 +163,29 @@ def test_a_long_legend_takes_rows():
     assert max(map(float, shifts)) + 100.0 < 400.0
 
 
+def drawn_in(chart):
+    """Paths of a chart."""
+    return ElementTree.fromstring(chart.svg).iter(SVG + "path")
+
+
 def texts_of(chart):
     return ["".join(text.itertext()) for text in ElementTree.fromstring(chart.svg).iter(SVG + "text")]
 
 
+def columns(chart):
+    """Columns of the table behind a chart, which pages show: by label, heading of the places, places, values."""
+    rows = list(csv.reader(io.StringIO(chart.csv)))
+    found = {}
+    for k in range(0, len(rows[0]) if rows else 0, 2):
+        cells = [(row[k], row[k + 1]) for row in rows[1:] if row[k + 1]]
+        at, values = map(list, zip(*cells, strict=True))
+        found[rows[0][k + 1].split(": ")[0]] = (rows[0][k], at, values)
+    return found
+
+
 def shown(chart):
     """What pages show, by label."""
-    found = re.findall('data-label="([^"]+)" data-values="([^"]*)"', chart.svg)
-    return {label: values.replace("\N{NO-BREAK SPACE}", "_").split(" ") for label, values in found}
+    return {label: values for label, (_, _, values) in columns(chart).items()}
 
 
 def boxes(svg, colour):
@@ -180,7 +204,7 @@ def test_boxes_are_where_their_ends_are():
     third = (right - left) / 3.0
     assert first == pytest.approx([left, 0.5 * (top + bottom), left + third, bottom], abs=0.5)
     assert second == pytest.approx([left + third, top, right, bottom], abs=0.5)
-    centres = re.findall(r"M(\S+) (\S+?)Z", svg.split("data-values")[1])
+    centres = re.findall(r"M(\S+) (\S+?)Z", svg.split("data-label")[2])
     assert [float(x) for x, _ in centres] == pytest.approx([left + 0.5 * third, left + 2.0 * third], abs=0.02)
 
 
@@ -217,7 +241,7 @@ def test_sensitivity_is_a_row_an_input():
     ]
     chart = studies.draw_sensitivity(inputs)
     assert shown(chart) == {"alone": ["0.4", "0.1"], "with interactions": ["0.8", "0.2"]}
-    assert chart.svg.count('data-at="a.x b.y"') == 2
+    assert [at for _, at, _ in columns(chart).values()] == [["a.x", "b.y"]] * 2
     first, second = boxes(chart.svg, "fe")
     assert first[1] < second[1], "the first on top"
     assert first[2] - first[0] == pytest.approx(4.0 * (second[2] - second[0]), rel=0.05)
@@ -228,7 +252,13 @@ def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
     fe = studies.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
     ring = studies.SweepLine("ring", [1e-4] * 3, form=studies.RINGS)
     chart = studies.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
-    assert shown(chart) == {"FE": ["0.01", "1"], "failed a check": ["50"], "ring": ["0.01"] * 3}
+    expected = {
+        "FE": ["0.01", "1"],
+        "failed a check": ["50"],
+        "numerical error": ["0.001"],
+        "ring": ["0.01"] * 3,
+    }
+    assert shown(chart) == expected
     assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
     xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
     assert xs == sorted(xs)
@@ -241,8 +271,8 @@ def bar(strike, dots=()):
 def test_bands_say_their_ends_and_the_rows_of_the_paper():
     chart = studies.draw_bands([bar(1), bar(2, (("a", 600.0, False), ("b", 650.0, True)))])
     found = shown(chart)
-    assert found["first strike"] == found["second strike"] == ["400_to_700_kN,_median_500_kN"]
-    assert (found["measured"], found["projected by the authors"]) == (["600_kN"], ["650_kN"])
+    assert found["first strike"] == found["second strike"] == ["400 to 700 kN, median 500 kN"]
+    assert (found["measured"], found["projected by the authors"]) == (["600 kN"], ["650 kN"])
     assert {"a", "b", "raw, strike 1", "peak lateral force [kN]"} <= set(texts_of(chart))
     first, second = boxes(chart.svg, "fe")[0], boxes(chart.svg, "rigid")[0]
     assert first[[0, 2]] == pytest.approx(second[[0, 2]])
@@ -275,7 +305,7 @@ def test_a_mode_says_how_far_its_outline_moves():
     moves = np.array([[0, 1.0], [0, 0], [0, 0], [0.5, 0]])
     chart = draw_mode("m", "a mode", places, np.array([[0, 1, 2, 3]]), moves)
     assert shown(chart) == {"displacement": ["1", "0", "0", "0.5"]}
-    assert 'data-at="0\xa0m;\xa00\xa0m 2\xa0m;\xa00\xa0m ' in chart.svg
+    assert columns(chart)["displacement"][1][:2] == ["0 m; 0 m", "2 m; 0 m"]
     assert texts_of(chart) == [], "no axes"
     assert chart.svg.count("<rect") == 1, "the paper, and no frame"
 
@@ -285,26 +315,48 @@ def crowded(lines=9):
     series = []
     for n in range(lines):
         errors = [1e-2 * (n + 1), 1e-4 * (n + 1), 1e-5 * (1.0 + 0.02 * n)]
-        series.append(studies.Series(f"line {n}", [1e-3, 1e-2, 0.9 + 0.01 * n], errors, [True, n != 3, True]))
+        times, passed, meshes = (
+            [1e-3, 1e-2, 0.9 + 0.01 * n],
+            [True, n != 3, True],
+            ["10 x 3", "20 x 6", "40 x 12"],
+        )
+        series.append(studies.Series(f"line {n}", times, errors, passed, meshes))
     front = "Pareto front", [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
     return studies.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))
 
 
-def test_each_line_has_a_plot_over_the_same_axes():
-    charts = crowded()
-    assert [chart.name for chart in charts] == [f"test-{n}" for n in range(1, 10)]
-    for number, chart in enumerate(charts):
-        named = re.findall('data-label="([^"]+)" data-values="([^"]*)"', chart.svg)
-        assert [name for name, _ in named][:3] == ["the truth is known", "Pareto front", f"line {number}"]
-        assert len(dict(named)[f"line {number}"].split()) == 3
-        assert ("failed a check" in dict(named)) == (number == 3)
-        behind = re.findall(r'<g class="steel"[^>]*><path d="[^"]+" fill="none"[^>]+/><circle', chart.svg)
-        assert len(behind) == 9, "all lines behind it, which say nothing"
-    assert len({re.findall('data-x="[^"]+"', chart.svg)[0] for chart in charts}) == 1
+def test_a_diagram_has_a_line_a_method_front_and_floor():
+    """As wide as the page; each point says its mesh; colour and dashes together tell lines apart."""
+    (diagram,) = crowded()
+    found = columns(diagram)
+    assert (diagram.name, diagram.width) == ("test", FULL)
+    lines = [f"line {n}" for n in range(9)]
+    assert [*found] == ["the truth is known", "Pareto front", *lines[:4], "failed a check", *lines[4:]]
+    assert found["the truth is known"][2] == ["3e-06", "3e-06"]
+    assert found["Pareto front"][2][:3] == ["0.01", "0.01", "0.0001"]
+    for n, line in enumerate(lines):
+        assert found[line][1] == ["10 x 3", "20 x 6", "40 x 12"]
+        np.testing.assert_allclose(float(found[line][2][0]), 1e-2 * (n + 1), rtol=1e-5)
+    assert found["failed a check"][2] == ["0.0004"]
+    assert diagram.svg.count("<title>20 x 6</title>") == 9
+    marks = [mark for mark in diagram.plots[0].marks if mark.label in lines and isinstance(mark, Line)]
+    assert len({(mark.colour, mark.dashes) for mark in marks}) == 9
+
+
+def test_names_at_the_ends_of_lines_do_not_overlap():
+    """Nine names of lines that end at one place stand in rows of 12 pixels, within the frame."""
+    (diagram,) = crowded()
+    texts = [
+        text for text in ElementTree.fromstring(diagram.svg).iter(SVG + "text") if text.get("class") == "halo"
+    ]
+    assert sorted("".join(text.itertext()) for text in texts) == [f"line {n}" for n in range(9)]
+    heights = sorted(float(text.get("y", "nan")) for text in texts)
+    assert min(np.diff(heights)) > 9.0
+    assert all(0.0 < float(text.get("x", "nan")) < diagram.width for text in texts)
 
 
 def test_ticks_are_powers_of_ten():
-    first, *_ = crowded()
+    (first,) = crowded()
     said = [re.sub("<[^>]+>", "", text) for text in re.findall("<text.*?</text>", first.svg)]
     assert {"10⁻³", "10⁻²", "10⁻⁵", "10⁻⁴"} & set(said)
     assert not [word for word in said if re.fullmatch(r"\d+e-?\d+", word)]
@@ -351,10 +403,11 @@ def small_map(points, across, up):
 
 def test_each_cell_says_its_values_and_its_verdict():
     across, up = MapAxis("a", [0.0, 0.01, 0.1]), MapAxis("b", [1.0, 2.0])
-    svg = draw_map("m", across, up, [["right", "caught", "right"], ["wrong", "right", "right"]], "").svg
-    (said,) = re.findall(r'data-values="([^"]*)" data-at="([^"]*)"', svg)
-    assert said[0].split(" ") == ["right", "caught", "right", "wrong", "right", "right"]
-    assert said[1].replace("\N{NO-BREAK SPACE}", " ").split(" ")[-2:] == ["0.1;", "2"]
+    chart = draw_map("m", across, up, [["right", "caught", "right"], ["wrong", "right", "right"]], "")
+    svg = chart.svg
+    where, at, verdicts = columns(chart)["verdict"]
+    assert verdicts == ["right", "caught", "right", "wrong", "right", "right"]
+    assert (where, at[-1]) == ("a; b", "0.1; 2")
     red, *others = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', svg)
     assert (red.count("M"), others) == (1, [])
     left, top = map(float, re.findall(r"M([\d.]+) ([\d.]+)", red)[0])
@@ -387,7 +440,7 @@ def test_legend_says_what_every_colour_means():
         assert text_width(f"{kind}: {meaning}", 11.0) + 24.0 <= chart.width
 
 
-MOTION = ("theta", "omega", "v_gx", "v_gy", "slide")
+MOTION = ("v_gy", "v_gx", "theta", "omega", "slide")
 
 
 def histories(n=2000):
@@ -472,10 +525,13 @@ def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves):
 def test_values_are_those_of_the_history(curves):
     """What a page shows at the pointer, to five digits, at as many points as the path has."""
     fe, _ = histories()
-    (path,) = [e for e in ElementTree.fromstring(curves["slide"].svg).iter() if e.get("data-label") == "FE"]
-    values = np.array(path.get("data-values", "").split(), float)
+    (path,) = [e for e in drawn_in(curves["slide"]) if e.get("data-label") == "FE"]
+    where, at, values = columns(curves["slide"])["FE"]
     assert len(values) == len(re.findall(r"[ML]", path.get("d", "")))
-    np.testing.assert_allclose(values, thinned(fe["t"], fe["slide"])[1], rtol=1e-4, atol=1e-12)
+    t, exact = thinned(fe["t"], fe["slide"])
+    assert where == "t [s]"
+    np.testing.assert_allclose(np.array(at, float), t, rtol=1e-5)
+    np.testing.assert_allclose(np.array(values, float), exact, rtol=1e-5, atol=1e-12)
 
 
 def test_only_what_the_histories_have_is_drawn():
@@ -510,8 +566,44 @@ def test_a_run_that_went_wrong_is_still_drawn():
 
 def vertices(curve):
     """Of the line of the FE history."""
-    (line,) = [e for e in ElementTree.fromstring(curve.svg).iter() if e.get("data-label") == "FE"]
+    (line,) = [e for e in drawn_in(curve) if e.get("data-label") == "FE"]
     return line.get("d", "").count("L")
+
+
+def many_lines():
+    """Charts of four lines and more, all lines of each one in the same place."""
+    t = np.linspace(0.0, 0.4, 9)
+    fe, rigid = histories(50)
+    curves = [Curve(f"result {k}", t, t) for k in range(7)]
+    inputs = studies.InputPanel(
+        "i", "x [m]", t, 0.2, False, {"F [kN]": {k: dict.fromkeys("abc", t) for k in (1, 2)}}
+    )
+    axis = studies.SweepAxis([100.0, 10.0, 1.0], [True] * 3, 30.0)
+    return {
+        "forces": draw_forces("f", "", t, dict.fromkeys(LINES, 1e3 * t)),
+        "results": draw_overlay("o", "F [kN]", curves, "", 340.0),
+        "energies": next(c for c in draw_histories(fe, rigid) if c.name == "energy_stored"),
+        "inputs": studies.draw_inputs("", [inputs])[1],
+        "sweep": studies.draw_sweep(
+            "s", axis, [studies.SweepLine(n, [1e-3] * 3) for n in "abcde"], "size", "", ()
+        ),
+    }
+
+
+@pytest.mark.parametrize("name", many_lines())
+def test_lines_differ_in_shape_and_hide_none_before(name):
+    """In grey, or where they coincide: each has dashes of its own, and gaps or a smaller width than those below it."""
+    lines = [mark for mark in many_lines()[name].plots[0].marks if isinstance(mark, Line)]
+    assert len(lines) > 3
+    assert len({line.dashes for line in lines}) == len(lines)
+    for number, line in enumerate(lines):
+        assert line.dashes or all(line.width < other.width for other in lines[:number])
+
+
+@pytest.mark.parametrize("name", many_lines())
+def test_letters_are_nine_pixels_at_least(name):
+    sizes = map(float, re.findall(r'font-size="([\d.]+)"', many_lines()[name].svg))
+    assert min(sizes) >= 9.0
 
 
 def test_equal_input_gives_equal_text():

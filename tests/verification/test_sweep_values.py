@@ -1,5 +1,7 @@
 """Verification: which values a sweep takes, and that its pictures and page show the rows that they are given alone."""
 
+import csv
+import io
 import json
 import math
 import re
@@ -11,9 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postprocess.comparison.quantities import KEYS
+from postprocess.comparison.quantities import TAIL_SLAP
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
 from postprocess.report.page import write_page
+from postprocess.svg.chart import FULL, PART
 from postprocess.units import SI
 from tailslap.campaign import engine, report
 from tailslap.campaign.definition import (
@@ -31,6 +34,7 @@ from tailslap.errors import InputError
 from tailslap.progress import clock, counted
 from tailslap.scene.vary import Source
 
+KEYS = tuple(TAIL_SLAP.quantities)
 SCENE = "paper-table-3"
 MPH = 1609.344 / 3600.0
 
@@ -208,15 +212,17 @@ def test_which_plots_there_are():
 
 
 def values_drawn(curves):
-    return sum(len(found.split()) for c in curves for found in re.findall('data-values="([^"]*)"', c.svg))
+    rows = [row for c in curves for row in list(csv.reader(io.StringIO(c.csv)))[1:]]
+    return sum(value != "" for row in rows for value in row[1::2])
 
 
 def test_each_row_is_a_point():
-    """Five plots with a rigid and an FE mark for each row, one with the differences: 11 marks a row; failed ones once
-    more in red, and without a result none."""
+    """Six plots with a rigid and an FE mark for each row, one with the differences: 13 marks a row; failed ones once
+    more in red, and without a result none. The force takes the width of the page."""
     a = key("a.x", 1, 2, 3)
     passed, failed = draw_sweep(rows(a)), draw_sweep(rows(a, status="failed"))
-    assert ((len(passed), values_drawn(passed)), values_drawn(failed)) == ((6, 3 * 11), 3 * 11 + 3 * 5)
+    assert ((len(passed), values_drawn(passed)), values_drawn(failed)) == ((7, 3 * 13), 3 * 13 + 3 * 6)
+    assert (passed[0].name, passed[0].width, passed[1].width) == ("against-a-x-peak_force", FULL, PART)
     assert "a check failed" in failed[0].svg
     assert "a check failed" not in passed[0].svg
 
@@ -227,8 +233,9 @@ def test_of_very_many_rows_all_that_failed_are_drawn():
     some.status[777::4000] = "failed"
     curves = draw_sweep(some)
     assert sum(len(curve.svg) for curve in curves) < 1e6
-    (red,) = re.findall('data-label="FE, a check failed" data-values="([^"]*)"', curves[0].svg)
-    assert len(red.split()) >= 5
+    heading, *drawn = csv.reader(io.StringIO(curves[0].csv))
+    assert heading[5].startswith("FE, a check failed: ")
+    assert sum(row[5] != "" for row in drawn) >= 5
 
 
 def lowest_drawn(varied):
@@ -248,28 +255,28 @@ def test_maps_show_each_run():
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     some = rows(a, b)
     some.status[:] = ["refused", "passed", "failed", "passed"]
-    some.fe["v_gy"][0] = np.nan
+    some.fe["peak_force"][0] = np.nan
     result, _, status = draw_sweep(some)[-3:]
-    (values,) = re.findall('data-values="([^"]*)"', result.svg)
-    assert (values.split(" ")[0], len(values.split(" "))) == ("1.3333\N{NO-BREAK SPACE}m/s", 3)
-    assert re.findall('data-at="([^"]*)"', status.svg) == ["1;\xa01 1;\xa010 2;\xa01 2;\xa010"]
+    heading, *values = csv.reader(io.StringIO(result.csv))
+    assert (heading[0], values[0], len(values)) == ("a.x; b.y", ["1; 10", "0.0013333 kN"], 3)
+    assert [row[0] for row in csv.reader(io.StringIO(status.csv))][1:] == ["1; 1", "1; 10", "2; 1", "2; 10"]
     (red,) = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', status.svg)
     assert red.count("M") == 1
 
 
 def test_parallels_say_each_row_where_it_meets_a_scale():
-    """Three inputs, five results, the difference; the rigid solution behind, and a row that failed in red."""
+    """Three inputs, six results, the difference; the rigid solution behind, and a row that failed in red."""
     some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
     some.status[2] = "failed"
     chart = draw_sweep(some)[-1]
-    values, at = (re.findall(f'data-{name}="([^"]*)"', chart.svg)[0].split(" ") for name in ("values", "at"))
-    assert values[:8] == ["1", "1", "2", "2", "p", "q", "p", "q"]
-    assert len(values) == len(at) == 4 * (3 + 5 + 1)
-    assert at[6] == "run\N{NO-BREAK SPACE}2,\N{NO-BREAK SPACE}c.z"
+    at, values = zip(*list(csv.reader(io.StringIO(chart.csv)))[1:], strict=True)
+    assert [*values[:8]] == ["1", "1", "2", "2", "p", "q", "p", "q"]
+    assert len(values) == len(at) == 4 * (3 + 6 + 1)
+    assert at[6] == "run 2, c.z"
     pattern = '<g class="{}"[^>]*><path d="([^"]*)"'
     red, behind = (re.findall(pattern.format(c), chart.svg)[0] for c in ("red", "rigid"))
-    assert (red.count("M"), red.count("L")) == (1, 8)
-    assert (behind.count("M"), behind.count("L")) == (4, 4 * 4)
+    assert (red.count("M"), red.count("L")) == (1, 9)
+    assert (behind.count("M"), behind.count("L")) == (4, 4 * 5)
 
 
 def test_heights_of_parallels():
@@ -316,7 +323,7 @@ def test_the_page_holds_what_it_is_given(tmp_path):
     assert plain.index("energy &lt;balance&gt;") < plain.index("beyond &lt;theory&gt;")
     assert plain.count('<tr class="failed">') == 1
     assert "The first" not in plain
-    assert page.count("<svg") == 15
+    assert page.count("<svg") == 17
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 

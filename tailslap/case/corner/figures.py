@@ -27,7 +27,11 @@ def curves(outcome: CornerOutcome) -> list[Section]:
     further = tuple(Panel(name, ((name, name),), c.symbol, c.unit, title, c.caption) for name, c in own)
     drawn = draw_histories(outcome.fe_history, outcome.rigid_history, further)
     groups = dict.fromkeys(curve.group for curve in drawn)
-    return [Section(group, figures=[c for c in drawn if c.group == group]) for group in groups]
+    layouts = {"Motion": "wide", "Reaction": "wide"}
+    return [
+        Section(group, figures=[c for c in drawn if c.group == group], layout=layouts.get(group, ""))
+        for group in groups
+    ]
 
 
 def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> CornerOutcome:

@@ -7,7 +7,7 @@ import numpy as np
 from postprocess.figures import impact
 from postprocess.figures.impact import StrikeMark, write_animation
 from postprocess.report.page import Picture
-from postprocess.svg.chart import Chart
+from postprocess.svg.chart import FULL, Chart
 from postprocess.units import SI, Units
 from solver.impact import CORNERS
 from tailslap import progress
@@ -64,7 +64,7 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
     strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
     lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
     return [
-        impact.draw_forces("force_lateral", lateral, t, outcome.fe.lateral, strikes, levels),
+        impact.draw_forces("force_lateral", lateral, t, outcome.fe.lateral, strikes, levels, FULL),
         impact.draw_forces(
             "force_longitudinal", "Longitudinal force on the wall, FE", t, outcome.fe.longitudinal, strikes
         ),

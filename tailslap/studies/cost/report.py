@@ -48,15 +48,14 @@ READING = (
 
 
 class Question(NamedTuple):
-    """A panel: its name and title; error, front and truth in words; kind and name of the methods beside finite
-    elements; labels of all groups that are no lines, and of those that are."""
+    """A diagram: its name and title; error, front and truth in words; kind and name of the methods beside finite
+    elements; labels of the groups that are lines. Other settings stand in the table alone."""
 
     name: str
     title: str
     error: str
     methods: tuple[str, str]
     lines: dict[str, str]
-    others: str = ""
     front: str = "Pareto front"
     truth: str = "limit"
 
@@ -70,7 +69,6 @@ RIGID = Question(
     | {compute.MESH: "FE, meshes of quad4", compute.ROWSUM: f"FE, {compute.ROWSUM}"}
     | {compute.UNSTRESSED: f"FE, {compute.UNSTRESSED}", compute.PENALTY: "FE, penalty scales"}
     | {compute.SINGLE: f"FE, {compute.SINGLE}"},
-    "FE, all other settings",
     "Pareto front, exact solution apart",
     "exact solution",
 )
@@ -89,7 +87,6 @@ IMPACT = Question(
     (compute.ODE, compute.RIGID),
     {compute.RIGID: compute.RIGID, "quad4": "meshes of quad4", "quad9": "meshes of quad9"}
     | {compute.STEP: "time steps", compute.DAMPING: "damping"},
-    compute.ELEMENTS,
 )
 
 
@@ -116,10 +113,10 @@ def _corner(found: CostResult) -> tuple[str, str, tuple[Table, ...], tuple[str, 
     limits = (
         f"The soft plate: {frequency:g} Hz first frequency, the corner held over {measure(patch, 'm', 'g')}, no "
         "friction, no damping, one modulus on all meshes: what is left of its error falls with refinement.",
-        f"Full lines: the error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
+        f"Error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
         f"{limit:.0e}, the largest GCI; smaller errors are shown as that.",
-        f"Dashed lines: what one choice adds to its mesh, known to {mesh_limit:.0e}. What inertia relief leaves over "
-        "rings, so that steps have no clean order; linear modes leave as much, however many.",
+        f"Lines marked (added): error that one choice adds to its mesh, known to {mesh_limit:.0e}. What inertia "
+        "relief leaves over rings, so that steps have no clean order; linear modes leave as much, however many.",
     )
     orders = lines(SOFT, soft, limit, mesh_limit)
     order_table = Table(LINES, orders, "Order of the errors well above what is known")
@@ -218,25 +215,24 @@ def _every(rows: list[Row]) -> Table:
 
 
 def charts(question: Question, rows: list[Row], known_to: float, mesh_known: float = math.nan) -> list[Chart]:
-    """The panel; known_to, mesh_known: what the truth is known to, and what the limit of the mesh of choices is."""
+    """The diagram; known_to, mesh_known: what the truth is known to, and what the limit of the mesh of choices is."""
     series = []
     for line in lines(question, rows, known_to, mesh_known):
         ordered = question is SOFT and line["order"] > 0.5 and line["group"] != compute.MODES
         order = f", order {line['order']:.1f}" if ordered else ""
         series.append(_series(line["label"] + order, line["rows"]))
-    others = [row for row in rows if row["group"] not in question.lines]
-    series.append(_series(question.others, others)._replace(joined=False))
     best = question.front, [(row["seconds"], row["error"]) for row in front(rows)]
     floor = f"the {question.truth} is known to {power_text(float(f'{known_to:.0e}'))}", known_to
     return draw_precision(question.name, question.title, series, question.error, best, floor)
 
 
 def _series(label: str, rows: list[Row]) -> Series:
-    """A line of the chart; what choices add is dashed."""
+    """A line of the diagram, whose label says where it is what choices add."""
     drawn = [row for row in rows if math.isfinite(own_error(row))]
     numbers = [row["seconds"] for row in drawn], [own_error(row) for row in drawn]
     passed = [not row["failed"] for row in drawn]
-    return Series(label, *numbers, passed, dashed=any(row["choice"] for row in drawn))
+    added = " (added)" if any(row["choice"] for row in drawn) else ""
+    return Series(label + added, *numbers, passed, [row["label"] for row in drawn])
 
 
 def lines(question: Question, rows: list[Row], known_to: float, mesh_known: float) -> list[Row]:

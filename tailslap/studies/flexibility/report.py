@@ -8,7 +8,7 @@ from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.studies import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.report.page import Column, Section, Table, columns, listed
 from postprocess.report.report import Report
-from postprocess.svg.chart import Chart
+from postprocess.svg.chart import FULL, HALF, Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz
 from tailslap.case.impact.answers import COLUMNS, COMPARED
@@ -194,7 +194,8 @@ def figures(found: Flexibility) -> list[Chart]:
     def chart(name: str, caption: str, label: str, lines: Sequence[SweepLine], levels: Any = ()) -> Chart:
         good = [*map(any, begun)] if name == "starts" else passed
         axis = SweepAxis(values["first_frequency"], good, found.own_frequency)
-        return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels)
+        width = FULL if name == "starts" else HALF
+        return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels, width)
 
     modal = [
         size("v_gy")._replace(label="v_GY, FE"),
@@ -267,7 +268,9 @@ def _strikes_figure(found: Flexibility) -> Chart:
     lines = [SweepLine(WORDS[name], sizes("difference", name), sizes("error", name)) for name in NAMES]
     axis = SweepAxis([row["frequency"] for row in rows], [not row["failed"] for row in rows], own)
     caption = "Difference of plate and rigid vehicle in both strikes, over the plate's first frequency"
-    return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, compute.IMPACT_LEVELS)
+    return draw_sweep(
+        "flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, compute.IMPACT_LEVELS, FULL
+    )
 
 
 def _plate_figures(found: Flexibility) -> list[Chart]:
