@@ -216,10 +216,13 @@ class RoundingNoise:
         Of the energy [W].
     reaction : float
         Ripple of the reaction for it [N/sqrt(J)].
+    frequency : float
+        Highest of the model [rad/s].
     """
 
     power: float
     reaction: float
+    frequency: float
 
     def ripple(self, duration: float) -> float:
         """Ripple of the reaction at the end of an undamped run, root mean square.
@@ -247,9 +250,10 @@ class RoundingNoise:
         Returns
         -------
         float
-            Rate [1/s].
+            Rate [1/s], at most the highest frequency: above it the stable time step falls as the rate grows, and
+            rounding feeds in energy as much faster.
         """
-        return self.power * (self.reaction / ripple) ** 2
+        return min(self.power * (self.reaction / ripple) ** 2, self.frequency)
 
 
 def rounding_noise(model: PlateModel) -> RoundingNoise:
@@ -271,4 +275,4 @@ def rounding_noise(model: PlateModel) -> RoundingNoise:
     # Half the largest eigenvalue is a typical diagonal element of the stiffness over the mass.
     energy = 0.25 * model.mass * (model.highest_frequency * moved) ** 2
     stiffness = 1.0 / (corner.mobility * step**2) if corner.is_exact else corner.stiffness
-    return RoundingNoise(energy / step, SEEN * math.sqrt(stiffness / loop.mass.size))
+    return RoundingNoise(energy / step, SEEN * math.sqrt(stiffness / loop.mass.size), model.highest_frequency)

@@ -11,7 +11,8 @@ from postprocess.svg.marks import Boxes, Line, Swatch
 from postprocess.svg.scales import Floats, cells_about
 from postprocess.units import measure
 
-VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"} | {"caught": "rigid", "wrong": "red"}
+VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"}
+VERDICTS |= {"caught": "rigid", "unjudged": "grey", "wrong": "red"}
 """Colours of the verdicts; all else is an error."""
 
 MAP_WIDTH, HEIGHT, TICKS = 252.0, 190.0, 5

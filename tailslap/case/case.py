@@ -63,6 +63,12 @@ class FePlan:
         """Steps to the end of the rigid motion."""
         return math.ceil(self.case.duration / self.model.loop.time_step)
 
+    @property
+    def expected_seconds(self) -> float:
+        """Time of the loop [s]."""
+        plate = self.plate
+        return cost.loop_seconds(self.case.scene, plate.element, plate.counts, self.expected_steps)
+
     @cached_property
     def first_frequency(self) -> float:
         """First elastic frequency of the free plate in its plane [Hz]: 2 ms for 147 nodes, 0.7 s for 20 000."""

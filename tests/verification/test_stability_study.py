@@ -108,6 +108,14 @@ def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed():
     assert verdict_of(scene, softer)["kind"] == "flexible"
 
 
+def test_a_cell_whose_run_would_take_too_long_is_left_out_with_its_reason(monkeypatch):
+    monkeypatch.setattr(study, "LONGEST_S", 0.01)
+    assert verdict_at("stiffness", 1.0, "friction", 0.2)["kind"] == "right"
+    stiff = verdict_at("stiffness", 1e4, "friction", 0.2)
+    assert (stiff["kind"], stiff["steps"]) == ("unjudged", 0)
+    assert re.fullmatch(r"its time loop would take about \S+ s", stiff["reason"])
+
+
 def breaks(*arguments):
     raise ZeroDivisionError("boom")
 
@@ -177,7 +185,7 @@ IMPACTS = [
 @pytest.mark.parametrize(("own", "refined", "kind"), IMPACTS)
 def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
     """Right near the rigid vehicle; beyond, the refined model decides, within the tolerance and the stated error."""
-    monkeypatch.setattr(study, "refined_run", lambda case, changes: refined)
+    monkeypatch.setattr(study, "refined_impact", lambda case, changes: refined)
     assert study.against_rigid(own, 1e-2)["kind"] == kind
 
 
@@ -256,29 +264,33 @@ def test_parts_that_the_journal_has_are_not_run_again(journal):
 
 def test_page_and_summary_say_what_was_found(tmp_path):
     case = CornerCase(*read_scene("paper-table-3"))
-    axes = axes_of(case.scene, 2)[:2]
+    axes = axes_of(case.scene, 3)[:2]
     cells, places = map_cells(case.scene, axes)
     caught = study.verdict("caught", failed="energy balance, mesh")
     refused = study.verdict("refused", reason="k: given 3; allowed less")
-    verdicts = (study.verdict("right"), caught, refused, study.verdict("wrong", reason="x"))
+    left_out = study.verdict("unjudged", reason="its time loop would take about 427 s")
+    right, wrong = study.verdict("right"), study.verdict("wrong", reason="x")
+    verdicts = (*5 * [right], caught, refused, left_out, wrong)
     rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
     base, given = study.base_source(case.scene), {"tolerance": 1e-3}
     found = study.StabilityResult(case, base, axes, given, study.MAP_KINDS, cells, rows, 1.0)
-    assert "1 are wrong without" in headline(found)
+    assert "1 unjudged. 1 are wrong without" in headline(found)
     assert caught_by(found) == {"energy balance": 1, "mesh": 1}
     assert refused_by(found) == {"k: allowed less": 1}
-    write_report(report(found), tmp_path)
+    made = report(found)
+    write_report(made, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["counts"] == {"right": 1, "flexible": 0, "refused": 1, "caught": 1, "wrong": 1}
+    assert summary["counts"] == {"right": 5, "flexible": 0, **dict.fromkeys(list(study.MAP_KINDS)[2:], 1)}
     assert not summary["passed"]
     assert len(summary["wrong"]) == 1
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     assert page.count("<svg") == 2  # the map, and what its colours mean
     key = next(iter(found.of_kind("wrong")))
     advised = "k: allowed less", "a smaller time.safety_factor", "failed</span>"
-    for text in ("passed every check, and is not right", key, *advised):
+    for text in ("passed every check, and is not right", key, left_out["reason"], *advised):
         assert text in page
-    assert len((tmp_path / "cells.csv").read_text().splitlines()) == 5
+    assert re.search("unjudged +its time loop", report_text(made, tmp_path))
+    assert len((tmp_path / "cells.csv").read_text().splitlines()) == 10
 
 
 @pytest.mark.long
@@ -452,30 +464,30 @@ def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
     failed = replace(outcome, difference=five(0.1), checks=(mesh,))
     first = study.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
     second = None if other is None else study.Reference(five(other), "quad9 20 x 6", 1.0, histories)
-    found = {study.FINER: iter([first]), study.FINEST: iter([first, second] if second else [first])}
-    monkeypatch.setattr(study, "references", lambda cell, plate, finest: found[finest])
+    found = {study.FIRST: iter([first]), study.SECOND: iter([first, second] if second else [first])}
+    monkeypatch.setattr(study, "references", lambda cell, factors: found[factors])
     assert study.against_reference(failed)["kind"] == kind
 
 
 def test_a_second_reference_is_another_model():
-    plate = vary(SMALL, {})[0].needed_plate
-    assert next(study.references(SMALL, plate, study.FINER)).model == "quad9 15 x 5"
-    models = [found.model for found in study.references(SMALL, plate, study.FINEST)]
+    cell = CornerCase(*vary(SMALL, {})).plan()
+    assert next(study.references(cell, study.FIRST)).model == "quad9 15 x 5"
+    models = [found.model for found in study.references(cell, study.SECOND)]
     assert models[:2] == ["quad9 20 x 6", "quad9 10 x 3"]
 
 
 def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
     asked = []
 
-    def noted(plate, finer, ratio=0.0):
+    def noted(scene, plate, finer, ratio=0.0):
         asked.append(ratio)
         raise InputError("plate.elements", finer, "no model")
 
     monkeypatch.setattr("tailslap.studies.stability.compute.reference_changes", noted)
     for start, damped in (("inertia-relief", True), ("unstressed", False)):
         asked.clear()
-        plate = vary(SMALL, {"plate.start": start})[0].plate
-        assert next(study.references(SMALL, plate, study.FINER), None) is None
+        cell = CornerCase(*vary(SMALL, {"plate.start": start})).plan()
+        assert next(study.references(cell, study.FIRST), None) is None
         assert any(asked) is damped
 
 
@@ -494,21 +506,22 @@ def test_a_refined_model_is_the_same_plate_held_exactly():
     changes = {f"plate.{key}": value for key, value in plate_keys.items()}
     changes |= {f"corner.{key}": value for key, value in corner_keys.items()}
     own, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
-    refined = vary(cell, study.reference_changes(own.plate, 1.5))[0]
+    refined = vary(cell, study.reference_changes(own, own.plate, 1.5))[0]
     assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
     assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
     assert refined.material == own.material
     assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
-    calmed = vary(cell, study.reference_changes(own.plate, 1.5, 0.05))[0]
+    calmed = vary(cell, study.reference_changes(own, own.plate, 1.5, 0.05))[0]
     assert calmed.damping.ratio == 0.05
+    left_open = vary(SMALL, {})[0]
+    assert "corner.constraint" not in study.reference_changes(left_open, left_open.plate, 1.5)
 
 
 def test_a_refined_mesh_has_its_limit():
-    plate = vary(SMALL, {})[0].needed_plate
-    plates = {counts: plate.model_copy(update={"elements": counts}) for counts in ((10, 4), (40, 12))}
-    refined = {counts: study.reference_changes(p, 1.5)["plate.elements"] for counts, p in plates.items()}
-    assert refined[10, 4] == (15, 6)
-    along, across = refined[40, 12]
+    scene = vary(SMALL, {})[0]
+    plates = (scene.plate.model_copy(update={"elements": counts}) for counts in ((10, 4), (40, 12)))
+    small, (along, across) = (study.reference_changes(scene, p, 1.5)["plate.elements"] for p in plates)
+    assert small == (15, 6)
     assert along * across <= 1.1 * study.MAX_ELEMENTS
 
 
@@ -553,8 +566,8 @@ def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted():
 
 
 def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
-    monkeypatch.setattr("tailslap.studies.stability.compute.MAX_REFERENCE_S", 0.0)
-    assert not list(study.references(SMALL, vary(SMALL, {})[0].plate, study.FINER))
+    cell = CornerCase(*vary(SMALL, {})).plan()
+    assert not list(study.references(cell, study.FIRST, longest=0.0))
 
 
 def campaign_of(*kinds):

@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from fem.explicit.internal_force import damped_time_step
 from fem.laws.constraints import Exact
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
-from fem.stability.flutter import rounding_noise
+from fem.stability.flutter import RoundingNoise, rounding_noise
 from fem.start.inertia_relief import RigidStart, TooSoftError, internal_forces, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
@@ -248,3 +249,14 @@ def test_ripple_by_rounding_is_foreseen(changes):
     seen = np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2))
     foreseen = rounding_noise(result.fe_plan.model).ripple(result.rigid["t"])
     assert 1.0 < foreseen / seen < 4.0
+
+
+def test_damping_against_rounding_is_no_faster_than_the_plate():
+    """Above its highest frequency w the stable step falls as the rate r grows, to 2/r, and what r damps in a step is no
+    more than from there on."""
+    power, reaction, frequency = 2.0, 3.0, 100.0
+    noise = RoundingNoise(power, reaction, frequency)
+    assert noise.rate_for(1.0) == power * reaction**2
+    assert noise.rate_for(0.1) == frequency
+    a_step = [rate * damped_time_step(frequency, rate) for rate in (frequency, 1e3 * frequency)]
+    assert a_step == [pytest.approx(4.0 / (1.0 + np.sqrt(5.0))), pytest.approx(2.0, rel=1e-5)]

@@ -1,13 +1,13 @@
 """The study `stability`: where the program is right, refuses, or catches itself.
 
 A map varies two axes at a time and judges each cell against the rigid motion; where the two differ, a refined model
-must differ likewise. With --random every quantity and choice of the scene is drawn at once, and a cell is judged by a
-refined model of the same plate.
+must differ likewise. A cell whose run would take too long is left out, and counted. With --random every quantity and
+choice of the scene is drawn at once, and a cell is judged by a refined model of the same plate.
 """
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,6 +21,7 @@ from tailslap.case.case import failed_names
 from tailslap.case.corner import checks, run
 from tailslap.case.corner.error import FLOOR, FRACTION, Histories, distance_in_motion
 from tailslap.case.corner.outcome import CornerOutcome
+from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.cost import expected_effort
 from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import differences
@@ -40,6 +41,7 @@ MAP_KINDS = {
     FLEXIBLE: "not rigid, confirmed by refinement",
     REFUSED: "wrong input, no run",
     CAUGHT: "failed a check of its own",
+    UNJUDGED: "left out: its run would take too long",
     WRONG: "passed every check, and is not right",
 }
 RANDOM_KINDS = {
@@ -52,8 +54,8 @@ RANDOM_KINDS = {
     WRONG: "every check passed, and the five quantities are off",
 }
 
-# A verdict. failed: names of the checks that failed; reason: otherwise why the cell is refused, wrong, or
-# flexible. difference, reference: largest difference of the five quantities from the rigid motion, of the run
+# A verdict. failed: names of the checks that failed; reason: otherwise why the cell is refused, left out, wrong,
+# or flexible. difference, reference: largest difference of the five quantities from the rigid motion, of the run
 # and of the refined model; distance, allowed: between the two, and how large it may be; error: as the run
 # itself estimates it. model, reference_model: elements.
 UNKNOWN: Row = {"kind": "", "failed": "", "reason": "", "distance": math.nan, "allowed": math.nan}
@@ -63,10 +65,6 @@ UNKNOWN |= {"reference_model": "", "steps": 0, "seconds": 0.0, "reference_second
 # Fraction of a difference that refinement may change for it to count as the plate's own.
 SURVIVES = 0.5
 
-# Checks that a refined model may fail and still confirm the five quantities: if it is corrupted, it
-# disagrees.
-BESIDE_THE_POINT = {"reaction against rigid", "friction by ringing"}
-
 # Distance from the reference above which a random cell is wrong: a part of its own, and a fraction of the
 # reference's difference from the rigid motion.
 WRONG_FROM = (1e-3, 0.25)
@@ -75,9 +73,13 @@ WRONG_FROM = (1e-3, 0.25)
 # (Roache 1994, ASME V&V 20) it would still be allowed.
 GOOD_TO = (FLOOR / 3.0, FRACTION / 3.0)
 
-# Times as fine as the cell's mesh, both ways, of the first reference and of a second one; elements, and
-# expected seconds, of which a reference has no more.
-FINER, FINEST, MAX_ELEMENTS, MAX_REFERENCE_S = 1.5, 2.0, 600, 4.0
+# Times as fine as the cell's mesh, both ways, of models that are tried in turn: as the first reference of a random
+# cell, as a second one, and to confirm a cell of the map.
+FIRST, SECOND, CONFIRMING = (1.5, 1.0, 0.7), (2.0, 1.0, 0.7), (2.0, 1.5)
+
+# Elements of which a reference has no more; expected seconds of the time loop, at most: of a random cell's reference,
+# and of any run of the map.
+MAX_ELEMENTS, MAX_REFERENCE_S, LONGEST_S = 600, 4.0, 100.0
 
 # Stiffness-proportional damping against flutter, of the reference that is tried last.
 FLUTTER_DAMPING = 0.05
@@ -88,7 +90,7 @@ SWAYED = (5e-4, 0.1)
 # Checks that a reference must pass; its reaction may ring.
 DEMANDED = {
     *("tail-slap reached", "finite numbers", "time step", "energy balance", "momentum balance"),
-    *("friction by ringing", "oscillation", "mesh"),
+    *("friction by ringing", "oscillation"),
     *("contact work", "friction law", "friction work", "friction takes energy"),
 }
 
@@ -146,7 +148,10 @@ def judge(base: Source, changes: Changes, verify: Callable[[Any], Row]) -> Row:
     """The verdict on the scene with these changes: what became of its run, and of what `verify` holds it against."""
     began = time.perf_counter()
     try:
-        outcome = case_of(*vary(base, changes)).run()
+        case: Any = case_of(*vary(base, changes))
+        if (expected := case.plan().expected_seconds) > LONGEST_S:
+            return verdict(UNJUDGED, reason=f"its time loop would take about {expected:.0f} s")
+        outcome = case.run()
     except InputError as error:
         return verdict(REFUSED, reason=str(error))
     except Exception as error:  # whatever it is, a program that breaks has not refused
@@ -189,82 +194,61 @@ def against_rigid(outcome: Any, tolerance: float) -> Row:
         return verdict(CAUGHT, failed=", ".join(failed_names(outcome.checks)), difference=found)
     if found <= tolerance and (not impact or _corners_agree(outcome.fe, outcome.rigid)):
         return verdict(RIGHT, difference=found)
-    # Statics bounds error and flexibility alike: with a bound that is wide, both are.
+    # What bounds the error bounds the flexibility alike: with a bound that is wide, both are.
     if not impact and not outcome.error.total <= tolerance + SURVIVES * max(found, outcome.error.flexibility):
         why = f"its own numerical error is {outcome.error.total:.1e}"
         return verdict(WRONG, reason=why, difference=found)
-    return _confirmed(outcome, found, tolerance)
+    return (_impact_confirmed if impact else _confirmed)(outcome, found, tolerance)
 
 
-def _confirmed(outcome: Any, found: float, tolerance: float) -> Row:
-    """Flexible if the difference survives refinement, else wrong. A constrained corner tries until a refined model
-    confirms it, a whole impact the first that comes to a result."""
-    its_verdict = verdict(WRONG, reason="no refined model came to a result", difference=found)
-    impact, allowed = is_impact(outcome), tolerance + claimed_error(outcome)
-    case = outcome.fe_plan.case if impact else outcome.fe_plan.asked
-    for name, changes in refinements(case.scene, outcome.fe_plan.plate).items():
-        began, refined = time.perf_counter(), refined_run(case, changes)
-        if refined is None:
-            continue
-        if impact:
-            name, same = model_name(refined), _corners_agree(outcome.fe, refined.fe)
-            moved = _judged(differences(outcome.fe, refined.fe)) if same else math.inf
-            its = _judged(refined.difference)
-        else:
-            moved, its = distance(outcome.difference, refined.difference), largest(refined.difference)
-            allowed = tolerance + SURVIVES * its
-        kind, reason = (FLEXIBLE, name) if moved <= allowed else (WRONG, f"{name} changes it by {moved:.1e}")
-        sizes = {"distance": moved, "allowed": allowed, "difference": found, "reference": its}
-        its_verdict = verdict(kind, reason=reason, reference_model=name if impact else "", **sizes)
-        its_verdict["reference_seconds"] = time.perf_counter() - began
-        if impact or kind == FLEXIBLE:
-            break
-    return its_verdict
+def _confirmed(outcome: CornerOutcome, found: float, tolerance: float) -> Row:
+    """Flexible if the difference survives refinement, else wrong."""
+    reference = next(references(outcome.fe_plan, CONFIRMING, LONGEST_S), None)
+    if reference is None:
+        return verdict(WRONG, reason="no refined model came to a result", difference=found)
+    its = largest(reference.difference)
+    moved, allowed = distance(outcome.difference, reference.difference), tolerance + SURVIVES * its
+    spent = {"reference_model": reference.model, "reference_seconds": reference.seconds}
+    return _survived(moved, allowed, reference.model) | {"difference": found, "reference": its, **spent}
 
 
-def refined_run(case: Any, changes: Changes) -> Any:
-    """The outcome of a refined model; None where it says nothing."""
-    impact = case.scene.contact is not None
+def _impact_confirmed(outcome: Any, found: float, tolerance: float) -> Row:
+    """Flexible if the first refined model of a whole impact that comes to a result differs likewise, else wrong."""
+    began, case, plate = time.perf_counter(), outcome.fe_plan.case, outcome.fe_plan.plate
+    models = (refined_impact(case, changes) for changes in refinements(case.scene, plate))
+    refined = next(filter(None, models), None)
+    if refined is None:
+        return verdict(WRONG, reason="no refined model came to a result", difference=found)
+    name, same = model_name(refined), _corners_agree(outcome.fe, refined.fe)
+    moved = _judged(differences(outcome.fe, refined.fe)) if same else math.inf
+    spent = {"reference_model": name, "reference_seconds": time.perf_counter() - began}
+    its_verdict = _survived(moved, tolerance + claimed_error(outcome), name)
+    return its_verdict | {"difference": found, "reference": _judged(refined.difference), **spent}
+
+
+def _survived(moved: float, allowed: float, model: str) -> Row:
+    """Flexible if refinement moves a cell by no more than is allowed, else wrong; model: the refined one."""
+    kind, reason = (FLEXIBLE, model) if moved <= allowed else (WRONG, f"{model} changes it by {moved:.1e}")
+    return verdict(kind, reason=reason, distance=moved, allowed=allowed)
+
+
+def refined_impact(case: Any, changes: Changes) -> Any:
+    """The outcome of a refined model of a whole impact; None where it says nothing."""
     try:
-        changed = case.varied(changes)
-        refined: Any = whole_impact.attempt(changed) if impact else changed.run()
+        refined = whole_impact.attempt(case.varied(changes))
     except InputError:
         return None
-    if impact:
-        return None if failed_but_mesh(refined) else refined
-    usable = set(failed_names(refined.checks)) <= BESIDE_THE_POINT
-    return refined if usable and math.isfinite(largest(refined.difference)) else None
+    return None if failed_but_mesh(refined) else refined
 
 
-def refinements(scene: Scene, plate: Plate) -> dict[str, Changes]:
-    """Models that a difference must survive, by name: twice the elements each way, half the time step, four times the
-    corner's spring; with damping enough to keep that from fluttering; quadratic elements. plate: as it was run."""
+def refinements(scene: Scene, plate: Plate) -> list[Changes]:
+    """Refined models of a whole impact, of half the time step: quadratic elements in place of linear ones; twice the
+    elements each way. plate: as it was run."""
     (along, across), higher_order = plate.counts, ELEMENT_KINDS[plate.element].higher_order
-    finer: Row = {"plate.elements": (2 * along, 2 * across)}
-    finer["time.safety_factor"] = 0.5 * scene.time.safety_factor
-    if scene.contact:
-        richer = {**finer, "plate.elements": plate.counts, "plate.element": higher_order}
-        return {"richer": richer if higher_order else finer, "finer": finer}
-    corner, ratio = scene.corner, (scene.damping.ratio if scene.damping else None) or 0.0
-    finer["plate.element"] = plate.element
-    if corner.constraint == "penalty" and not corner.constraint_is_open:
-        finer["corner.penalty_scale"] = 4.0 * corner.penalty_scale
-    times = 1 if higher_order else 2
-    return {
-        "finer": finer,
-        "finer_and_damped": {"damping.ratio": max(FLUTTER_DAMPING, ratio), **finer},
-        "richer": quadratic_and_exact(plate, (times * along, times * across)),
-    }
-
-
-def quadratic_and_exact(plate: Plate, counts: tuple[int, int]) -> Changes:
-    """Changes to so many quadratic elements of the plate's kind, and the exact constraint."""
-    return {
-        **dict.fromkeys(("corner.penalty_scale", "corner.damping_ratio")),
-        "corner.constraint": "exact",
-        "plate.element": ELEMENT_KINDS[plate.element].higher_order or plate.element,
-        "plate.elements": counts,
-    }
+    step = {"time.safety_factor": 0.5 * scene.time.safety_factor}
+    richer = {"plate.elements": plate.counts, "plate.element": higher_order, **step}
+    finer = {"plate.elements": (2 * along, 2 * across), **step}
+    return [richer, finer] if higher_order else [finer]
 
 
 def _corners_agree(*answers: Any) -> bool:
@@ -296,18 +280,18 @@ class Reference(NamedTuple):
 
 def against_reference(outcome: CornerOutcome) -> Row:
     """The verdict; without a strike there is nothing to compare. Two references say what is good beyond doubt."""
-    cell, plate = outcome.fe_plan.asked.source, outcome.fe_plan.plate
+    fe_plan = outcome.fe_plan
     first, failed = None, failed_names(outcome.checks)
     if outcome.fe:
-        first = next(references(cell, plate, FINER), None)
+        first = next(references(fe_plan, FIRST), None)
     if first is None:
         return grade(outcome.difference, failed, None, math.nan)
-    motion: Row = {"its": first.histories, "rigid": outcome.rigid, "oscillates": not plate.relieved}
+    motion: Row = {"its": first.histories, "rigid": outcome.rigid, "oscillates": not fe_plan.plate.relieved}
     ours = outcome.fe_history, outcome.rigid_history
     found = grade(outcome.difference, failed, first, distance_in_motion(ours, **motion))
     if found["kind"] != GOOD:
         return found
-    others = references(cell, plate, FINEST)
+    others = references(fe_plan, SECOND)
     second = next((other for other in others if other.model != first.model), None)
     off = math.inf
     if second:
@@ -344,15 +328,22 @@ def _limit(parts: tuple[float, float], reference: float) -> float:
     return parts[0] + parts[1] * reference
 
 
-def references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference]:
-    """Models that come to a trustworthy result; plate: the cell's own, with what the program chose. Damping in
-    proportion to the stiffness would take an unstressed plate's oscillation off."""
+def references(
+    cell: CornerPlan, factors: Sequence[float], longest: float = MAX_REFERENCE_S
+) -> Iterator[Reference]:
+    """Models that come to a trustworthy result, in no more than `longest` expected seconds each.
+
+    factors: times as fine as the cell. Damping in proportion to the stiffness comes last, and would take an unstressed
+    plate's oscillation off.
+    """
     began = time.perf_counter()
-    damped = ((FINER, FLUTTER_DAMPING), (0.7, FLUTTER_DAMPING)) if plate.relieved else ()
-    for finer, ratio in ((finest, 0.0), (1.0, 0.0), (0.7, 0.0), *damped):
+    models = [(factor, 0.0) for factor in factors]
+    if cell.plate.relieved:
+        models += [(factor, FLUTTER_DAMPING) for factor in dict.fromkeys((FIRST[0], factors[-1]))]
+    for finer, ratio in models:
         try:
-            case: Any = case_of(*vary(cell, reference_changes(plate, finer, ratio)))
-            if expected_effort(case.scene, case.duration).seconds > MAX_REFERENCE_S:
+            case = cell.asked.varied(reference_changes(cell.asked.scene, cell.plate, finer, ratio))
+            if expected_effort(case.scene, case.duration).seconds > longest:
                 continue
             outcome = run.judged(run.settled(case))
         except InputError:
@@ -363,16 +354,21 @@ def references(cell: Source, plate: Plate, finest: float) -> Iterator[Reference]
             yield Reference(outcome.difference, name, time.perf_counter() - began, histories)
 
 
-def reference_changes(plate: Plate, finer: float, ratio: float = 0.0) -> Changes:
-    """Changes that make a cell's scene the refined model, so much finer but of no more than MAX_ELEMENTS; ratio: of its
-    damping, 0 to leave it to the program."""
+def reference_changes(scene: Scene, plate: Plate, finer: float, ratio: float = 0.0) -> Changes:
+    """Changes that make a cell's scene the refined model, so much finer but of no more than MAX_ELEMENTS.
+
+    A constraint that the scene gives becomes the exact one: an open one stays open, for some plates flutter with the
+    exact one. plate: as it was run; ratio: of its damping, 0 to leave it to the program.
+    """
     scale = min(finer, math.sqrt(MAX_ELEMENTS / math.prod(plate.counts)))
     along, across = (max(2, math.ceil(scale * count)) for count in plate.counts)
-    return {
-        **quadratic_and_exact(plate, (along, across)),
-        **dict.fromkeys(("plate.lumping", "plate.distortion", "damping")),
-        **({"damping.ratio": ratio} if ratio else {}),
-    }
+    changes: Row = dict.fromkeys(("plate.lumping", "plate.distortion", "damping"))
+    changes["plate.element"] = ELEMENT_KINDS[plate.element].higher_order or plate.element
+    changes["plate.elements"] = along, across
+    if not scene.corner.constraint_is_open:
+        changes |= dict.fromkeys(("corner.penalty_scale", "corner.damping_ratio"))
+        changes["corner.constraint"] = "exact"
+    return changes | ({"damping.ratio": ratio} if ratio else {})
 
 
 def trustworthy(outcome: CornerOutcome) -> bool:

@@ -56,7 +56,8 @@ def report(found: StabilityResult) -> Report:
         Section("Why", tables=why),
     )
     page = study_page(found.case, MAP if found.axes else RANDOM, said, sections, FILES, not counted[WRONG])
-    shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], WRONG, GOOD), said)
+    named = (WRONG, compute.UNJUDGED if found.axes else GOOD)
+    shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], *named), said)
     numbers = {key: number for number, key in enumerate(found.rows)}
     texts = {f"cell-{numbers[key]:04d}.toml": _scene_file(found, key) for key in found.of_kind(WRONG, GOOD)}
     return Report(page, summary(found), shown, {"cells.csv": cells_table(found)}, texts=texts)
