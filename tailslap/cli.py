@@ -1,4 +1,4 @@
-"""The command `tailslap`. Messages go to standard error, results to standard output."""
+"""Entry point of the command `tailslap`. Messages go to standard error, results to standard output."""
 
 import contextlib
 import io
@@ -10,23 +10,23 @@ from typing import Any, TextIO
 
 import click
 
-# The matrices are small or sparse: threads of BLAS would only disturb each other, a hundredfold where cores are busy.
-# Set before NumPy is loaded, and taken over by worker processes.
+# The matrices are small or sparse: BLAS threads slow them down, up to a hundredfold on busy cores.
+# Set before NumPy is loaded; inherited by worker processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# No plugin of Pydantic concerns a scene; to look for them it reads the records of all installed packages.
+# Scenes use no Pydantic plugins; the search for them reads the metadata of all installed packages.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 from tailslap import errors
 from tailslap.commands import COMPLETE, DONE, commands
 
 WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
-"""Exit statuses of a command that does not; CANNOT_RUN is for an installation or a machine that lacks something."""
+"""Exit statuses of other commands; CANNOT_RUN: the installation or the machine is insufficient."""
 
 STDERR = 2
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point: run a command and leave with its exit status."""
+    """Run a command and exit with its status."""
     open_closed_streams()
     take_signals_as_interrupts()
     for stream in (sys.stdout, sys.stderr):
@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _status(arguments: list[str] | None) -> int:
-    """Run the command; every error becomes a message and an exit status."""
+    """Run the command; errors become a message and an exit status."""
     try:
         status = _run(arguments)
         sys.stdout.flush()
@@ -57,16 +57,18 @@ def _status(arguments: list[str] | None) -> int:
     except BrokenPipeError:
         return DONE
     except MemoryError:
-        return _complain("the memory of this machine does not hold this mesh: see plate.elements", CANNOT_RUN)
+        return _complain("insufficient memory for this mesh; reduce plate.elements", CANNOT_RUN)
     except ImportError as error:
-        return _complain(f"{error}\n`python3 bootstrap.py` in the checkout says what is missing", CANNOT_RUN)
+        return _complain(
+            f"{error}\n`python3 bootstrap.py` in the checkout lists missing libraries", CANNOT_RUN
+        )
     except OSError as error:
         return _complain(errors.machine_fault(error), CANNOT_RUN)
     except Exception as error:  # a fault of the program: one line, as everywhere; the rest on demand
         if os.environ.get("TAILSLAP_TRACEBACK"):
             raise
-        why = f"a fault of the program, {type(error).__name__}: {errors.shortened(str(error))}"
-        return _complain(f"{why}\nwith TAILSLAP_TRACEBACK=1 it shows where; please report it", CANNOT_RUN)
+        why = f"internal error, {type(error).__name__}: {errors.shortened(str(error))}"
+        return _complain(f"{why}\nTAILSLAP_TRACEBACK=1 shows the traceback; please report it", CANNOT_RUN)
 
 
 def _run(arguments: list[str] | None) -> int:

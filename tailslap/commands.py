@@ -1,4 +1,4 @@
-"""The commands of `tailslap`: options and texts around the functions of the same names."""
+"""Commands of `tailslap`: options, and calls of the functions of the same names."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
     from tailslap.result import Fill
 
 DONE, CHECK_FAILED = 0, 1
-"""Exit statuses of a command that ends."""
+"""Exit statuses of a completed command."""
 
 COMPLETE = "_TAILSLAP_COMPLETE"
-"""Set by a shell that asks for completions."""
+"""Environment variable that a shell sets to request completions."""
 
 HELP = {"help_option_names": ["-h", "--help"]}
 RESULTS = Path("results")
 
 
 def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
-    """Give a command SCENE and --set, and call it with the case of that scene."""
+    """Decorator that adds SCENE and --set to a command and passes it the case of that scene."""
 
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], **given: Any) -> int:
@@ -57,9 +57,9 @@ def deliver(
     force: bool = False,
     page: str = "",
 ) -> int:
-    """Compute what fills the folder `place`, which is locked meanwhile, and say what was found.
+    """Compute a result, write it to the locked folder `place` and print it.
 
-    of: command and scene; page: its name, where it is another than a report's.
+    of: command and scene; page: file name of the page, by default that of a report.
     """
     with result_folder(place, inputs, force, Origin(*of)) as folder:
         fill = compute()
@@ -69,7 +69,7 @@ def deliver(
 
 
 def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") -> int:
-    """Say what was found, or as JSON the summary; 1 if something failed."""
+    """Print the report, or its summary as JSON. Returns 1 if a check failed."""
     from postprocess.report.report import PAGE, report_text
 
     assert report is not None
@@ -80,9 +80,9 @@ def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") 
 @click.group(context_settings=HELP)
 @click.version_option(tailslap.__version__, prog_name="tailslap")
 def commands() -> None:
-    """Check the rigid-body method for vehicle impact on bridge parapets by finite elements.
+    """Verify the rigid-body method for vehicle impact on bridge parapets by finite elements.
 
-    SCENE is a TOML file or the name of a scene that comes with the program: see `tailslap scenes`.
+    SCENE is a TOML file or the name of a scene of the program, listed by `tailslap scenes`.
     """
 
 
@@ -90,13 +90,13 @@ def commands() -> None:
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME]")
-@click.option("--no-pictures", is_flag=True, help="Draw no contour pictures; VTK is then not loaded.")
+@click.option("--no-pictures", is_flag=True, help="Omit the contour images.")
 @click.option(
     "--tolerance",
     type=options.Real(0.0, 1.0, min_open=True, max_open=True),
-    help="Pick the cheapest mesh and constraint for this relative error.",
+    help="Refine the mesh until the relative error is below this value.",
 )
-@click.option("--resume", is_flag=True, help="Go on from the checkpoint of an interrupted run.")
+@click.option("--resume", is_flag=True, help="Resume from the checkpoint of an interrupted run.")
 @options.with_options(options.FORCE, *options.WATCHED)
 def run(
     case: Case,
@@ -120,7 +120,7 @@ def run(
             found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
             assert found.fill is not None
             report = found.fill(folder, False, units)
-            commit(folder.parent, of)  # what was computed is there, whatever becomes of the pictures
+            commit(folder.parent, of)  # results are kept even if the pictures fail
         if not no_pictures:
             report = found.fill(folder, True, units)
     return conclude(report, place, as_json)
@@ -130,32 +130,32 @@ def run(
 @takes_a_case
 @options.with_options(*options.PRINTED)
 def rigid(case: Case, as_json: bool, units: str) -> int:
-    """The rigid-body method, or the rigid vehicle's whole impact, alone."""
+    """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
     if as_json and units == "us":
-        raise errors.InputError("--units", units, "--json is in SI always; leave out one of the two")
+        raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")
     found = tailslap.rigid(case, units=units)
     return options.tell(found.summary, found.text, as_json)
 
 
 class Studies(click.Group):
-    """The commands below `tailslap study`, each imported when it is asked for."""
+    """Subcommands of `tailslap study`, imported on demand."""
 
     def list_commands(self, context: click.Context) -> list[str]:
-        """Names for the help text."""
+        """Names of the studies."""
         return studies.study_names()
 
     def get_command(self, context: click.Context, name: str) -> click.Command:
-        """The study's command; InputError, listing the studies, for a name that is none."""
+        """Command of a study. Raises InputError, listing the studies, for an unknown name."""
         return study_command(studies.find_study(name))
 
 
 @commands.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")
 def study() -> None:
-    """Run a prepared study of a scene: `tailslap study NAME --help` tells more."""
+    """Run a study of a scene; `tailslap study NAME --help` lists its options."""
 
 
 def study_command(chosen: Study) -> click.Command:
-    """The study on the command line: SCENE, --set, --out, and its own options."""
+    """Command of a study, with SCENE, --set, --out and its own options."""
     help_out = f"Result folder  [default: results/NAME-{chosen.name}]"
     out = click.Option(["--out", "folder"], type=options.Folder(), help=help_out)
     shared = [options.SCENE, options.SET, out, options.ALLOW_LARGE, options.FORCE, *options.WATCHED]
@@ -179,24 +179,29 @@ def study_command(chosen: Study) -> click.Command:
     multiple=True,
     required=True,
     metavar="KEY=VALUES",
-    help="a:b:n, n values from a to b; log:a:b:n, the same in equal ratios; or a list v1,v2,v3. Units as in a scene.",
+    help="Values: n from a to b by a:b:n, n in equal ratios by log:a:b:n, or a list v1,v2,v3. Units as in a scene.",
 )
 @click.option(
     "--sample",
     type=options.Whole(2, options.MAX_RUNS),
     metavar="N",
-    help="Instead of the grid, N runs by Latin hypercube; ranges are then a:b or log:a:b.",
+    help="Latin hypercube of N runs in place of the grid; ranges are then a:b or log:a:b.",
 )
-@click.option("--seed", type=options.Whole(0), default=307, show_default=True, help="Of the samples.")
+@click.option(
+    "--seed", type=options.Whole(0), default=307, show_default=True, help="Random seed of the samples."
+)
 @click.option("--out", "folder", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
 @click.option(
-    "--cluster", type=options.Text(), metavar="ADDRESS", help="A Dask scheduler, like tcp://10.0.0.1:8786."
+    "--cluster",
+    type=options.Text(),
+    metavar="ADDRESS",
+    help="Address of a Dask scheduler, e.g. tcp://10.0.0.1:8786.",
 )
 @click.option(
     "--workers",
     type=options.Whole(1, 1024),
     metavar="N",
-    help="Processes on this machine, at most one a core  [default: its cores]",
+    help="Number of worker processes  [default: number of cores]",
 )
 @options.with_options(options.FORCE, *options.WATCHED)
 def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json: bool, **given: Any) -> int:
@@ -219,22 +224,24 @@ def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json:
 @commands.command()
 @click.argument("result", metavar="RESULT", type=options.Folder())
 @click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
-@click.option("--out", "folder", type=options.Folder(), help="Folder for them  [default: RESULT-FORMAT]")
+@click.option("--out", "folder", type=options.Folder(), help="Output folder  [default: RESULT-FORMAT]")
 @click.option(
-    "--field", type=options.Text(), help="What png and gif show, like stress_von_mises  [default: all fields]"
+    "--field",
+    type=options.Text(),
+    help="Field shown by png and gif, e.g. stress_von_mises  [default: all fields]",
 )
 @click.option(
     "--magnify",
     type=options.Real(0.0, 1e9),
     default=1.0,
     show_default=True,
-    help="The elastic deformation in them.",
+    help="Magnification of the elastic deformation in png and gif.",
 )
 @options.with_options(options.FORCE_READ, *options.PRINTED)
 def export(result: Path, as_json: bool, **given: Any) -> int:
-    """Write a result's fields and histories for ParaView, Gmsh or a data frame, or draw them.
+    """Export the fields and histories of a result for ParaView, Gmsh or data frames, or as pictures.
 
-    RESULT is a result folder. Mesh and fields are there for runs with --set output.fields=N; csv and parquet hold the
+    RESULT is a result folder. Mesh and fields require a run with --set output.fields=N; csv and parquet contain the
     histories of any run.
     """
     written = tailslap.export(result, **given)
@@ -247,10 +254,10 @@ def export(result: Path, as_json: bool, **given: Any) -> int:
     "--columns",
     type=options.Text(),
     metavar="NAME=THEIRS,...",
-    help="What columns of files are called, like 'time=t,v_gy=-VY [mph]': a minus turns the sign.",
+    help="Column names of the files, e.g. 'time=t,v_gy=-VY [mph]'; a minus reverses the sign.",
 )
 @click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
-@click.option("--out", type=options.Folder(), help="Folder of the page  [default: results/compare]")
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/compare]")
 @options.with_options(options.FORCE_READ, *options.PRINTED)
 def compare(
     given: tuple[Path, ...],
@@ -261,10 +268,10 @@ def compare(
     units: str,
     as_json: bool,
 ) -> int:
-    """Set results beside the first: curves, differences, metrics of validation.
+    """Compare results with the first one: curves, differences, validation metrics.
 
-    A RESULT is a result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test. Exit status 1 if
-    a metric is beyond the limits of NCHRP W179.
+    A RESULT is a result folder, or a text file with named columns: a history from ABAQUS, LS-DYNA or a test. Exit
+    status 1 if a metric exceeds the limits of NCHRP W179.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
     compute = lambda: tailslap.compare(*given, columns=columns, only=names, force=force).fill  # noqa: E731
@@ -276,7 +283,7 @@ def compare(
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE, *options.PRINTED)
 def check(case: Case, as_json: bool, **given: Any) -> int:
-    """Say what a run would use, leave out and cost; run nothing."""
+    """Show the model, automatic choices and estimated cost of a run without running it."""
     found = tailslap.check(case, **given)
     return options.tell(found.summary, found.text, as_json)
 
@@ -285,14 +292,14 @@ def check(case: Case, as_json: bool, **given: Any) -> int:
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
 @click.option(
-    "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Elastic modes, the lowest."
+    "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Number of elastic modes."
 )
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-modes]")
 @options.with_options(options.FORCE, *options.WATCHED)
 def modes(
     case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
 ) -> int:
-    """Natural frequencies of the plate, with pictures."""
+    """Compute the natural frequencies and mode shapes of the free plate."""
     place = out or RESULTS / f"{case.scene.name}-modes"
     compute = lambda: tailslap.modes(case, count=count, allow_large=allow_large).fill  # noqa: E731
     return deliver(compute, place, ("modes", case.scene.name), as_json, units, force=force)
@@ -306,21 +313,21 @@ def modes(
     type=options.Whole(1, 200),
     default=4,
     show_default=True,
-    help="Elastic modes to keep, the lowest.",
+    help="Number of elastic modes, lowest first.",
 )
 @click.option(
-    "--steps", type=options.Whole(10, 1_000_000), default=100, show_default=True, help="Time steps."
+    "--steps", type=options.Whole(10, 1_000_000), default=100, show_default=True, help="Number of time steps."
 )
 @click.option(
     "--tolerance",
     type=options.Real(0.0, 1.0, min_open=True),
     default=1e-5,
     show_default=True,
-    help="Relative error allowed.",
+    help="Largest allowed relative error.",
 )
 @options.with_options(*options.PRINTED)
 def modal(case: Case, as_json: bool, **given: Any) -> int:
-    """Run a scene with a few modes of the plate."""
+    """Run a scene with the modal model of the plate."""
     found = tailslap.modal(case, **given)
     options.tell(found.summary, found.text, as_json)
     return DONE if found.passed else CHECK_FAILED
@@ -329,7 +336,7 @@ def modal(case: Case, as_json: bool, **given: Any) -> int:
 @commands.command()
 @options.with_options(options.JSON, options.QUIET)
 def scenes(as_json: bool) -> int:
-    """List the scenes that come with the program."""
+    """List the scenes of the program."""
     from postprocess.report import report
 
     shipped = tailslap.scenes()
@@ -342,7 +349,7 @@ def scenes(as_json: bool) -> int:
 @click.argument("name", metavar="NAME")
 @options.with_options(options.JSON, options.QUIET)
 def new(name: str, as_json: bool) -> int:
-    """Write NAME.toml: a scene with every key, its meaning, and an example."""
+    """Write NAME.toml, a scene with every key, its meaning and an example."""
     path = tailslap.new(name)
     return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
@@ -351,7 +358,7 @@ def new(name: str, as_json: bool) -> int:
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 @options.with_options(options.JSON, options.QUIET)
 def completion(shell: str, as_json: bool) -> int:
-    """Print what makes a shell complete commands, options, scenes and keys.
+    """Print the shell script for completion of commands, options, scenes and keys.
 
     For bash, in ~/.bashrc: eval "$(tailslap completion bash)"
     """
@@ -366,7 +373,7 @@ def completion(shell: str, as_json: bool) -> int:
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/paper]")
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
 def paper(out: Path | None, force: bool, as_json: bool) -> int:
-    """Write the paper's tables and figures, computed beside printed."""
+    """Compare the tables and figures of the paper with computed values."""
     from tailslap.replication.page import PAGE
 
     compute = lambda: tailslap.paper().fill  # noqa: E731

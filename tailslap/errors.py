@@ -1,4 +1,4 @@
-"""The one error by which wrong input reaches the user, and how what was given is shown in messages."""
+"""Errors of the input, and their messages."""
 
 from __future__ import annotations
 
@@ -6,29 +6,30 @@ import difflib
 import errno
 import functools
 import inspect
+import textwrap
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 MACHINE_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
-"""Faults that no other place would mend: a full disk, limits of the process."""
+"""Errors that no other folder would avoid: full disk, limits of the process."""
 
-MAX_SHOWN = 120
-"""Characters of what was given that a message shows."""
+MAX_SHOWN, LONG = 120, 160
+"""Characters of a value that a message shows, and of a list above which it is wrapped."""
 
 
 class InputError(Exception):
-    """Wrong input.
+    """Invalid input.
 
     Attributes
     ----------
     key : str
-        Dotted key of the scene, or an option of the command.
+        Dotted key of the scene, or option of the command.
     given : object
-        Its value; `Missing` where there is none.
+        Its value; `Missing` for an absent key.
     allowed : str
-        What is allowed instead.
+        Allowed values, or the reason of the error.
     """
 
     def __init__(self, key: str, given: object, allowed: str) -> None:
@@ -36,20 +37,20 @@ class InputError(Exception):
         super().__init__(f"{shortened(key)}: given {_shown(given)}; {allowed}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
-        """Pickle the error by its three parts: workers raise it too."""
+        """Pickle the error by its three parts."""
         return type(self), (self.key, self.given, self.allowed)
 
 
 class Interrupted(KeyboardInterrupt):
-    """Interrupt after which something is left; the message says what."""
+    """Interrupt of a command whose partial result is kept; the message names it."""
 
 
 class Missing:
-    """Stands for a value that was not given at all."""
+    """Value of an absent key."""
 
 
 class Verbatim(str):
-    """Text that is shown as it stands, without quotes."""
+    """Text that messages show without quotes."""
 
 
 def nearest(name: str, known: Iterable[str], form: str = "{}") -> str:
@@ -62,9 +63,12 @@ def nearest(name: str, known: Iterable[str], form: str = "{}") -> str:
 
 
 def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") -> str:
-    """List the names that are allowed in place of a wrong one, with the nearest; which: the words before the list."""
+    """List of allowed names, with the one nearest to `name`; a long list is on lines of its own."""
     known = list(known)
-    return f"{which} {', '.join(known)}{nearest(name, known)}"
+    names = " " + ", ".join(known)
+    if len(names) > LONG:
+        names = "\n" + textwrap.fill(names, 78, subsequent_indent=" ", break_on_hyphens=False)
+    return f"{which}{names}{nearest(name, known)}"
 
 
 def named_arguments(function: Function) -> Function:
@@ -82,25 +86,25 @@ def named_arguments(function: Function) -> Function:
 
 
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:
-    """Error to raise where a result cannot be written: wrong input, or the machine's fault as it is."""
+    """Error for a result that cannot be written: InputError, or OSError for a fault of the machine."""
     if error.errno in MACHINE_FAULTS:
         return OSError(error.errno, f"{what}: {error.strerror}", str(place))
     return InputError(key, str(place), f"{what}: {error.strerror or error}")
 
 
 def machine_fault(error: OSError) -> str:
-    """Fault of the machine, as a sentence."""
+    """Message of an OSError."""
     where = f": {shortened(str(error.filename))}" if error.filename else ""
     return f"{error.strerror or error}{where}"
 
 
 def escaped(text: str) -> str:
-    """The text on lines of its own, with all that a terminal would not show as it stands written as an escape."""
+    """Text with unprintable characters, other than line feeds, as escape sequences."""
     return "".join(letter if letter.isprintable() or letter == "\n" else _escape(letter) for letter in text)
 
 
 def shortened(text: str, most: int = MAX_SHOWN) -> str:
-    """No more than so many characters of a text, on one line, escaped."""
+    """Text of at most `most` characters on one line, escaped."""
     text = text if len(text) <= most else text[: most - 3] + "..."
     return escaped(text).replace("\n", "\\n")
 
@@ -111,10 +115,10 @@ def _escape(letter: str) -> str:
 
 def _shown(given: object) -> str:
     if given is Missing:
-        return "nothing"
+        return "no value"
     if isinstance(given, str) and not isinstance(given, Verbatim):
         return f'"{shortened(given)}"'
     try:
         return shortened(str(given))
     except (ValueError, RecursionError):  # Python prints no integer of more than 4 300 digits
-        return f"a {type(given).__name__} too long to be shown"
+        return f"a {type(given).__name__} of too many digits"

@@ -1,5 +1,4 @@
-"""Types of the command line's options: numbers in ASCII digits within bounds, folders with a name, texts that are not
-empty. Anything else is wrong input, which the message of the option names."""
+"""Types of the command-line options: numbers in ASCII digits within bounds, names of folders, non-empty texts."""
 
 import math
 import os
@@ -18,11 +17,11 @@ from tailslap.scene import read, schema
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 MAX_RUNS = 1_000_000
-"""Runs of one sweep; above it a mistyped range is likelier than patience."""
+"""Largest number of runs of a sweep."""
 
 
 class Whole(click.IntRange):
-    """A whole number, in digits alone."""
+    """Whole number in ASCII digits."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number; fails with what is allowed."""
@@ -33,7 +32,7 @@ class Whole(click.IntRange):
 
 
 class Real(click.FloatRange):
-    """A finite number, in digits alone."""
+    """Finite number in ASCII digits."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number; fails with what is allowed."""
@@ -44,7 +43,7 @@ class Real(click.FloatRange):
 
 
 class Folder(click.Path):
-    """Place of a result folder."""
+    """Path of a result folder."""
 
     def __init__(self) -> None:
         super().__init__(path_type=Path)
@@ -52,24 +51,24 @@ class Folder(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The path; fails for an empty one."""
         if isinstance(value, str) and not value.strip():
-            self.fail("it is empty; allowed is the path of a folder.", param, ctx)
+            self.fail("the path is empty; allowed is the path of a folder.", param, ctx)
         return super().convert(value, param, ctx)
 
 
 class Text(click.ParamType):
-    """A text that is not empty."""
+    """Non-empty text."""
 
     name = "text"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The text without the blanks around it; fails for an empty one."""
         if not value.strip():
-            self.fail("it is empty.", param, ctx)
+            self.fail("the text is empty.", param, ctx)
         return value.strip()
 
 
 def _quiet(context: click.Context, parameter: click.Parameter, given: bool) -> None:
-    """Until the command ends, standard output leads nowhere, and there is no progress."""
+    """Discard standard output and progress until the command ends."""
     if given:
         nowhere = context.with_resource(open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         context.with_resource(redirect_stdout(nowhere))
@@ -82,19 +81,19 @@ def _progress(context: click.Context, parameter: click.Parameter, given: bool) -
 
 
 def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
-    """Names of shipped scenes and TOML files, for the completion of a shell."""
+    """Names of scenes and TOML files for shell completion."""
     names = [*read.shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
     return [name for name in names if name.startswith(typed)]
 
 
 def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
-    """Keys of a scene, with the equals sign."""
+    """Keys of a scene with the equals sign, for shell completion."""
     keys = (re.sub(rf"^({'|'.join(schema.LISTED)})\.", r"\1.0.", key) for key in schema.MEANINGS)
     return [f"{key}=" for key in keys if key.startswith(typed)]
 
 
 def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
-    """Print the numbers as JSON, or the text; the exit status of success."""
+    """Print the numbers as JSON, or the text. Returns the exit status of success."""
     from postprocess.report import page
 
     click.echo(page.summary_text(numbers) if as_json else text)
@@ -106,38 +105,40 @@ SET = click.Option(
     ["--set", "changes"],
     multiple=True,
     metavar="KEY=VALUE",
-    help="Change a key, like plate.thickness=20mm; KEY= takes it out.",
+    help="Set a key of the scene, e.g. plate.thickness=20mm; KEY= removes it.",
     shell_complete=complete_key,
 )
 ALLOW_LARGE = click.Option(
-    ["--allow-large"], is_flag=True, help="Also where it takes more memory, time or threads than there are."
+    ["--allow-large"],
+    is_flag=True,
+    help="Run even if the estimate exceeds this machine's memory, threads or time.",
 )
 WORKERS = click.Option(
-    ["--workers"], type=Whole(1, 256), help="Processes, at most one a core  [default: one a core]"
+    ["--workers"], type=Whole(1, 256), help="Number of worker processes  [default: number of cores]"
 )
-JSON = click.Option(["--json", "as_json"], is_flag=True, help="Print the numbers as JSON, in SI.")
+JSON = click.Option(["--json", "as_json"], is_flag=True, help="Print the results as JSON, in SI.")
 _flag = partial(click.Option, is_flag=True, expose_value=False, is_eager=True)
-QUIET = _flag(["--quiet", "-q"], callback=_quiet, help="Print errors alone.")
-LINES = "Say how far it is from time to time, also where standard error is no terminal."
+QUIET = _flag(["--quiet", "-q"], callback=_quiet, help="Print only errors.")
+LINES = "Log progress at intervals if standard error is not a terminal."
 PROGRESS = _flag(["--progress"], callback=_progress, help=LINES)
 SYSTEMS = click.Choice(["si", "us"])
 UNITS = click.Option(
-    ["--units"], type=SYSTEMS, default="si", help="Units of what people read; files are in SI."
+    ["--units"], type=SYSTEMS, default="si", help="Units of displayed results; files are in SI."
 )
 PRINTED = (UNITS, JSON, QUIET)
-"""Options of what is printed."""
+"""Options of the printed output."""
 WATCHED = (*PRINTED, PROGRESS)
-"""Options of a command that takes its time."""
-FORCE = click.Option(["--force"], is_flag=True, help="Also replace the result of another command or scene.")
+"""Options of a command that shows progress."""
+FORCE = click.Option(["--force"], is_flag=True, help="Replace the result of another command or scene.")
 FORCE_READ = click.Option(
     ["--force"],
     is_flag=True,
-    help="Also replace the result of another command or scene, and read what can be read of a damaged one.",
+    help="Replace the result of another command or scene; read the intact files of a damaged one.",
 )
 
 
 def with_options(*options: click.Parameter) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Make a decorator that gives a command these options."""
+    """Decorator that adds these options to a command."""
 
     def decorated(function: Callable[..., Any]) -> Callable[..., Any]:
         given = getattr(function, "__click_params__", [])

@@ -27,6 +27,7 @@ from tailslap.files.manifest import Origin
 
 if TYPE_CHECKING:
     import pandas
+    import PIL.Image
     import pyvista
 
     from postprocess.fields.series import FieldSeries
@@ -39,6 +40,10 @@ FE: str = "FE"
 
 SHOWN, MOST = 5, 4
 """Rows that a notebook shows at each end; columns that are drawn at most, unless they are asked for."""
+
+FIELDS_NEEDED = (
+    "the result has no fields; run the scene with --set output.fields=20 (Python: {'output.fields': 20})"
+)
 
 FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
 """Columns that are drawn unless the caller says otherwise, where they are there."""
@@ -243,7 +248,7 @@ class Result:
         """Fields of the plate at the instants of `[output] fields = N`, shape as `FieldSeries` says."""
         found = self.make_fields() if self.make_fields else None
         if found is None:
-            raise InputError("output.fields", Missing, "no fields were kept; run with {'output.fields': 20}")
+            raise InputError("output.fields", Missing, FIELDS_NEEDED)
         return found
 
     def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
@@ -273,10 +278,52 @@ class Result:
         >>> mesh.n_cells, round(float(mesh["velocity_y"].min()), 2)
         (120, -6.55)
         """
+        series, k = self._instant(t)
+        return series.grid(k)
+
+    def plot_field(self, name: str, t: float | None = None, magnify: float = 1.0) -> PIL.Image.Image:
+        """Draw a field of the plate as a contour picture.
+
+        Parameters
+        ----------
+        name : str
+            "v_gx" or "v_gy", the velocity along or across the wall, or another field: "stress_von_mises",
+            "displacement_y".
+        t : float, optional
+            Instant, as of `mesh`; without it the last, the tail-slap [s].
+        magnify : float
+            Factor on the elastic deformation [-].
+
+        Returns
+        -------
+        PIL.Image.Image
+            Shown by a notebook as it is; `save` writes it as PNG, JPEG or PDF.
+
+        Raises
+        ------
+        InputError
+            For another field, and where no fields were kept, as `mesh`.
+
+        Examples
+        --------
+        >>> import tailslap
+        >>> tailslap.run("mash-tl4-sut").plot_field("v_gy").save("v_gy.png")
+        """
+        from postprocess.fields import contours, series
+
+        known = {"v_gx": "velocity_x", "v_gy": "velocity_y"} | {each: each for each in series.SCALARS}
+        if name not in known:
+            raise InputError("plot_field", Verbatim(name), one_of(name, known))
+        fields, k = self._instant(t)
+        (picture,) = contours.frames(fields, known[name], magnify, [k], SI)
+        return picture
+
+    def _instant(self, t: float | None) -> tuple[FieldSeries, int]:
+        """The fields, and the number among them of the instant nearest to t [s], None for the last."""
         if t is None and self.make_fields is None and self.make_ends is not None:
-            return self.make_ends().grid()
-        series = self.fields
-        return series.grid(-1 if t is None else int(abs(series.t - t).argmin()))
+            return self.make_ends(), -1
+        fields = self.fields
+        return fields, -1 if t is None else int(abs(fields.t - t).argmin())
 
     def plot(self, *names: str) -> HistoryPlot:
         """Draw columns over time, the rigid vehicle's beside the FE run's.

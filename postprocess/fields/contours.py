@@ -119,22 +119,23 @@ def draw_instants(
     """
     chosen = range(len(series.t)) if instants is None else [k % len(series.t) for k in instants]
     paths = [folder / f"{name}_{k:04d}.png" for k in chosen]
-    for path, frame in zip(paths, _frames(series, name, magnify, chosen, units), strict=True):
+    for path, frame in zip(paths, frames(series, name, magnify, chosen, units), strict=True):
         frame.save(path)
     return paths
 
 
 def animate(path: Path, series: FieldSeries, name: str, magnify: float = 1.0, units: Units = SI) -> Path:
     """Write all instants as a GIF that repeats."""
-    frames = _frames(series, name, magnify, range(len(series.t)), units)
-    first, *others = (frame.resize(GIF_SIZE).quantize(GIF_COLOURS) for frame in frames)
+    drawn = frames(series, name, magnify, range(len(series.t)), units)
+    first, *others = (frame.resize(GIF_SIZE).quantize(GIF_COLOURS) for frame in drawn)
     first.save(path, save_all=True, append_images=others, duration=FRAME_MS, loop=0)
     return path
 
 
-def _frames(
+def frames(
     series: FieldSeries, name: str, magnify: float, instants: Sequence[int], units: Units
 ) -> Iterator[Any]:
+    """Draw the chosen instants, by number, of a field of `SCALARS`, one after the other, as images of Pillow."""
     (factor, unit), (length, length_unit) = units.of(UNITS[name]), units.of("m")
     values, places = factor * series.scalar(name), length * series.places(magnify)
     scale = colour_scale(values)

@@ -1,7 +1,4 @@
-"""Find and read scenes; remarks on values without a unit that are far from those of vehicles on roads.
-
-Text files that the user gives, scenes and histories alike, pass one guard.
-"""
+"""Scenes: finding and reading them, with remarks on unusual values without a unit."""
 
 import codecs
 import math
@@ -10,6 +7,7 @@ import re
 import stat
 import tomllib
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,36 +20,36 @@ UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
 def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
-    """Text of a regular file of at most so many bytes, in UTF-8 or, behind a byte order mark, UTF-16; lines end with
-    line feeds. Devices and pipes are not even opened.
+    """Text of a regular file of at most `most` bytes, in UTF-8 or, after a byte order mark, UTF-16; lines end with
+    line feeds. Devices and pipes are not opened.
 
-    undecodable: what becomes of bytes that are no text, as of `bytes.decode`.
+    undecodable: treatment of bytes that cannot be decoded, as in `bytes.decode`.
 
-    Raises OSError, and ValueError, saying why.
+    Raises OSError or ValueError with the reason.
     """
     if not stat.S_ISREG(path.stat().st_mode):
-        raise ValueError("it is no regular file")
+        raise ValueError("it is not a regular file")
     with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
         content = file.read(most + 1)
     if len(content) > most:
-        raise ValueError(f"it is too large; allowed are {most} bytes")
+        raise ValueError(f"it is too large; the limit is {most} bytes")
     try:
         text = content.decode("utf-16" if content.startswith(UTF_16) else "utf-8-sig", undecodable)
     except UnicodeDecodeError:
         text = "\0"
     if "\0" in text:
-        raise ValueError("it is not text in UTF-8, nor in UTF-16 with a byte order mark")
+        raise ValueError("it is neither text in UTF-8 nor in UTF-16 with a byte order mark")
     return text.replace("\r\n", "\n")
 
 
 MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
-"""Length of a scene's path, size of its file, length of a line in it, depth of its tables and lists."""
+"""Limits of a scene: length of its path, size of its file, length of a line, depth of tables and lists."""
 
 DECIMAL_COMMA = re.compile(r"=\s*[-+]?[0-9]+,[0-9]")
 
 
 def shipped_scenes() -> dict[str, str]:
-    """Scenes that come with the program: name and text."""
+    """Scenes of the program: name and text."""
     folder = files("tailslap") / "scene" / "shipped"
     scenes = (item for item in folder.iterdir() if item.name.endswith(".toml"))
     found = sorted(scenes, key=lambda item: item.name)
@@ -60,12 +58,12 @@ def shipped_scenes() -> dict[str, str]:
 
 @errors.named_arguments
 def scenes() -> dict[str, str]:
-    """List the scenes that come with the program.
+    """List the scenes of the program.
 
     Returns
     -------
     dict of str
-        By name, what each scene is: the first line of its file, which is a comment.
+        Titles by name: the first line of each file, a comment.
 
     Examples
     --------
@@ -82,54 +80,55 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, So
     Parameters
     ----------
     name : str
-        Path of a .toml file, or the name of a scene that comes with the program.
+        Path of a .toml file, or the name of a scene of the program.
     changes : iterable of str
-        As given by --set, "plate.thickness=20 mm"; "plate.density=" takes the key out.
+        Texts as of --set: "plate.thickness=20 mm"; "plate.density=" removes the key.
 
     Returns
     -------
     scene : Scene
-        SI.
+        Validated scene, in SI.
     source : Source
-        Where it came from.
+        Its text and tables.
 
     Raises
     ------
     InputError
-        For a file that cannot be read, or the first key that is wrong.
+        For a file that cannot be read, an invalid key, or missing keys.
     """
     source = read_source(name)
     return vary(source, parse_changes(changes, source.given))
 
 
 def read_source(name: str) -> Source:
-    """Read a scene's tables, not yet validated. Raises InputError."""
-    return source_of_text(scene_text(name), name)
+    """Read a scene's tables, not yet validated; a file without the key `name` takes its own. Raises InputError."""
+    source = source_of_text(scene_text(name), name)
+    return replace(source, given={"name": Path(name).stem} | source.given)
 
 
 def source_of_text(text: str, name: str = "SCENE") -> Source:
-    """Parse a scene's text into its tables, not yet validated; name: of the scene in errors. Raises InputError."""
+    """Parse the text of a scene, without validation; name: the scene in error messages. Raises InputError."""
     if len(max(text.split("\n"), key=len)) > MAX_LINE:
-        why = f"allowed are lines of {MAX_LINE} characters"
+        why = f"the limit is {MAX_LINE} characters"
         raise errors.InputError(name, errors.Verbatim("a very long line"), why)
     try:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
         hint = f"; {units.COMMA}" if DECIMAL_COMMA.search(text) else ""
-        said = f"the parser says: {errors.shortened(str(error))}{hint}"
-        raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), said) from None
+        why = f"{errors.shortened(str(error))}{hint}"
+        raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), why) from None
     if depth_exceeds(given, MAX_DEPTH):
-        allowed = f"allowed are {MAX_DEPTH} levels"
+        allowed = f"the limit is {MAX_DEPTH} levels"
         raise errors.InputError(name, errors.Verbatim("tables or lists nested too deep"), allowed)
     return Source(text.rstrip("\n") + "\n", given)
 
 
 def scene_text(name: str) -> str:
-    """Text of a scene's file, or of a scene that comes with the program. Raises InputError."""
+    """Text of a scene file or of a scene of the program. Raises InputError."""
     shipped = shipped_scenes()
     path = Path(name)
     if len(name) > MAX_NAME:
-        raise errors.InputError("SCENE", name, f"allowed is a path of {MAX_NAME} characters")
+        raise errors.InputError("SCENE", name, f"the limit is {MAX_NAME} characters")
     if name in shipped and not path.is_file():
         return shipped[name]
     if path.suffix != ".toml" and not os.path.lexists(path):
@@ -138,14 +137,14 @@ def scene_text(name: str) -> str:
     try:
         return read_text(path, MAX_BYTES)
     except FileNotFoundError:
-        raise errors.InputError("SCENE", name, "there is no such file") from None
+        raise errors.InputError("SCENE", name, "the file does not exist") from None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise errors.InputError("SCENE", name, f"the file cannot be read: {why}") from None
 
 
 class Usual(NamedTuple):
-    """The usual range of a key in SI, its unit, and another unit with its value in SI."""
+    """Usual range of a key in SI, its unit, and another unit with its value in SI."""
 
     low: float
     high: float
@@ -170,7 +169,7 @@ USUAL = {
 
 
 def remarks(source: Source) -> Iterator[str]:
-    """A sentence for each number that was given without a unit and is not usual."""
+    """Sentences about unusual numbers without a unit."""
     trailers = {f"trailer.{i}": unit for i, unit in enumerate(source.given.get("trailer", ()))}
     for key, usual in USUAL.items():
         table, name = key.split(".")

@@ -1,6 +1,6 @@
-"""The scene: what a TOML file may say, each key with its meaning, unit, bounds and default.
+"""Scenes: the keys of a TOML file with meaning, unit, bounds and default.
 
-SI after validation; a table that is None is a part left out.
+Values are in SI after validation; a table that is None is absent from the model.
 """
 
 import math
@@ -20,28 +20,28 @@ from tailslap.errors import InputError, Missing
 from tailslap.scene.units import Quantity
 
 MAX_ELEMENTS = 4_000_000
-"""A mesh above this would not fit the memory of the machines this is made for."""
+"""Largest mesh that fits the memory of a workstation."""
 
 # Bounds lie far outside what is built: within them every number that follows is finite.
 Length = Annotated[float, Quantity("a length", "m", '"10 m"', least=1e-6, most=1e6)]
 Hitch = Annotated[float, Quantity("a distance behind the front", "m", '"5.6 m"', least=0.0, most=1e6)]
 Kingpin = Annotated[
     float,
-    Quantity("a distance behind the front, of a drawbar negative", "m", '"0.9 m"', least=-1e6, most=1e6),
+    Quantity("a distance behind the front (negative: drawbar)", "m", '"0.9 m"', least=-1e6, most=1e6),
 ]
 Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', least=1e-6, most=1e12)]
 Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', least=1e-6, most=1e4)]
-Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', least=1e-6, below=math.pi / 2)]
+Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', least=math.radians(1e-4), below=math.pi / 2)]
 AngularVelocity = Annotated[
     float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", least=1e-9, most=1e6)
 ]
 Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0, most=1e3)]
 Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.22", least=0.0, most=1.0)]
 Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', least=1e-9, most=1e6)]
-EndOfImpact = Annotated[float, Quantity("an end of the impact", "s", '"1 s"', least=0.05, most=100.0)]
+EndOfImpact = Annotated[float, Quantity("a time", "s", '"1 s"', least=0.05, most=100.0)]
 Density = Annotated[float, Quantity("a density", "kg/m^3", "7800", least=1e-6, most=1e9)]
 Modulus = Annotated[float, Quantity("a modulus", "Pa", '"200 GPa"', least=1e-3, most=1e18)]
-Frequency = Annotated[float, Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=1e-6, most=1e9)]
+Frequency = Annotated[float, Quantity("a frequency", "Hz", '"8 Hz"', least=1e-6, most=1e9)]
 PoissonsRatio = Annotated[float, Quantity("Poisson's ratio", "", "0.3", least=-0.999, most=0.4999)]
 Scale = Annotated[float, Quantity("a factor", "", "1.0", least=1e-6, most=1e6)]
 Fraction = Annotated[float, Quantity("a fraction", "", "0.9", least=1e-6, most=1.0)]
@@ -59,7 +59,7 @@ Inertia = Annotated[
 ]
 Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', least=1e-9, most=1e12)]
 Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", least=1e-15, below=1.0)]
-Distortion = Annotated[float, Quantity("a fraction of the element's size", "", "0.2", least=0.0, most=0.3)]
+Distortion = Annotated[float, Quantity("a fraction of the element size", "", "0.2", least=0.0, most=0.3)]
 
 
 def _registered(registry: Registry[Any]) -> BeforeValidator:
@@ -83,12 +83,12 @@ def _element_counts(given: object) -> object:
 
 
 FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
-"""Names of starts in scenes of earlier versions, and what they are called."""
+"""Former names of starts, with the present ones."""
 
 
 def _start_name(given: object) -> object:
     if isinstance(given, str) and given in FORMER_STARTS:
-        raise ValueError(f'this start is called "{FORMER_STARTS[given]}"')
+        raise ValueError(f'the present name of this start is "{FORMER_STARTS[given]}"')
     return given
 
 
@@ -105,9 +105,9 @@ def _flag(given: object) -> object:
 
 
 def _name(given: object) -> object:
-    """A name of a file, for results go to results/NAME: no "..", and nothing hidden."""
+    """Name of the scene and of its result folder, results/NAME: no "..", no hidden file."""
     if not isinstance(given, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", given):
-        raise ValueError('allowed are 1 to 80 letters, digits and "_", "+", "-", ".", with no "." in front')
+        raise ValueError('allowed are 1 to 80 letters, digits and "_", "+", "-", ".", no "." in front')
     return given
 
 
@@ -115,82 +115,95 @@ Name = Annotated[str, BeforeValidator(_name)]
 
 
 def needed(meaning: str) -> Any:
-    """A key that a table must have; meaning: in a line, for new scenes and the reference."""
+    """Required key of a table, with its meaning in one line."""
     return Field(description=meaning)
 
 
 def key(meaning: str, default: Any = None) -> Any:
-    """A key that may be left out."""
+    """Optional key of a table, with its meaning in one line."""
     return Field(default, description=meaning)
 
 
 class SceneTable(BaseModel):
-    """A table of the scene: unknown keys are errors, values do not change."""
+    """Table of a scene; unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Vehicle(SceneTable):
-    """The rigid body; the last two are of whole impacts, left out: the uniform rectangle's."""
+    """Rigid rectangle that represents the vehicle."""
 
-    length: Length = needed("of the rectangle, along the direction of travel")
-    width: Length = needed("of the rectangle")
-    mass: Mass = needed("of the vehicle")
-    centre_of_mass: Length | None = key("behind the front, of a whole impact; if left out half the length")
+    length: Length = needed("length of the vehicle")
+    width: Length = needed("width of the vehicle")
+    mass: Mass = needed("mass of the vehicle")
+    centre_of_mass: Length | None = key(
+        "distance of the centre of mass behind the front, whole impacts only; default: half the length"
+    )
     yaw_inertia: Inertia | None = key(
-        "about the centre of mass, of a whole impact; if left out the uniform rectangle's"
+        "yaw moment of inertia about the centre of mass, whole impacts only; default: uniform rectangle"
     )
 
 
 class Trailer(Vehicle):
-    """A unit of a train, [[trailer]]: hinged to the one ahead, on the centre lines of both; of a whole impact."""
+    """Trailer of a train, hinged to the unit ahead on the centre lines of both; whole impacts only."""
 
-    hitch: Hitch = needed("where the hinge is, behind the front of the unit ahead")
-    kingpin: Kingpin = needed("where the hinge is, behind the trailer's own front; negative for a drawbar")
-    stiffness: Stiffness | None = key("of the crush law of its corners; if left out contact.stiffness")
+    hitch: Hitch = needed("distance of the hinge behind the front of the unit ahead")
+    kingpin: Kingpin = needed("distance of the hinge behind the front of the trailer; negative for a drawbar")
+    stiffness: Stiffness | None = key("crush stiffness of each corner; default: contact.stiffness")
     hitch_length: Length | None = key(
-        "length of both units over which the hinge of the FE plates is spread; if left out one node"
+        "length of both plates over which the force of the hinge is distributed; default: one node"
     )
 
 
 class Impact(SceneTable):
-    """Stage 1; of a whole impact the first touch, and then friction and restitution feed the paper's method alone."""
+    """First contact between the front corner and the wall.
 
-    speed: Speed = needed("before the impact")
-    angle: Angle = needed("between the vehicle's side and the wall")
-    friction: Friction | None = key("between the front corner and the wall, in Stage 1")
-    restitution: Restitution | None = key("of the front corner, in Stage 1")
+    In a whole impact, friction and restitution enter only the rigid-body method quoted for comparison.
+    """
+
+    speed: Speed = needed("speed before the impact")
+    angle: Angle = needed("angle between the side of the vehicle and the wall")
+    friction: Friction | None = key(
+        "coefficient of friction at the front corner in Stage 1; required without [contact]"
+    )
+    restitution: Restitution | None = key(
+        "coefficient of restitution at the front corner in Stage 1; required without [contact]"
+    )
     convention: Literal["paper", "newton"] = key(
-        "of restitution: the paper's (1 - e) or Newton's (1 + e)", "paper"
+        "definition of restitution in Stage 1: factor (1 - e) of the paper, or Newton's (1 + e)", "paper"
     )
     test_level: Literal["TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6"] | None = key(
-        "of MASH; design forces of this level stand beside the result"
+        "MASH test level, whose AASHTO design force is compared with the result"
     )
 
 
 class StartTable(SceneTable):
-    """The state Stage 2 starts from; what is left out comes from Stage 1."""
+    """Initial state of Stage 2; values not given follow from Stage 1."""
 
-    angle: Angle | None = key("between side and wall where Stage 2 starts, in place of Stage 1's")
-    omega: AngularVelocity | None = key("angular velocity where Stage 2 starts, in place of Stage 1's")
-    corner_speed: Speed | None = key(
-        "of the corner along the wall where Stage 2 starts, in place of Stage 1's"
+    angle: Angle | None = key(
+        "initial angle between the side of the vehicle and the wall; default: from Stage 1"
     )
+    omega: AngularVelocity | None = key(
+        "initial angular velocity, positive where it closes the angle; default: from Stage 1"
+    )
+    corner_speed: Speed | None = key("initial speed of the corner along the wall; default: from Stage 1")
 
 
 class CornerTable(SceneTable):
-    """The constrained corner. Where neither constraint nor spring is given, the program chooses the constraint."""
+    """Constrained corner of Stage 2. By default the constraint is selected automatically."""
 
-    reaction: ReactionName = key("friction law of the corner that slides", "drag")
-    friction: Friction | None = key("of the corner that slides; if left out impact.friction")
-    constraint: ConstraintName = key("how the FE model holds the corner on the wall", "penalty")
-    penalty_scale: Scale = key("stiffness of the corner's spring, times the program's own choice", 1.0)
-    damping_ratio: DampingRatio | None = key("of the corner's spring, to critical")
-    patch_length: Length | None = key("length of side over which the corner is held; if left out one node")
+    reaction: ReactionName = key("friction law of the sliding corner", "drag")
+    friction: Friction | None = key("coefficient of friction of the sliding corner; default: impact.friction")
+    constraint: ConstraintName = key("constraint of the corner to the wall in the FE model", "penalty")
+    penalty_scale: Scale = key("penalty stiffness of the corner, relative to the default stiffness", 1.0)
+    damping_ratio: DampingRatio | None = key("damping ratio of the penalty spring")
+    patch_length: Length | None = key(
+        "length of the side over which the corner is supported; default: one node"
+    )
 
     @property
     def frictionless(self) -> bool:
-        """True if the reaction is one without friction."""
+        """True for a reaction without friction."""
         return FRICTION_LAWS[self.reaction].frictionless
 
     @property
@@ -200,28 +213,33 @@ class CornerTable(SceneTable):
 
     @property
     def constraint_is_open(self) -> bool:
-        """True if the scene leaves the choice of the constraint to the program."""
+        """True if the program selects the constraint."""
         return not self.model_fields_set & {"constraint", "penalty_scale", "damping_ratio"}
 
 
 class Contact(SceneTable):
-    """A whole impact: where the vehicle touches a wall that only pushes.
+    """Whole impact: unilateral contact between vehicle and wall.
 
-    stiffness, initial_force, restitution: of the crush law at each corner, F0 + k d, whose unloading gives back e^2 of
-    the energy; side_stiffness: of a layer along the sides. Without stiffness the vehicle does not crush: then
-    enforcement and penalty_scale.
+    stiffness, initial_force and restitution define the crush law of each corner, F0 + k d, and side_stiffness that of a
+    layer along the sides. Without stiffness the vehicle does not crush; enforcement and penalty_scale then apply.
     """
 
-    stiffness: Stiffness | None = key("of the crush law of each corner; if left out nothing crushes")
-    initial_force: Force = key("of the crush law, at no crush", 0.0)
-    restitution: Restitution | None = key("its square is the fraction of the crush energy that is given back")
-    friction: Friction = needed("between vehicle and wall")
-    side_stiffness: LayerStiffness | None = key(
-        "of a layer along the sides; if left out the corners alone touch"
+    stiffness: Stiffness | None = key("crush stiffness k of each corner; default: no crush")
+    initial_force: Force = key("crush force F0 at zero crush depth", 0.0)
+    restitution: Restitution | None = key(
+        "coefficient of restitution e: unloading returns e^2 of the crush energy; required with stiffness"
     )
-    patch_length: Length | None = key("length of side over which a corner's force is spread")
-    enforcement: Literal["penalty", "exact"] = key("of contact that does not crush", "penalty")
-    penalty_scale: Scale = key("stiffness of the penalty, times the program's own choice", 1.0)
+    friction: Friction = needed("coefficient of friction between vehicle and wall")
+    side_stiffness: LayerStiffness | None = key(
+        "crush stiffness per length of a layer along the sides; default: contact at the corners only"
+    )
+    patch_length: Length | None = key(
+        "length of the side over which the force of a corner is distributed; default: one node"
+    )
+    enforcement: Literal["penalty", "exact"] = key("enforcement of contact without crush", "penalty")
+    penalty_scale: Scale = key(
+        "penalty stiffness of contact without crush, relative to the default stiffness", 1.0
+    )
 
     @property
     def crushes(self) -> bool:
@@ -230,121 +248,123 @@ class Contact(SceneTable):
 
 
 class StrikeTable(SceneTable):
-    """Stage 3."""
+    """Stage 3: force of the tail-slap."""
 
-    duration: Duration = key("of the tail-slap in Stage 3", 0.1)
+    duration: Duration = key("duration of the triangular force pulse", 0.1)
 
 
 class Plate(SceneTable):
-    """The FE model of the vehicle: its modulus, or the first frequency in its plane that the modulus gives it.
+    """FE model of the vehicle: a plate in plane stress.
 
-    Without elements, or without element, the program chooses them.
+    Either youngs_modulus or first_frequency defines its stiffness.
     """
 
-    thickness: Length = needed("of the FE plate")
-    density: Density | None = key("if left out the vehicle's mass spread over the plate")
-    youngs_modulus: Modulus | None = key("of the plate; this or first_frequency")
-    first_frequency: Frequency | None = key("of the free plate in its plane, which gives the modulus")
-    poissons_ratio: PoissonsRatio = needed("of the plate")
-    elements: ElementCounts | None = key("along and across; if left out the program chooses")
-    element: Annotated[str, _registered(kinds.ELEMENT_KINDS)] = key("kind of element", "quad4")
-    distortion: Distortion = key("of the mesh, as a fraction of the element's size", 0.0)
-    lumping: Annotated[str, _registered(kinds.LUMPINGS)] = key("how the mass is put on the nodes", "exact")
-    start: StartName = key("elastic state at the start", "inertia-relief")
+    thickness: Length = needed("thickness of the plate")
+    density: Density | None = key(
+        "density of the plate; default: mass of the vehicle over the volume of the plate"
+    )
+    youngs_modulus: Modulus | None = key("Young's modulus; required unless first_frequency is given")
+    first_frequency: Frequency | None = key(
+        "lowest natural frequency of the free plate in its plane; required unless youngs_modulus is given"
+    )
+    poissons_ratio: PoissonsRatio = needed("Poisson's ratio")
+    elements: ElementCounts | None = key("number of elements along and across; default: automatic")
+    element: Annotated[str, _registered(kinds.ELEMENT_KINDS)] = key("element type", "quad4")
+    distortion: Distortion = key("distortion of the mesh, as a fraction of the element size", 0.0)
+    lumping: Annotated[str, _registered(kinds.LUMPINGS)] = key("mass lumping", "exact")
+    start: StartName = key("elastic state at t = 0", "inertia-relief")
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Elements along and across, where the scene gives them or the program has chosen."""
+        """Elements along and across. Raises ValueError before they are selected."""
         if self.elements is None:
             raise ValueError("the elements are not chosen yet")
         return self.elements
 
     @property
     def modulus(self) -> float:
-        """Young's modulus [Pa], where the scene gives it or the first frequency has given it."""
+        """Young's modulus [Pa]. Raises ValueError before it follows from the first frequency."""
         if self.youngs_modulus is None:
             raise ValueError("the modulus is not resolved yet")
         return self.youngs_modulus
 
     @property
     def relieved(self) -> bool:
-        """True if the plate starts with the elastic state of its acceleration."""
+        """True for a start by inertia relief."""
         return start_kinds.START_KINDS[self.start].relieved
 
 
 class MaterialTable(SceneTable):
-    """The plate's material law; Young's modulus and Poisson's ratio are the plate's."""
+    """Material law of the plate; Young's modulus and Poisson's ratio are keys of [plate]."""
 
-    law: Annotated[str, _registered(materials.MATERIALS)] = needed("of the plate")
+    law: Annotated[str, _registered(materials.MATERIALS)] = needed("material law of the plate")
 
 
 class Damping(SceneTable):
-    """Damping of the plate. kind and rate: of its elastic velocities; without kind the program decides.
-
-    ratio: stiffness-proportional, to critical at the model's highest frequency. bulk_viscosity: linear.
-    """
+    """Damping of the plate. By default it is selected automatically."""
 
     kind: Literal["elastic-velocity", "none"] | None = key(
-        "of the plate's elastic motion; if left out the program decides"
+        "damping of the elastic velocities; default: automatic"
     )
-    rate: Rate | None = key("of the elastic velocities")
-    ratio: DampingRatio | None = key("in proportion to stiffness, to critical at the highest frequency")
-    bulk_viscosity: Viscosity | None = key("linear")
+    rate: Rate | None = key("rate c of the damping of the elastic velocities")
+    ratio: DampingRatio | None = key(
+        "stiffness-proportional damping: damping ratio at the highest natural frequency"
+    )
+    bulk_viscosity: Viscosity | None = key("coefficient of linear bulk viscosity")
 
 
 class Verify(SceneTable):
-    """Demands of the scene on its own result, and companions: runs of the same vehicle on other meshes, from which a
-    run states its numerical error; without them it states none.
+    """Limits on the result, and companion runs: runs on other meshes from which the numerical error is estimated."""
 
-    tolerance: of the five quantities of a constrained corner. mesh: of a whole impact's first two strikes of weight.
-    """
-
-    tolerance: Tolerance | None = key("largest difference from the rigid motion that the scene allows")
+    tolerance: Tolerance | None = key(
+        "largest allowed difference from the rigid-body motion, constrained corners only"
+    )
     mesh: Tolerance = key(
-        "largest numerical error of a strike's peak, impulse, 50 ms mean and duration", 0.02
+        "largest allowed numerical error of peak force, impulse, 50 ms mean and duration, whole impacts only",
+        0.02,
     )
     companion: Annotated[bool, BeforeValidator(_flag)] = key(
-        "whether a run states its numerical error, by runs on other meshes", True
+        "estimate the numerical error by companion runs", True
     )
 
 
 class Time(SceneTable):
-    """Fraction of the stable time step that is taken; rows of the history; threads of the time loop; end of a whole
-    impact, which is left out 0.1 s after the second strike."""
+    """Time integration and history."""
 
-    safety_factor: Fraction = key("time step over the stable one", 0.9)
-    rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = key("of the history", 400)
-    threads: Annotated[int, Field(ge=1, le=256, strict=True)] = key("of the time loop", 1)
-    end: EndOfImpact | None = key("of a whole impact; if left out 0.1 s after the second strike")
+    safety_factor: Fraction = key("time step divided by the critical time step", 0.9)
+    rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = key("number of rows of the history", 400)
+    threads: Annotated[int, Field(ge=1, le=256, strict=True)] = key("number of threads of the time loop", 1)
+    end: EndOfImpact | None = key("end time of a whole impact; default: 0.1 s after the second strike")
 
 
 class Output(SceneTable):
-    """Output of a run beside its report. fields: instants of a run at which displacement, velocity and stress of the
-    whole plate are kept."""
+    """Additional output of a run."""
 
     fields: Annotated[int, Field(ge=1, le=10_000, strict=True)] = needed(
-        "instants of a run at which displacement, velocity and stress of the plate are kept"
+        "number of instants at which displacement, velocity and stress of the plate are stored"
     )
 
 
 class Wall(SceneTable):
-    """The wall's mesh; of a whole impact a deformable wall, on a foundation along it. Material left out: the paper's
-    concrete (Table 2)."""
+    """Mesh of the wall. In a whole impact the wall is elastic, on an elastic foundation; the default material is the
+    concrete of the paper (Table 2)."""
 
-    length: Length = needed("of the wall's mesh")
-    depth: Length = needed("of the wall's mesh")
-    elements: ElementCounts = needed("along and across")
-    height: Length | None = key("of a wall that gives")
-    foundation_stiffness: LayerStiffness | None = key("of a wall that gives, along it")
-    density: Density = key("of the wall", 2400.0)
-    youngs_modulus: Modulus = key("of the wall", 24.82e9)
-    poissons_ratio: PoissonsRatio = key("of the wall", 0.18)
+    length: Length = needed("length of the wall")
+    depth: Length = needed("depth of the wall")
+    elements: ElementCounts = needed("number of elements along and across")
+    height: Length | None = key("height of the elastic wall")
+    foundation_stiffness: LayerStiffness | None = key(
+        "stiffness of the foundation per length of the elastic wall"
+    )
+    density: Density = key("density of the wall", 2400.0)
+    youngs_modulus: Modulus = key("Young's modulus of the wall", 24.82e9)
+    poissons_ratio: PoissonsRatio = key("Poisson's ratio of the wall", 0.18)
 
 
 class Scene(SceneTable):
-    """A whole scene."""
+    """Scene: one impact, with the models that represent it."""
 
-    name: Name = needed("names the result folder")
+    name: Name = needed("name of the scene and of its result folder")
     vehicle: Vehicle
     trailer: tuple[Trailer, ...] = ()
     impact: Impact | None = None
@@ -369,24 +389,24 @@ class Scene(SceneTable):
     def needed_plate(self) -> Plate:
         """The plate. Raises InputError where the scene has none."""
         if self.plate is None:
-            raise InputError("plate", Missing, "a run needs this table; `tailslap rigid` does without it")
+            raise InputError("plate", Missing, "this table is required for a finite-element run")
         return self.plate
 
     @property
     def needed_contact(self) -> Contact:
         """The contact of a whole impact. Raises InputError where the scene has none."""
         if self.contact is None:
-            raise InputError("contact", Missing, "a whole impact needs this table")
+            raise InputError("contact", Missing, "this table is required for a whole impact")
         return self.contact
 
     @property
     def kept_fields(self) -> int:
-        """Instants at which fields are kept."""
+        """Number of instants at which fields are stored."""
         return self.output.fields if self.output else 0
 
     @property
     def corner_friction(self) -> float:
-        """Friction of Stage 2: the corner's, else the impact's, and 0 with reaction "none"."""
+        """Coefficient of friction in Stage 2: corner.friction, by default impact.friction; 0 with reaction "none"."""
         if self.corner.frictionless:
             return 0.0
         given = self.corner.friction
@@ -400,7 +420,7 @@ TABLES: dict[str, type[SceneTable]] = {
     for kind in (field.annotation, *get_args(field.annotation))
     if isinstance(kind, type) and issubclass(kind, SceneTable)
 }
-"""Tables of a scene by name, of a list of tables one."""
+"""Tables of a scene by name; of a list of tables, its element."""
 
 LISTED = ("trailer",)
 """Names of lists of tables, [[NAME]]."""

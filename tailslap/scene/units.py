@@ -10,6 +10,7 @@ Pound, foot and pound-force are those of the international agreement of 1959 and
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from postprocess.units import SYSTEMS
 FOOT, POUND, GRAVITY = 0.3048, 0.45359237, 9.80665
 POUND_FORCE = POUND * GRAVITY
 MPH = 5280.0 * FOOT / 3600.0
-COMMA = "decimals stand behind a point, not a comma"
+COMMA = "the decimal separator is a point, not a comma"
 
 
 class Dimension(NamedTuple):
@@ -66,14 +67,14 @@ NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
 
 
 class Factor(NamedTuple):
-    """A name and the power that it has in the unit, 1 to 9 or -9 to -1."""
+    """Name of a unit and its power, 1 to 9 or -9 to -1."""
 
     name: str
     power: int
 
 
 def unit_factors(text: str) -> tuple[Factor, ...]:
-    """Factors of a unit. Raises ValueError for text that is none."""
+    """Factors of a unit. Raises ValueError for text that is not a unit."""
     if len(text) > MAX_UNIT:
         raise ValueError("too long")
     at, factors, sign = 0, [], 1
@@ -82,7 +83,7 @@ def unit_factors(text: str) -> tuple[Factor, ...]:
     while True:
         match = FACTOR.match(text, at)
         if not match:
-            raise ValueError("no name of a unit")
+            raise ValueError("it is not the name of a unit")
         factors.append(Factor(match[1], sign * int(match[2] or 1)))
         if match.end() == len(text):
             return tuple(factors)
@@ -93,16 +94,16 @@ def _join(text: str, at: int) -> tuple[int, int]:
     """Start of the next factor, and the sign of its power."""
     match = JOIN.match(text, at)
     if not match:
-        raise ValueError("no product")
+        raise ValueError("it is not a product of units")
     return match.end(), -1 if match[1] == "/" else 1
 
 
 def to_si(text: str) -> tuple[float, Dimension]:
-    """Factor to SI and dimension of a unit. Raises ValueError for a name that is not known and other text."""
+    """Factor to SI and dimension of a unit. Raises ValueError for an unknown name or other text."""
     scale, powers = 1.0, [0, 0, 0, 0]
     for name, power in unit_factors(text):
         if name not in UNITS:
-            raise ValueError(f'"{name}" is not known; known are {", ".join(UNITS)}')
+            raise ValueError(f'"{name}" is unknown; allowed are {", ".join(UNITS)}')
         factor, dimension = UNITS[name]
         scale = scale * factor**power if power > 0 else scale / factor**-power
         powers = [total + power * own for total, own in zip(powers, dimension, strict=True)]
@@ -110,18 +111,18 @@ def to_si(text: str) -> tuple[float, Dimension]:
 
 
 def converted(value: float, given: str, unit: str) -> float:
-    """Convert a value to another unit of the same dimension. Raises ValueError where it has none."""
+    """Convert a value to another unit of the same dimension. Raises ValueError for another dimension."""
     source, target = to_si(given), to_si(unit)
     if source[1] != target[1]:
-        raise ValueError("another dimension")
+        raise ValueError(f"its dimension differs from that of {unit}")
     return value * (source[0] / target[0])
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number of a scene: its kind, SI unit and bounds. Used as `Annotated[float, Quantity(...)]`.
+    """Number of a scene: its kind, SI unit and bounds. Used as `Annotated[float, Quantity(...)]`.
 
-    The bound below is not reached, least and most may be. unit "" is a plain number.
+    Bounds least and most are inclusive, below is exclusive. unit "" is a plain number.
     """
 
     what: str
@@ -137,51 +138,63 @@ class Quantity:
         return core_schema.no_info_plain_validator_function(self.parse)
 
     def parse(self, given: object) -> float:
-        """Return the value in SI; raises ValueError with what is allowed for anything else."""
-        value = self._from_text(given) if isinstance(given, str) else self._from_number(given)
+        """Return the value in SI. Raises ValueError, with the allowed range in the unit of what was given."""
+        value, unit = (
+            self._from_text(given) if isinstance(given, str) else (self._from_number(given), self.unit)
+        )
         if not (self.least <= value <= self.most and value < self.below):
-            raise ValueError(self.allowed)
+            raise ValueError(self.allowed(unit))
         return value
 
-    @property
-    def allowed(self) -> str:
-        """Allowed values, in words."""
-        least, most = self._limit(self.least), self._limit(min(self.most, self.below))
-        limits = f"from {least} to {most}" if self.most < self.below else f"at least {least} and below {most}"
-        number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
-        return f"allowed is {self.what} {limits}, {number}, like {self.example}"
+    def limits(self, unit: str = "") -> str:
+        """Allowed range in a unit; bounds that are not round in it are rounded inwards to three digits."""
+        unit = unit or ("deg" if self.unit == "rad" else self.unit)
+        factor = converted(1.0, self.unit, unit) if unit != self.unit else 1.0
+        bounds = (factor * self.least, math.ceil), (factor * min(self.most, self.below), math.floor)
+        least, most = (f"{_rounded(bound, inwards):g} {unit}".strip() for bound, inwards in bounds)
+        return (
+            f"from {least} to {most}" if self.most < self.below else f"of at least {least} and below {most}"
+        )
 
-    def _limit(self, bound: float) -> str:
-        if self.unit == "rad":
-            return f"{math.degrees(bound):g} deg"
-        return f"{bound:g} {self.unit}".strip()
+    def allowed(self, unit: str = "") -> str:
+        """Allowed values, in words; unit: of the range."""
+        number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
+        return f"allowed is {self.what} {self.limits(unit)}, {number}, like {self.example}"
 
     def _from_number(self, given: object) -> float:
         if isinstance(given, bool) or not isinstance(given, int | float):
-            raise ValueError(self.allowed)
+            raise ValueError(self.allowed())
         try:
             return float(given)
         except OverflowError:
-            raise ValueError(self.allowed) from None
+            raise ValueError(self.allowed()) from None
 
-    def _from_text(self, given: str) -> float:
+    def _from_text(self, given: str) -> tuple[float, str]:
         match = NUMBER.fullmatch(given) if len(given) <= MAX_TEXT else None
         if not (self.unit and match and match[2]):
-            raise ValueError(self.allowed)
+            raise ValueError(self.allowed())
         try:
-            return converted(float(match[1]), match[2], self.unit)
+            return converted(float(match[1]), match[2], self.unit), match[2]
         except (ValueError, OverflowError) as error:
             why = COMMA if match[2].startswith(",") else f"the unit does not fit: {error}"
-            raise ValueError(f"{self.allowed} ({why})") from None
+            raise ValueError(f"{self.allowed()} ({why})") from None
+
+
+def _rounded(bound: float, inwards: Callable[[float], int]) -> float:
+    """The bound, if six digits show it exactly; else rounded inwards to three digits."""
+    if float(f"{bound:g}") == bound:
+        return bound
+    step = 10.0 ** (math.floor(math.log10(abs(bound))) - 2)
+    return inwards(round(bound / step, 6)) * step
 
 
 def value_line(name: str, value: float, unit: str, system: str) -> str:
-    """Line of a list of values, given in SI."""
+    """Line of a list of values, converted from SI."""
     return f"  {name:<18}{shown(value, unit, system, width=14)}"
 
 
 def shown(value: float, unit: str, system: str = "si", width: int = 0, digits: int = 7) -> str:
-    """Value given in an SI unit, as "digits unit"; digits right-aligned in `width` columns, US speeds in mph too."""
+    """Value in an SI unit, as "digits unit"; digits right-aligned in `width` columns, US speeds in mph too."""
     factor, name = SYSTEMS[system].of(unit)
     also = f" ({value / MPH:.{digits}g} mph)" if (system, unit) == ("us", "m/s") else ""
     return f"{factor * value:>{width}.{digits}g} {name}{also}"

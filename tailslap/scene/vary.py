@@ -1,9 +1,8 @@
-"""The one way to vary a scene: dotted keys with typed values, validated as a scene file is.
+"""Variation and validation of scenes.
 
-Text of the command line becomes values once, in `parse_changes`; from there on a change is a value in SI, a word, or
-None for a key that is taken out. Changes are plain data and travel to workers as they are.
-
-Validation of a scene: each key by itself, and keys that need or exclude each other.
+A change is a dotted key with a value in SI, a word, or None to remove the key; `parse_changes` makes changes of the
+texts of the command line. Changes are plain data, as workers need them. Validation checks each key by itself, then keys
+that require or exclude each other.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fem.laws import constraints
+from fem.laws.friction import FRICTION_LAWS
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim, nearest
 from tailslap.scene import schema
@@ -25,34 +25,98 @@ OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_mod
 
 
 def validate(data: dict[str, Any]) -> schema.Scene:
-    """The scene that these tables describe. Raises InputError for the first thing that is wrong."""
+    """Scene of these tables. Raises InputError for missing keys or the first invalid one."""
     scene = key_by_key(data)
-    _check_together(scene)
+    if missing := missing_keys(data):
+        raise _missing_error(missing)
+    if scene.contact is not None:
+        _check_impact(scene, scene.contact)
+    else:
+        _check_corner(scene)
+    _check_plate(scene)
     return scene
 
 
 def key_by_key(data: dict[str, Any]) -> schema.Scene:
-    """The scene, each key valid by itself, whatever keys that need or exclude each other. Raises InputError."""
+    """Scene of these tables, each key validated by itself. Raises InputError."""
     try:
         return schema.Scene.model_validate(data)
     except ValidationError as error:
-        raise _input_error(error) from None
+        raise _input_error(error, data) from None
 
 
-def _input_error(error: ValidationError) -> InputError:
+def missing_keys(tables: Mapping[str, Any]) -> list[str]:
+    """Dotted names of all keys that these tables require and do not have."""
+
+    def absent(*keys: str) -> list[str]:
+        return [key for key in keys if _value(tables, key) is None]
+
+    present = {"vehicle"} | {name for name in schema.TABLES if tables.get(name) not in (None, [], ())}
+    if absent("start.angle", "start.omega", "start.corner_speed") or "contact" in present:
+        present.add("impact")
+    frictionless = [law.name for law in FRICTION_LAWS.values() if law.frictionless]
+    found = absent("name")
+    for name in (name for name in schema.TABLES if name in present):
+        units = tables[name] if name in schema.LISTED else ()
+        places = [f"{name}.{i}" for i in range(len(units))] if isinstance(units, list | tuple) else []
+        required = [key for key, field in schema.TABLES[name].model_fields.items() if field.is_required()]
+        found += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
+    if "contact" in present:
+        crushes = not absent("contact.stiffness")
+        found += absent("contact.restitution") if crushes else []
+        found += absent("contact.stiffness") if "plate" not in present else []
+        found += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
+    elif "impact" in present:
+        found += absent("impact.friction", "impact.restitution")
+    elif _value(tables, "corner.reaction") not in frictionless:
+        found += absent("corner.friction")
+    if "plate" in present and absent("plate.first_frequency"):
+        found += absent("plate.youngs_modulus")
+    if _value(tables, "damping.kind") == "elastic-velocity":
+        found += absent("damping.rate")
+    return found
+
+
+def _value(tables: Mapping[str, Any], key: str) -> Any:
+    """Value of a dotted key; None where it is absent."""
+    found: Any = tables
+    for name in key.split("."):
+        if isinstance(found, list | tuple):
+            found = found[int(name)]
+        else:
+            found = found.get(name) if isinstance(found, Mapping) else None
+    return found
+
+
+INSTEAD = {
+    "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
+    "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
+    "contact.stiffness": "contact.stiffness is not required with [plate]",
+    "wall.height": "without [wall] the wall of a whole impact is rigid",
+}
+"""Alternatives to missing keys."""
+
+
+def _missing_error(keys: list[str]) -> InputError:
+    first, *more = keys
+    required = f"this key is required, and so are {', '.join(more)}" if more else "this key is required"
+    return InputError(first, Missing, "; ".join([required, *(INSTEAD[k] for k in keys if k in INSTEAD)]))
+
+
+def _input_error(error: ValidationError, data: Mapping[str, Any]) -> InputError:
     found = error.errors()
     first = next((each for each in found if each["type"] == "extra_forbidden"), found[0])
     key = ".".join(str(part) for part in first["loc"])
     kind = first["type"]
     if kind == "missing":
-        return InputError(key, Missing, "this key is required")
+        return _missing_error(missing_keys(data))
     if kind == "extra_forbidden":
-        return InputError(key, first["input"], f"there is no such key; {_known(first['loc'])}")
+        return InputError(key, first["input"], f"this key does not exist; {_known(first['loc'])}")
     if kind == "literal_error":
         return InputError(key, first["input"], f"allowed is {first['ctx']['expected']}")
     if kind == "tuple_type" and key in schema.LISTED:
         return InputError(
-            key, first["input"], f"allowed is a list of tables, [[{key}]], each by its number: {key}.0"
+            key, first["input"], f"allowed is a list of tables, [[{key}]], numbered {key}.0, {key}.1, ..."
         )
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return InputError(key, first["input"], f"allowed is a table, [{key}]")
@@ -70,45 +134,27 @@ def _known(location: tuple[int | str, ...]) -> str:
     )
 
 
-def _check_together(scene: schema.Scene) -> None:
-    """Keys that need or exclude each other."""
-    if scene.contact is not None:
-        check_impact(scene, scene.contact)
-        _check_plate(scene)
-        return
-    _check_corner(scene)
-    _check_plate(scene)
-
-
 def _check_corner(scene: schema.Scene) -> None:
-    """Keys of the paper's three stages, with a constrained corner."""
-    _refuse(scene, "it belongs to a whole impact, with [contact]; leave it out", *OF_A_WHOLE_IMPACT)
+    """Validate keys of a constrained corner."""
+    _refuse(scene, "this key requires [contact]; remove it", *OF_A_WHOLE_IMPACT)
     if scene.trailer:
-        why = "a constrained corner turns one rigid body about itself; a train takes [contact] in place of [corner]"
+        why = (
+            "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
+        )
         raise InputError("trailer", f"{len(scene.trailer)} tables", why)
     for key in OF_A_WALL_THAT_GIVES:
         value = getattr(scene.wall, key, None)
         if scene.wall is not None and value != schema.Wall.model_fields[key].default:
-            allowed = "a wall that gives belongs to a whole impact, with [contact]; leave it out"
+            allowed = "an elastic wall requires [contact]; remove this key"
             raise InputError(f"wall.{key}", value, allowed)
-    for key in ("friction", "restitution"):
-        if scene.impact is not None and getattr(scene.impact, key) is None:
-            raise InputError(f"impact.{key}", Missing, "this key is required")
-    start = scene.start
-    complete = start is not None and None not in (start.angle, start.omega, start.corner_speed)
-    if scene.impact is None and not complete:
-        why = "this table is required unless [start] gives angle, omega and corner_speed"
-        raise InputError("impact", Missing, why)
     friction = scene.corner.friction
     if scene.corner.frictionless and friction is not None:
-        allowed = f'it has no meaning with corner.reaction = "{scene.corner.reaction}"; leave it out'
+        allowed = f'this key has no effect with corner.reaction = "{scene.corner.reaction}"; remove it'
         raise InputError("corner.friction", friction, allowed)
-    if not scene.corner.frictionless and friction is None and scene.impact is None:
-        raise InputError("corner.friction", Missing, "it is required where there is no impact.friction")
 
 
 def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
-    """Raise InputError for the first of these keys of two parts that the scene gives."""
+    """Raise InputError for the first of these keys that the scene has."""
     for key in keys:
         table, name = key.split(".")
         own = getattr(scene, table)
@@ -118,7 +164,7 @@ def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
 
 
 def _check_plate(scene: schema.Scene) -> None:
-    """Keys of the finite-element model that need or exclude each other."""
+    """Validate keys of the finite-element model."""
     tables = {
         "material": scene.material,
         "damping": scene.damping,
@@ -128,21 +174,19 @@ def _check_plate(scene: schema.Scene) -> None:
     }
     for name, table in tables.items():
         if table and not scene.plate:
-            raise InputError(name, "a table", "it has no meaning without [plate]; leave it out")
+            raise InputError(name, "a table", "this table has no effect without [plate]; remove it")
     constraint = constraints.CONSTRAINTS[scene.corner.constraint]
     of_springs = [f"corner.{key}" for key in ("penalty_scale", "damping_ratio") if key not in constraint.keys]
-    _refuse(scene, f'constraint = "{constraint.name}" has no spring; leave it out', *of_springs)
+    _refuse(scene, f'corner.constraint = "{constraint.name}" has no spring; remove this key', *of_springs)
     plate = scene.plate
-    if plate and plate.youngs_modulus is None and plate.first_frequency is None:
-        raise InputError("plate.youngs_modulus", Missing, "this key or plate.first_frequency is required")
     if plate and plate.youngs_modulus is not None and plate.first_frequency is not None:
         allowed = (
-            "it sets the modulus; leave out this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
+            "it defines the modulus; remove this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
         )
         raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
     if plate and LUMPINGS[plate.lumping].row_sums and not ELEMENT_KINDS[plate.element].row_sums:
-        why = f"row sums of {plate.element} give its corners no mass"
-        allowed = f'{why}; allowed with them is another element, or "exact"'
+        why = f"row sums of {plate.element} are zero at its corner nodes"
+        allowed = f'{why}; allowed is "exact", or another element'
         raise InputError("plate.lumping", plate.lumping, allowed)
     if scene.damping:
         _check_damping(scene.damping)
@@ -150,76 +194,67 @@ def _check_plate(scene: schema.Scene) -> None:
 
 def _check_damping(damping: schema.Damping) -> None:
     if not damping.model_fields_set:
-        allowed = "it needs kind, ratio or bulk_viscosity; left out, the program decides"
+        allowed = "kind, ratio or bulk_viscosity is required; without this table damping is automatic"
         raise InputError("damping", "an empty table", allowed)
     if damping.rate is not None and damping.kind != "elastic-velocity":
-        why = 'it belongs to kind = "elastic-velocity"; leave it out'
+        why = 'this key requires damping.kind = "elastic-velocity"; remove it'
         raise InputError("damping.rate", damping.rate, why)
-    if damping.rate is None and damping.kind == "elastic-velocity":
-        why = 'kind = "elastic-velocity" needs it; left out, the program decides'
-        raise InputError("damping.rate", Missing, why)
     given = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
     if damping.kind == "none" and given:
-        allowed = 'kind = "none" forbids all damping; leave out one of the two'
+        allowed = 'damping.kind = "none" excludes this key; remove one of the two'
         raise InputError(f"damping.{given[0]}", getattr(damping, given[0]), allowed)
 
 
 OF_THE_CORNER = {
-    "corner": "a wall that only pushes has no constrained corner",
-    "start": "a whole impact starts at first touch",
-    "strike": "a whole impact computes its strikes",
+    "corner": "unilateral contact excludes a constrained corner",
+    "start": "a whole impact starts at first contact",
+    "strike": "a whole impact computes the duration of its strikes",
 }
 """Tables that [contact] excludes, and why."""
 
 OF_A_WHOLE_IMPACT = ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh")
 OF_A_CORNER = {
-    "verify.tolerance": "it belongs to a constrained corner; leave it out, or [contact]",
-    "impact.convention": "restitution is contact.restitution's, by its law; leave it out",
-    "plate.density": "the plate of a whole impact carries vehicle.mass, on which forces depend; leave it out",
-    "plate.start": "a whole impact starts at first touch, unstressed; leave it out",
+    "verify.tolerance": "this key requires a constrained corner; remove it or [contact]",
+    "impact.convention": "the restitution of a whole impact is contact.restitution; remove this key",
+    "plate.density": "the density of a whole impact follows from vehicle.mass; remove this key",
+    "plate.start": "a whole impact starts unstressed; remove this key",
 }
-"""Keys of scenes with [contact] alone; of those without, and why [contact] excludes them."""
+"""Keys that require [contact]; keys that [contact] excludes, and why."""
 
 OF_CRUSH = tuple(f"contact.{k}" for k in ("initial_force", "restitution", "side_stiffness", "patch_length"))
 OF_NO_CRUSH = ("contact.enforcement", "contact.penalty_scale")
 
 
-def check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
-    """Keys of a whole impact that need or exclude each other. Raises InputError."""
+def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
+    """Validate keys of a whole impact. Raises InputError."""
     for name, why in OF_THE_CORNER.items():
         if name in scene.model_fields_set and getattr(scene, name) is not None:
-            raise InputError(name, "a table", f"{why}; leave out this table or [contact]")
-    if scene.impact is None:
-        raise InputError("impact", Missing, "a whole impact starts from this table")
+            raise InputError(name, "a table", f"{why}; remove this table or [contact]")
     for key, allowed in OF_A_CORNER.items():
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
     _check_trailers(scene, contact)
     _check_plate_of_impact(scene, contact)
-    for key in ("height", "foundation_stiffness"):
-        if scene.wall is not None and getattr(scene.wall, key) is None:
-            allowed = "the wall of a whole impact gives, and needs it; without [wall] it is rigid"
-            raise InputError(f"wall.{key}", Missing, allowed)
 
 
 def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
     if contact.crushes:
-        _refuse(scene, "with contact.stiffness all that touches crushes; leave it out", *OF_NO_CRUSH)
+        _refuse(scene, "this key has no effect with contact.stiffness; remove it", *OF_NO_CRUSH)
     else:
-        _refuse(scene, "it needs contact.stiffness; leave it out", *OF_CRUSH)
-    if contact.crushes and contact.restitution is None:
-        raise InputError("contact.restitution", Missing, "this key is required, from 0 to 1")
+        _refuse(scene, "this key requires contact.stiffness; remove it", *OF_CRUSH)
     if contact.enforcement == "exact":
-        _refuse(scene, 'enforcement = "exact" has no spring; leave it out', "contact.penalty_scale")
+        _refuse(
+            scene, 'contact.enforcement = "exact" has no spring; remove this key', "contact.penalty_scale"
+        )
 
 
 MOST_TRAILERS = 7
 
 
 def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
-    """Raise InputError for hinges that are not within both units, a drawbar of the trailer's length included."""
+    """Validate the hinges of a train. Raises InputError."""
     if len(scene.trailer) > MOST_TRAILERS:
-        allowed = f"allowed are {MOST_TRAILERS}, a train of {MOST_TRAILERS + 1} units"
+        allowed = f"allowed are at most {MOST_TRAILERS}"
         raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)
     for number, (ahead, unit) in enumerate(zip(scene.units, scene.trailer, strict=False)):
         if unit.hitch > ahead.length:
@@ -227,32 +262,27 @@ def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
             raise InputError(f"trailer.{number}.hitch", unit.hitch, allowed)
         least = 0.0 if scene.plate else -unit.length
         if not least <= unit.kingpin <= unit.length:
-            why = (
-                "; its plate has no drawbar, which `tailslap rigid` without [plate] takes"
-                if scene.plate
-                else ""
-            )
+            why = "; a drawbar (negative) is allowed without [plate] only" if scene.plate else ""
             allowed = f"allowed is from {least:g} to the trailer's length, {unit.length:g} m{why}"
             raise InputError(f"trailer.{number}.kingpin", unit.kingpin, allowed)
         if unit.stiffness is not None and not contact.crushes:
             raise InputError(
-                f"trailer.{number}.stiffness", unit.stiffness, "it needs contact.stiffness; leave it out"
+                f"trailer.{number}.stiffness",
+                unit.stiffness,
+                "this key requires contact.stiffness; remove it",
             )
 
 
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     plate = scene.plate
     if plate is None:
-        if not contact.crushes:
-            allowed = "it is required without [plate]: a rigid vehicle touches by its crush alone"
-            raise InputError("contact.stiffness", Missing, allowed)
         return
     if not contact.crushes and plate.youngs_modulus is None:
-        allowed = "without contact.stiffness the contact takes its stiffness from this key"
+        allowed = "this key is required without contact.stiffness: it defines the contact stiffness"
         raise InputError("plate.youngs_modulus", Missing, allowed)
     own = any(unit.centre_of_mass or unit.yaw_inertia for unit in scene.units)
     if plate.lumping == "row-sum" and own:
-        allowed = 'with a centre of mass or yaw inertia of its own allowed is "exact"'
+        allowed = 'with centre_of_mass or yaw_inertia of a unit allowed is "exact"'
         raise InputError("plate.lumping", plate.lumping, allowed)
 
 
@@ -260,25 +290,25 @@ KEY = r"[^.\s]{1,80}(\.[^.\s]{1,80}){0,3}"
 """A dotted key on the command line, as a regular expression."""
 
 LOOSE_NUMBER = re.compile(r"[+-]?([0-9]+\.|\.[0-9]+)([eE][+-]?[0-9]+)?")
-"""Numbers like .5 and 10., which TOML does not have."""
+"""Numbers like .5 and 10., which are not TOML."""
 
 MAX_TEXT = 1000
 """Characters of a value on the command line."""
 
 Changes = Mapping[str, Any]
-"""Values by dotted key, in the order in which they are put in; None takes the key, or a whole table, out."""
+"""Values by dotted key, in the order of application; None removes the key or the whole table."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """Origin of a scene: its file, the tables as given, the keys changed since.
+    """Source of a scene: its file, its tables, and the keys changed since.
 
     Attributes
     ----------
     text : str
-        The file's, changes noted at the end.
+        Text of the file, with changes noted at the end.
     given : dict
-        What was given for each table and key, units included.
+        Tables as in the file, with units.
     changed : frozenset of str
         Dotted keys changed since the file was read.
     """
@@ -289,14 +319,14 @@ class Source:
 
     @classmethod
     def of(cls, scene: schema.Scene) -> Source:
-        """A source of what the scene's keys say, in SI."""
+        """Source of a scene, in SI."""
         return cls(given=scene.model_dump(exclude_unset=True))
 
 
 def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
-    """The validated scene with these changes, and its source, which notes them. Raises InputError.
+    """Validated scene with these changes, and its source, which notes them. Raises InputError.
 
-    A key that the scene does not give may be taken out: nothing is noted then.
+    To remove a key that the scene does not have is no change.
     """
     tables, noted = changed_tables(source.given, changes)
     text = "".join(f"# changed by --set {change}\n" for change in shown(noted))
@@ -309,21 +339,21 @@ def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
 
 
 def value_at(scene: Any, key: str) -> Any:
-    """The value of a dotted key of a scene, "trailer.0.mass" of a list of tables."""
+    """Value of a dotted key of a scene, e.g. "trailer.0.mass" in a list of tables."""
     for name in key.split("."):
         scene = scene[int(name)] if isinstance(scene, tuple) else getattr(scene, name)
     return scene
 
 
 def changed_tables(given: Mapping[str, Any], changes: Changes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The tables with the changes put in, the given ones left alone; and those that changed anything."""
+    """Copy of the tables with the changes applied, and the changes that had an effect."""
     tables = dict(given)
     noted = {key: value for key, value in changes.items() if _put(tables, key, value)}
     return tables, noted
 
 
 def parse_changes(texts: Iterable[str], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by key of KEY=VALUE texts, for a scene that gives these tables. Raises InputError."""
+    """Values by key of KEY=VALUE texts, for a scene with these tables. Raises InputError."""
     found: dict[str, Any] = {}
     for text in texts:
         key, equals, value = (part.strip() for part in text.partition("="))
@@ -336,20 +366,20 @@ def parse_changes(texts: Iterable[str], given: Mapping[str, Any]) -> dict[str, A
 
 
 def _demand_effect(changes: Changes, key: str, text: str, given: Mapping[str, Any]) -> None:
-    """Raise InputError where the last change, typed as this text, cannot be put in, or takes out what is not there."""
+    """Raise InputError where the last change, given as this text, cannot be applied or removes an absent key."""
     try:
         noted = changed_tables(given, changes)[1]
     except InputError as error:
         raise InputError("--set", text, error.allowed) from None
     if key not in noted:
-        allowed = "the scene does not give this key: there is nothing to take out"
+        allowed = "the scene does not have this key"
         raise InputError("--set", text, allowed)
 
 
 def parse_value(text: str) -> Any:
-    """A TOML value if it is one, else the text itself, for the shell has taken its quotes.
+    """TOML value of a text, or the text itself, whose quotes the shell has removed.
 
-    Text with a comment or a second line is no value: part of it would be dropped without a word.
+    Text with a comment or a second line is not parsed: TOML would ignore part of it.
     """
     if re.search(r"[#\r\n]", text) or len(text) > MAX_TEXT:
         return text
@@ -362,7 +392,7 @@ def parse_value(text: str) -> Any:
 
 
 def depth_exceeds(value: Any, most: int) -> bool:
-    """True if tables and lists are nested deeper than this."""
+    """True if tables and lists are nested deeper than `most`."""
     level = [value]
     for _ in range(most + 1):
         level = [
@@ -375,7 +405,7 @@ def depth_exceeds(value: Any, most: int) -> bool:
 
 
 def shown(changes: Changes) -> tuple[str, ...]:
-    """The changes as --set takes them."""
+    """Texts of the changes, as of --set."""
     return tuple(f"{key}={_shown(value)}" for key, value in changes.items())
 
 
@@ -388,7 +418,7 @@ def _shown(value: Any) -> str:
 
 
 def _put(tables: Any, key: str, value: Any) -> bool:
-    """Put a value in, tables on the way to it copied; whether that changes anything."""
+    """Apply a change, copying the tables that contain it. Returns True if it has an effect."""
     *path, last = key.split(".")
     for name in path:
         place = _place(tables, name, key, value)
@@ -412,9 +442,9 @@ def _lists_tables(value: Any) -> bool:
 
 
 def _place(tables: Any, name: str, key: str, value: Any) -> Any:
-    """Name of an entry of a table, or number of one of a list of tables."""
+    """Name of a key of a table, or number of a table of a list."""
     if not isinstance(tables, list):
         return name
     if not name.isdecimal() or int(name) >= len(tables):
-        raise InputError(key, value, f"tables of a list have numbers; allowed are 0 to {len(tables) - 1}")
+        raise InputError(key, value, f"tables of a list are numbered; allowed are 0 to {len(tables) - 1}")
     return int(name)

@@ -1,4 +1,4 @@
-"""Scenes as text: one as it was run, a new one with every key, and a table of all inputs."""
+"""Scenes as text: the scene of a run, a new scene with every key, and the table of inputs."""
 
 import json
 import tomllib
@@ -17,7 +17,7 @@ from tailslap.scene import schema, units, vary
 
 
 def scene_text(source: vary.Source) -> str:
-    """The scene file that gives this run: the file as it is, or where keys were changed, all that was given."""
+    """Scene file that reproduces this run: the original file, or all tables where keys were changed."""
     if not source.changed:
         return source.text
     title = source.text.partition("\n")[0]
@@ -26,7 +26,7 @@ def scene_text(source: vary.Source) -> str:
 
 
 def scene_file(tables: Mapping[str, Any], title: str) -> str:
-    """Tables as the text of a scene file, its first line a comment; values are SI numbers, without a unit."""
+    """Text of a scene file with a title and these tables; values are numbers in SI."""
     return "\n".join([f"# {title}", *_lines(tables)]) + "\n"
 
 
@@ -43,7 +43,7 @@ def _lines(tables: Mapping[str, Any]) -> list[str]:
 
 
 def toml_value(value: Any) -> str:
-    """A value as TOML writes it."""
+    """Value in TOML."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml_value, value))}]"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
@@ -60,17 +60,17 @@ EXAMPLE: Mapping[str, Mapping[str, Any]] = {
     },
     "plate": {"thickness": "53 mm", "youngs_modulus": "200 GPa", "poissons_ratio": 0.3},
 }
-"""Values that a new scene gives; all else stands in it as a comment."""
+"""Values of a new scene; all other keys are comments."""
 
 
 @named_arguments
 def new(name: str) -> Path:
-    """Write NAME.toml in the current folder: a scene with every key, its meaning, and an example.
+    """Write NAME.toml in the current folder, a scene with every key, its meaning and an example.
 
     Parameters
     ----------
     name : str
-        Of the scene.
+        Name of the scene.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def new(name: str) -> Path:
     Raises
     ------
     InputError
-        For a name that is none, or a file that is there.
+        For an invalid name or an existing file.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def new(name: str) -> Path:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        allowed = f"{path} is there already; allowed is the name of a new file"
+        allowed = f"{path} exists; allowed is the name of a new file"
         raise InputError("NAME", name, allowed) from None
     except OSError as error:
         with suppress(OSError):
@@ -105,8 +105,8 @@ def new(name: str) -> Path:
 
 
 def new_scene(name: str) -> str:
-    """A scene with every key of the definition, its meaning and what is allowed; what may be left out is a comment."""
-    lines = [f"# {name}: change the values; lines that begin with # are keys that may be left out", ""]
+    """Text of a scene with every key and its meaning; optional keys are comments."""
+    lines = [f"# {name}: replace the values; lines that begin with # are optional keys", ""]
     lines.append(f"name = {toml_value(name)}")
     for key, table in schema.TABLES.items():
         given = EXAMPLE.get(key, {})
@@ -117,7 +117,7 @@ def new_scene(name: str) -> str:
 
 
 def _line(name: str, field: FieldInfo, given: Any) -> str:
-    """A key with its value, or one like it behind a #, and what it means."""
+    """Line of a key with its value, or with an example as a comment, and its meaning."""
     default = None if field.is_required() else field.default
     values = [toml_value(value) for value in (given, default) if value is not None]
     front = "" if given is not None else "# "
@@ -126,7 +126,7 @@ def _line(name: str, field: FieldInfo, given: Any) -> str:
 
 
 def example(field: FieldInfo) -> str:
-    """A value that a key may have, as TOML."""
+    """Example of a value of a key, in TOML."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     for mark in marks:
         if isinstance(mark, units.Quantity):
@@ -140,7 +140,7 @@ def example(field: FieldInfo) -> str:
 
 @dataclass(frozen=True)
 class SceneInput:
-    """An input as used: dotted key, the words of the scene, the SI value, and where it came from."""
+    """Input as used: dotted key, text of the scene, SI value and origin."""
 
     key: str
     given: str
@@ -150,7 +150,7 @@ class SceneInput:
 
 
 def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, ...]:
-    """A row for every key that has a value; keys that the scene left to their defaults say so."""
+    """Rows of all keys that have a value, defaults included."""
     rows = _rows(scene, source.given, source.changed, "")
     unused = ["corner.", "strike."] if scene.contact else ["verify.mesh"]
     unused += [] if scene.plate else ["verify."]
@@ -160,13 +160,13 @@ def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, 
 def resolved_inputs(
     scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: Mapping[str, Any] | None = None
 ) -> tuple[SceneInput, ...]:
-    """Rows of `scene_inputs` with the plate's resolved modulus; chosen: values that the program filled in, by key."""
+    """Rows of `scene_inputs` with the resolved modulus of the plate; chosen: automatically selected values by key."""
     chosen = chosen or {}
     rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
     numbers = {key: value for key, value in chosen.items() if isinstance(value, int | float)}
     origin = "from plate.first_frequency"
     known = scene.plate is not None and scene.plate.youngs_modulus is not None
-    origins = dict.fromkeys(chosen, "chosen by the program")
+    origins = dict.fromkeys(chosen, "automatic")
     if not known:
         origins["plate.youngs_modulus"] = origin
     return tuple(
@@ -193,6 +193,6 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
 
 
 def unit_of(field: FieldInfo) -> str:
-    """SI unit of a key, from its annotation; "" for what has none."""
+    """SI unit of a key, from its annotation; "" without one."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     return next((mark.unit for mark in marks if isinstance(mark, units.Quantity)), "")

@@ -139,7 +139,7 @@ def test_scenes_paper_and_new_have_the_bits_of_the_commands(tmp_path, monkeypatc
     assert tailslap.new("one") == Path("one.toml")
     command(capsys, "new", "two")
     assert Path("one.toml").read_text().replace("one", "two", 2) == Path("two.toml").read_text()
-    with pytest.raises(InputError, match=r"one.toml is there already"):
+    with pytest.raises(InputError, match=r"one.toml exists"):
         tailslap.new("one")
 
 
@@ -305,8 +305,24 @@ def test_a_result_is_a_line_a_page_and_a_plot(result, tmp_path):
     np.testing.assert_array_equal(drawn["rigid"], result.rigid["v_gy"])
     for ending, start in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
         assert plot.save(tmp_path / f"plot{ending}").read_bytes().startswith(start)
-    with pytest.raises(InputError, match="allowed are t, theta"):
+    with pytest.raises(InputError, match=r"allowed are\s+t, theta"):
         result.plot("colour")
+
+
+def test_a_field_is_a_picture(result, tmp_path):
+    """The bits of those that `export` draws of the same instant; v_gy is the velocity across the wall."""
+    kept = tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa", "output.fields": 2})
+    tailslap.export(kept, "png", tmp_path / "a", field="velocity_y")
+    first, last = sorted((tmp_path / "a").glob("*.png"))
+    for path, t in ((first, 0.0), (last, None)):
+        kept.plot_field("v_gy", t).save(tmp_path / "mine.png")
+        assert (tmp_path / "mine.png").read_bytes() == path.read_bytes()
+    assert result.plot_field("stress_von_mises").size == kept.plot_field("velocity_y").size
+    assert result.plot_field("v_gx").tobytes() != result.plot_field("v_gy").tobytes()
+    with pytest.raises(InputError, match=r"did you mean stress_von_mises\?"):
+        result.plot_field("von_mises")
+    with pytest.raises(InputError, match="no fields were kept"):
+        tailslap.rigid("mash-tl4-sut").plot_field("v_gy")
 
 
 def test_what_failed_is_told():

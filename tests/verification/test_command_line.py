@@ -170,7 +170,7 @@ def test_a_run_without_a_plate_is_refused_and_rigid_does_without(tmp_path, monke
     monkeypatch.chdir(tmp_path)
     bare = ["mash-tl4-sut", "--set", "plate=", "--set", "wall="]
     assert _status(["run", *bare]) == 2
-    assert "plate: given nothing" in capsys.readouterr().err
+    assert "plate: given no value" in capsys.readouterr().err
     for command in ("rigid", "check"):
         assert _status([command, *bare]) == 0
 

@@ -198,7 +198,7 @@ def test_a_new_scene_is_not_written_over(tmp_path, monkeypatch):
     ("plate.mass=1 kg", "did you mean vehicle.mass?"), ("pltae.thickness=1 mm", "did you mean plate?"),
 ])  # fmt: skip
 def test_did_you_mean(change, hint):
-    with pytest.raises(errors.InputError, match="there is no such key") as caught:
+    with pytest.raises(errors.InputError, match="this key does not exist") as caught:
         read.read_scene("mash-tl4-sut", (change,))
     assert hint in str(caught.value)
 

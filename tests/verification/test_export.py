@@ -150,7 +150,7 @@ def test_without_fields_there_are_histories_alone(to, tmp_path):
         folder = tailslap.export(bare, to, tmp_path / to)
         assert [path.name for path in folder.glob("[!.]*")] == [f"rigid.{to}"]
         return
-    with pytest.raises(InputError, match=r"output\.fields: given nothing; no fields were kept"):
+    with pytest.raises(InputError, match=r"output\.fields: given no value; the result has no fields"):
         tailslap.export(bare, to, tmp_path / to)
     assert not (tmp_path / to).exists()
 
@@ -167,7 +167,7 @@ def test_pictures_of_all_instants_have_one_scale(result, tmp_path):
     moving = tailslap.export(result, "gif", tmp_path / "gif", field="stress_von_mises")
     with Image.open(moving / "stress_von_mises.gif") as image:
         assert image.n_frames == 4
-    with pytest.raises(InputError, match="allowed is one of displacement_x"):
+    with pytest.raises(InputError, match=r"allowed is one of\s+displacement_x"):
         tailslap.export(result, "gif", tmp_path / "x", field="colour")
 
 
@@ -233,7 +233,9 @@ def test_without_fields_there_is_the_mesh_at_the_tail_slap(tmp_path):
         np.testing.assert_array_equal(mesh[name], kept[name])
     loaded = tailslap.load(bare.save(tmp_path / "run", pictures=False))
     for without in (lambda: bare.mesh(0.1), loaded.mesh, tailslap.rigid("paper-table-3").mesh):
-        with pytest.raises(InputError, match=r"no fields were kept; run with \{'output\.fields': 20\}"):
+        with pytest.raises(
+            InputError, match=r"run the scene with --set output\.fields=20 \(Python: \{'output"
+        ):
             without()
 
 

@@ -10,7 +10,7 @@ import pytest
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes
+from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text
 from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
 from tailslap.scene.write import scene_inputs, scene_text
 
@@ -59,8 +59,10 @@ WRONG = {
     ("vehicle.mass", UNIT): ["9979 lbf"],
     ("vehicle.mass", MASS): ["nan", "inf", '"nan kg"', "true"],
     ("vehicle.mass", "a string with its unit"): ['"9979"'],
-    ("vehicle.width", "decimals stand behind a point"): ["2,4 m", '"2,4"'],
-    ("impact.angle", "below 90 deg"): ["15", "90 deg"],
+    ("vehicle.width", "the decimal separator is a point"): ["2,4 m", '"2,4"'],
+    ("impact.angle", "of at least 0.0001 deg and below 90 deg"): ["90 deg"],
+    ("impact.angle", "of at least 1.75e-06 rad and below 1.57 rad"): ["15"],
+    ("impact.speed", "from 2.24e-06 mph to 22300 mph"): ["0 mph", "1e5 mph"],
     ("impact.angle", "a string with its unit"): ['"15"'],
     ("impact.friction", "from 0 to"): ["-0.1"],
     ("impact.friction", "a plain number"): ["0.4 m"],
@@ -73,7 +75,7 @@ WRONG = {
     ("plate.elements", "two whole numbers from 1"): ["[0, 6]", "[20, 6.5]", "[20]"],
     ("plate.elements", "at most 4000000"): ["[100000, 100000]"],
     ("plate.poissons_ratio", "to 0.4999"): ["0.5"],
-    ("plate.thicknes", "there is no such key; allowed are thickness"): ["1"],
+    ("plate.thicknes", "this key does not exist; allowed are thickness"): ["1"],
     ("vehicle", "a table"): ["3"],
     ("time.safety_factor", "to 1"): ["1.1"],
     ("damping.ratio", "from 1e-09"): ["0"],
@@ -86,7 +88,7 @@ WRONG = {
 REFUSED = [(f"{key}={value}", key, allowed) for (key, allowed), values in WRONG.items() for value in values]
 REFUSED += [("vehicle.length", "--set", "KEY=VALUE"), ("=3", "--set", "KEY=VALUE")]
 REFUSED += [("vehicle.length.x=3", "--set", "not a table")]
-REFUSED += [("colour.red=1", "colour", "there is no such key; allowed are name, vehicle")]
+REFUSED += [("colour.red=1", "colour", "this key does not exist; allowed are name, vehicle")]
 
 
 @pytest.mark.parametrize(("change", "key", "allowed"), REFUSED)
@@ -103,7 +105,7 @@ def test_names_that_can_be_a_folder_s(name):
 
 
 def test_friction_has_no_meaning_without_friction():
-    with pytest.raises(InputError, match=r"corner\.friction: given 0\.3; it has no meaning"):
+    with pytest.raises(InputError, match=r"corner\.friction: given 0\.3; this key has no effect"):
         changed("corner.friction=0.3", scene="paper-abaqus")
 
 
@@ -112,18 +114,36 @@ def test_tables_that_need_each_other(tmp_path, refused):
     start = "[start]\nangle = 0.26\nomega = 0.7\ncorner_speed = 25\n"
     free = vehicle + start + "[corner]\nreaction = 'none'\n"
     for text, key in (
-        (vehicle, "impact"),
-        (vehicle + "[start]\nangle = 0.26\n", "impact"),
+        (vehicle, "impact.speed"),
+        (vehicle + "[start]\nangle = 0.26\n", "impact.speed"),
         (vehicle + start, "corner.friction"),
         (free + "[damping]\nratio = 0.1\n", "damping"),
         (free + "[wall]\nlength=30\ndepth=5\nelements=[1,1]\n", "wall"),
-        ("name = 'x'\n", "vehicle"),
+        ("name = 'x'\n", "vehicle.length"),
     ):
         path = tmp_path / "scene.toml"
         path.write_text(text)
         assert refused(read_scene, str(path)) == key
     path.write_text(vehicle + start + "[corner]\nreaction = 'none'\n")
     assert CornerCase(*read_scene(str(path))).stage1 is None
+
+
+def test_all_missing_keys_are_named_at_once(tmp_path):
+    path = tmp_path / "van.toml"
+    path.write_text("[vehicle]\nlength = 5\n[impact]\nspeed = 20\n[plate]\nthickness = 0.04\n")
+    with pytest.raises(InputError) as caught:
+        read_scene(str(path))
+    missing = {"vehicle.mass", "impact.angle", "impact.friction", "impact.restitution"}
+    missing |= {"plate.poissons_ratio", "plate.youngs_modulus"}
+    assert caught.value.key == "vehicle.width"
+    assert set(re.findall(r"[a-z]+\.[a-z_]+", caught.value.allowed)) == missing | {"plate.first_frequency"}
+
+
+def test_a_file_without_a_name_takes_its_own(tmp_path, refused):
+    path, text = tmp_path / "van.toml", shipped_scenes()["mash-tl4-sut"]
+    path.write_text(text.replace('name = "mash-tl4-sut"', ""))
+    assert read_scene(str(path))[0].name == "van"
+    assert refused(vary, source_of_text(path.read_text()), {}) == "name"
 
 
 def test_a_partial_start_takes_the_rest_from_stage_one():
@@ -133,9 +153,9 @@ def test_a_partial_start_takes_the_rest_from_stage_one():
 
 
 @pytest.mark.parametrize(("content", "message"), [
-    (b"name = ", "not TOML"), (b'name = "a"\nname = "b"', "not TOML"), (b"\x00", "not text in UTF-8"),
-    (b"\xff\xfe\x00", "not text in UTF-8"),
-    (b'name = "a"\n[vehicle]\nlength = 5,9\n', "decimals stand behind a point"),
+    (b"name = ", "not TOML"), (b'name = "a"\nname = "b"', "not TOML"), (b"\x00", "neither text in UTF-8"),
+    (b"\xff\xfe\x00", "neither text in UTF-8"),
+    (b'name = "a"\n[vehicle]\nlength = 5,9\n', "the decimal separator is a point"),
 ])  # fmt: skip
 def test_malformed_files(tmp_path, content, message):
     path = tmp_path / "scene.toml"
@@ -209,9 +229,9 @@ def test_changes_are_shown_as_they_could_be_given_again():
 
 IMPOSSIBLE = [
     ({"plate.thickness": -1.0}, "plate.thickness", SIZE),
-    ({"plate.colour": 1}, "plate.colour", "no such key"),
+    ({"plate.colour": 1}, "plate.colour", "does not exist"),
     ({"plate.thickness.x": 1}, "plate.thickness.x", "not a table"),
-    ({"corner.reaction": "none", "corner.friction": 0.1}, "corner.friction", "no meaning"),
+    ({"corner.reaction": "none", "corner.friction": 0.1}, "corner.friction", "no effect"),
     *(({"vehicle.mass": None}, "vehicle.mass", "required"), ({"time.rows": 20.5}, "time.rows", "integer")),
     # What the theory refuses:
     ("impact.friction=2", "impact.friction", "cot"),
@@ -241,11 +261,11 @@ OF_TRAINS = [
     ("impact-mash-tl4-sut", {"trailer.0.kingpin": -15.0, "plate": None}, "trailer.0.kingpin", "from -14.6304 to"),
     ("impact-mash-tl4-sut", {"trailer.0.mass": 0}, "trailer.0.mass", "a mass from 1e-06 kg"),
     ("impact-mash-tl4-sut", {"trailer.0.kingpin": None}, "trailer.0.kingpin", "required"),
-    ("impact-mash-tl4-sut", {"trailer": [TRAILER] * 8}, "trailer", "allowed are 7, a train of 8 units"),
+    ("impact-mash-tl4-sut", {"trailer": [TRAILER] * 8}, "trailer", "allowed are at most 7"),
     ("impact-mash-tl4-sut", {"trailer": TRAILER}, "trailer", "a list of tables, [[trailer]]"),
     ("impact-mash-tl4-sut", {"trailer.1.mass": 1.0}, "trailer.1.mass", "allowed are 0 to 0"),
-    ("impact-mash-tl4-sut", {"trailer.0.colour": 1}, "trailer.0.colour", "no such key; allowed are length"),
-    ("mash-tl4-sut", {}, "trailer", "one rigid body about itself"),
+    ("impact-mash-tl4-sut", {"trailer.0.colour": 1}, "trailer.0.colour", "this key does not exist; allowed are length"),
+    ("mash-tl4-sut", {}, "trailer", "that of one rigid body"),
 ]  # fmt: skip
 
 
