@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,19 +21,22 @@ from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
 from postprocess.report import page
-from postprocess.report.report import labelled_text, printed
+from postprocess.report.report import labelled_text, printed, write_report
 from postprocess.units import SYSTEMS
 from tailslap import result
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.errors import InputError, Verbatim, named_arguments
+from tailslap.errors import InputError, Interrupted, Verbatim, named_arguments
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
 from tailslap.scene.vary import Source, parse_changes, shown, vary
 from tailslap.studies import find_study
 from tailslap.studies.study import Study, checked_options, prepared
+
+if TYPE_CHECKING:
+    from tailslap.campaign.definition import Definition
 
 Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
 """Name of a scene that comes with the program, path of a TOML file, the tables themselves, or a case made of them."""
@@ -52,6 +56,9 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "plate.start": start_kinds.START_KINDS,
 }
 """Registries of the objects that these keys name."""
+
+IN_THIS_PROCESS = 3
+"""Runs of a sweep up to which no processes are started: that would take longer than the runs."""
 
 _OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
 """Names that the program itself has registered."""
@@ -319,8 +326,8 @@ def study(
     changes : mapping or sequence of str, optional
         As of `run`.
     folder : path, optional
-        Where the command would leave its result: an interrupted study goes on from the journal beside it. Nothing is
-        written there but by `save`.
+        Folder of the result, as the command leaves it; an interrupted study goes on from the journal beside it. Without
+        it nothing is written.
     allow_large : bool
         As of `run`.
     force : bool
@@ -347,16 +354,20 @@ def study(
     ('uncertainty', None)
     """
     chosen = find_study(name)
-    own, out = checked_options(chosen, options), None if folder is None else Path(folder)
-    case, place, origin = prepared(chosen, os.fspath(scene), _texts(changes), out, allow_large, own)
-    with result_folder(place, force=force, origin=origin):
-        return study_result(chosen, case, place, own)
+    own = checked_options(chosen, options)
+    with _folder_or_none(folder) as place:
+        case, _, origin = prepared(chosen, os.fspath(scene), _texts(changes), place, allow_large, own)
+        with result_folder(place, force=force, origin=origin) as unfinished:
+            found = study_result(chosen, case, place, own)
+            if folder is not None and found.fill:
+                found.fill(unfinished, True, "si")
+        return found
 
 
 def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, Any]) -> result.Result:
     """Run a study of a case, whose place is locked; options: its own, as `compute` takes them."""
     report = chosen.report(chosen.compute(case, place, **options))
-    return result.of_report(f"study {chosen.name}", report, text=printed(report.terminal), place=place)
+    return result.of_report(f"study {chosen.name}", report, text=printed(report.terminal))
 
 
 @named_arguments
@@ -373,7 +384,7 @@ def sweep(
     units: str = "si",
     force: bool = False,
 ) -> result.Result:
-    """Run a scene for many values of its keys, in worker processes.
+    """Run a scene for many values of its keys.
 
     Parameters
     ----------
@@ -382,9 +393,9 @@ def sweep(
     vary : mapping
         Values by dotted key: a list, or text as the command takes it, "log:20 GPa:2 TPa:5".
     changes : mapping or sequence of str, optional
-        As of `run`, but by name: workers know no objects.
+        As of `run`.
     folder : path, optional
-        Where the table is kept, and where an interrupted sweep goes on; without it, results/NAME-sweep.
+        Folder of the result, where an interrupted sweep goes on; without it nothing is written.
     sample : int, optional
         Instead of the grid, so many runs by Latin hypercube; ranges are then "a:b" or "log:a:b".
     seed : int
@@ -392,7 +403,8 @@ def sweep(
     cluster : str, optional
         Address of a Dask scheduler.
     workers : int, optional
-        Processes on this machine; without it, as many as it has cores.
+        Processes on this machine; 0 makes the runs in this process. Without it, 0 for up to three runs and for objects
+        of your own, which other processes do not know; otherwise as many as there are cores.
     units : str
         Of the page and the printed text, "si" or "us"; numbers are in SI.
     force : bool
@@ -401,32 +413,92 @@ def sweep(
     Returns
     -------
     Result
-        Its history is the table, a row a run. A script that calls this needs `if __name__ == "__main__":`.
+        Its history is the table, a row a run; `charts` has those of the page by name.
 
     Raises
     ------
     InputError
-        As `run`, and for values that make no sweep.
+        As `run`, for values that make no sweep, and for objects of your own with workers or a cluster.
     StoppedError
-        Where it was interrupted, or the cluster was lost; what was finished is kept.
+        Where it was interrupted, or the cluster was lost; in a folder, what was finished is kept.
 
     Examples
     --------
     >>> import tailslap
-    >>> found = tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})  # doctest: +SKIP
-    >>> found.history["difference.v_gy"]  # doctest: +SKIP
+    >>> found = tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})
+    >>> [f"{v_gy:.2f}" for v_gy in found.history["fe.v_gy"]]
+    ['-3.28', '-3.28']
     """
-    from tailslap.campaign import definition, perform, report
+    from tailslap.campaign import definition
 
-    if cluster and workers:
-        raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
     if isinstance(vary, Mapping):
         texts = {k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in vary.items()}
         vary = [f"{key}={text}" for key, text in texts.items()]
     asked = definition.make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
-    place = Path(folder) if folder is not None else Path("results") / f"{asked.scene}-sweep"
-    done = perform.perform(asked, place, cluster, workers, units=units, force=force)
-    return replace(load.load(place), text=report.sweep_text(done, place), place=place)
+    own = _own_names(asked)
+    if own and (workers or cluster):
+        key, value = "--workers" if workers else "--cluster", workers or cluster
+        raise InputError(key, value, f"other processes do not know {', '.join(own)}; leave it out")
+    if workers is None and not cluster and (own or asked.runs <= IN_THIS_PROCESS):
+        workers = 0
+    with _folder_or_none(folder) as place:
+        return sweep_result(asked, place, cluster, workers, units, force, stays=folder is not None)
+
+
+def sweep_result(
+    asked: Definition,
+    place: Path,
+    cluster: str | None,
+    workers: int | None,
+    units: str,
+    force: bool,
+    stays: bool = True,
+) -> result.Result:
+    """Make the runs of a sweep in a folder, which may go again once the result is there. Raises StoppedError."""
+    from tailslap.campaign import definition, perform, report
+
+    if cluster and workers:
+        raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
+    try:
+        done = perform.perform(asked, place, cluster, workers, units=units, force=force)
+    except perform.StoppedError as stopped:
+        raise (
+            stopped if stays else perform.StoppedError(stopped.why, None, asked.runs, stopped.status)
+        ) from None
+    made, table = done.report, (place / definition.TABLE).read_bytes()
+    assert made is not None
+    columns = {"table": result.Columns(load.read_columns(place / definition.TABLE))}
+
+    def fill(folder: Path, pictures: bool, units: str) -> None:
+        (folder / definition.TABLE).write_bytes(table)
+        write_report(made, folder)
+
+    text, passed = report.sweep_text(done, place if stays else None), done.failures == 0
+    return result.of_report("sweep", made, passed=passed, histories=columns, text=text, fill=fill)
+
+
+def _own_names(asked: Definition) -> list[str]:
+    """Names in a sweep of objects that this process alone has registered."""
+    names = []
+    for key in REGISTRIES:
+        table, _, name = key.partition(".")
+        used = {asked.source.given.get(table, {}).get(name)}
+        used |= {value for item in asked.variations if item.key == key for value in item.settings}
+        names += [f"{key} = {value}" for value in used & REGISTRIES[key].keys() - _OWN[key]]
+    return names
+
+
+@contextmanager
+def _folder_or_none(folder: str | os.PathLike[str] | None) -> Iterator[Path]:
+    """Yield the folder of a result; without one, one that is removed at the end."""
+    if folder is not None:
+        yield Path(folder)
+        return
+    with TemporaryDirectory(prefix="tailslap-") as temporary:
+        try:
+            yield Path(temporary) / "result"
+        except Interrupted:
+            raise KeyboardInterrupt("interrupted; without a folder nothing is kept") from None
 
 
 @named_arguments

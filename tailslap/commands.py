@@ -204,16 +204,28 @@ def study_command(chosen: Study) -> click.Command:
     help="Number of worker processes  [default: number of cores]",
 )
 @options.with_options(options.FORCE, *options.WATCHED)
-def sweep(name: str, changes: tuple[str, ...], varied: tuple[str, ...], as_json: bool, **given: Any) -> int:
+def sweep(
+    name: str,
+    changes: tuple[str, ...],
+    varied: tuple[str, ...],
+    sample: int | None,
+    seed: int,
+    folder: Path | None,
+    as_json: bool,
+    **given: Any,
+) -> int:
     """Run a scene for many values of its keys: one table, a row a run.
 
     Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
     checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
     """
+    from tailslap import api
+    from tailslap.campaign.definition import make_definition
     from tailslap.campaign.perform import StoppedError
 
+    asked = make_definition(name, changes, varied, sample, seed)
     try:
-        found = tailslap.sweep(name, varied, changes, **given)
+        found = api.sweep_result(asked, folder or RESULTS / f"{asked.scene}-sweep", **given)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     import pyvista
 
     from postprocess.fields.series import FieldSeries
+    from postprocess.svg.chart import Chart
 
 Fill = Callable[[Path, bool, str], "Report | None"]
 """Fills an empty folder with a result's files, with pictures or without, in units "si" or "us"; returns its report."""
@@ -45,7 +46,16 @@ FIELDS_NEEDED = (
     "the result has no fields; run the scene with --set output.fields=20 (Python: {'output.fields': 20})"
 )
 
-FIRST = ("force_normal", "v_gx", "v_gy", "omega", "reaction_normal")
+FIRST = (
+    "force_normal",
+    "v_gx",
+    "v_gy",
+    "omega",
+    "reaction_normal",
+    "fe.peak_force",
+    "fe.v_gy",
+    "rigid.peak_force",
+)
 """Columns that are drawn unless the caller says otherwise, where they are there."""
 
 
@@ -210,8 +220,8 @@ class Result:
         Makes the fields at the start and at the tail-slap, of a run that has kept none.
     text : str
         What the terminal says, where it is no table.
-    place : Path or None
-        Folder that the command would fill, where the result knows it.
+    charts : mapping of Chart
+        Charts of the page of a study or sweep, by name; a notebook shows each.
     inputs : tuple of Path
         Files and folders that it was read from: what is made of it never replaces them.
     """
@@ -227,7 +237,7 @@ class Result:
     make_fields: Callable[[], FieldSeries | None] | None = None
     make_ends: Callable[[], FieldSeries] | None = None
     text: str = ""
-    place: Path | None = None
+    charts: Mapping[str, Chart] = field(default_factory=dict)
     inputs: tuple[Path, ...] = ()
 
     @cached_property
@@ -326,7 +336,7 @@ class Result:
         return fields, -1 if t is None else int(abs(fields.t - t).argmin())
 
     def plot(self, *names: str) -> HistoryPlot:
-        """Draw columns over time, the rigid vehicle's beside the FE run's.
+        """Draw columns over time, the rigid vehicle's beside the FE run's; of a sweep, over the first key that varies.
 
         Parameters
         ----------
@@ -343,7 +353,8 @@ class Result:
         InputError
             For a column that is not there, or a result without histories.
         """
-        drawn = {label: columns for label, columns in self.histories.items() if "t" in columns}
+        over = self.summary.get("definition", {}).get("vary", ["t"])[0].partition("=")[0]
+        drawn = {label: columns for label, columns in self.histories.items() if over in columns}
         if not drawn:
             raise InputError("plot", Missing, "this result has no history over time")
         known = list(dict.fromkeys(name for columns in drawn.values() for name in columns))
@@ -353,8 +364,8 @@ class Result:
                 raise InputError("plot", Verbatim(name), one_of(name, known, "allowed are"))
             having = {label: columns for label, columns in drawn.items() if name in columns}
             heading = next(iter(having.values())).heading(name)
-            panels[heading] = [Curve(label, its["t"], its[name]) for label, its in having.items()]
-        return plot_overlays(panels)
+            panels[heading] = [Curve(label, its[over], its[name]) for label, its in having.items()]
+        return plot_overlays(panels, drawn[next(iter(drawn))].heading(over))
 
     def save(self, folder: str | os.PathLike[str], pictures: bool = True, *, force: bool = False) -> Path:
         """Write the files that the command leaves.
@@ -424,7 +435,7 @@ def _table_html(title: str, table: Table) -> str:
 
 def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) -> Result:
     """The result of a command that makes a report; page_name: of its file; more: what else the result has."""
-    page, fill = report.page, filled_by(lambda place, pictures, units: report, page_name)
+    page = report.page
     parts = chain.from_iterable(getattr(part, "tables", (part,)) for part in report.terminal)
     shown = [part for part in parts if isinstance(part, Table)]
     tables = {table.title or f"Table {n}": table for n, table in enumerate(shown, 1)} | dict(report.tables)
@@ -433,8 +444,10 @@ def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) 
         "headline": SI.rendered(page.headline),
         "passed": page.passed,
         "tables": tables,
+        "charts": {chart.name: chart for chart in page.charts},
+        "fill": filled_by(lambda place, pictures, units: report, page_name),
     }
-    return Result(command, summary=plain(report.summary), fill=fill, **(found | more))
+    return Result(command, summary=plain(report.summary), **(found | more))
 
 
 def of_run(summary: dict[str, Any], *rest: Any) -> Result:

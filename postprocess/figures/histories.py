@@ -206,8 +206,12 @@ class HistoryPlot:
         return f"<Plot of {', '.join(axes.get_ylabel() for axes in self.figure.axes)}>"
 
 
-def plot_overlays(panels: Mapping[str, Sequence[Curve]]) -> HistoryPlot:
-    """All panels, by their headings with units, in one figure, one below the other, with a common axis of time."""
+def plot_overlays(panels: Mapping[str, Sequence[Curve]], over: str = TIME.label) -> HistoryPlot:
+    """All panels, by their headings with units, in one figure, one below the other, with a common axis.
+
+    over: label of that axis; over anything but time the rows are points, in any order.
+    """
+    points = {"marker": "o", "ms": 4.0, "ls": "none"} if over != TIME.label else {}
     with style():
         from matplotlib.figure import Figure
 
@@ -217,9 +221,9 @@ def plot_overlays(panels: Mapping[str, Sequence[Curve]]) -> HistoryPlot:
             for number, (label, t, values) in enumerate(curves):
                 dashes = DASHES[(number // len(ORIGINS) + number) % len(DASHES)]
                 colour = marks.PALETTE[ORIGINS[number % len(ORIGINS)]]
-                axes.plot(t, values, label=label, color=colour, ls=dashes, lw=1.4)
+                axes.plot(t, values, label=label, color=colour, **(points or {"ls": dashes, "lw": 1.4}))
             axes.set_ylabel(heading)
-        grid[-1].set_xlabel("t [s]")
+        grid[-1].set_xlabel(over)
         if any(len(curves) > 1 for curves in panels.values()):
             grid[0].legend(loc="best", frameon=False, fontsize="small")
     return HistoryPlot(figure)

@@ -208,6 +208,9 @@ class Chart:
     plots: tuple[Plot, ...] = field(default=(), compare=False)
     x: Axis = field(default=Axis(), compare=False)
 
+    def _repr_svg_(self) -> str:
+        return self.svg
+
     @property
     def is_legend(self) -> bool:
         """True if it is the legend of several charts, and shows nothing else."""

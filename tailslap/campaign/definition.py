@@ -36,6 +36,8 @@ from tailslap.scene import read, schema, vary, write
 if TYPE_CHECKING:
     import pyarrow as pa
 
+    from postprocess.report.report import Report
+
 
 ALLOWED = (
     "allowed is KEY=VALUES, with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, like corner.friction=0:0.6:13; "
@@ -298,11 +300,12 @@ CIRCUMSTANCES = (*TIMES, REUSED)
 
 @dataclass(frozen=True)
 class FinishedSweep:
-    """A sweep that is complete: how many rows have each status, and what the last call's runs took."""
+    """A sweep that is complete: how many rows have each status, what the last call's runs took, and its report."""
 
     definition: Definition
     statuses: dict[str, int]
     effort: engine.CampaignEffort
+    report: Report | None = None
 
     @property
     def failures(self) -> int:

@@ -85,18 +85,10 @@ def run_parts(
         return
     count = cost.worker_count(workers, len(left))
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(pools.local(count)) if count > 1 else None
+        pool = stack.enter_context(pools.local(count if count > 1 else 0))
         show = stack.enter_context(progress.counted(label, len(parts), len(parts) - len(left)))
-        if pool:
-            todo = Parts(function, left, lambda key: parts[str(key)], _died)
-            perform(todo, records, pool, lambda threads: show(len(records)))
-            return
-        for key in left:
-            done = pools.run_batch(program(), function, [(key, parts[str(key)])])
-            if done.error:
-                raise done.error
-            records.add(done.records, done.seconds)
-            show(len(records))
+        todo = Parts(function, left, lambda key: parts[str(key)], _died)
+        perform(todo, records, pool, lambda threads: show(len(records)))
 
 
 def run_study(

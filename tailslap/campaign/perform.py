@@ -14,6 +14,7 @@ import contextlib
 import json
 import os
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +33,13 @@ RESULTS = (sweeps.TABLE, report.REPORT, report.SUMMARY)
 
 
 class StoppedError(Exception):
-    """A sweep that ended before it was complete; `status` is the command's exit status."""
+    """A sweep that ended before it was complete; kept: number of rows, None without a folder; `status` is the command's
+    exit status."""
 
-    def __init__(self, why: str, kept: int, runs: int, status: int) -> None:
+    def __init__(self, why: str, kept: int | None, runs: int, status: int) -> None:
         rows = f"{kept} of {runs} rows are kept; the same command resumes" if kept else "no run was finished"
-        super().__init__(f"{why}; {rows}")
-        self.status = status
+        super().__init__(f"{why}; {'without a folder no row is kept' if kept is None else rows}")
+        self.why, self.status = why, status
 
 
 def perform(
@@ -69,7 +71,7 @@ def perform(
                 finally:
                     kept = len(rows)
             done = sweeps.FinishedSweep(definition, statuses, effort)
-            report.write_sweep(done, new, units)
+            done = replace(done, report=report.write_sweep(done, new, units))
         except (KeyboardInterrupt, OSError) as error:
             why, status = _reason(error)
             if kept:

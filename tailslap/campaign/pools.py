@@ -18,6 +18,7 @@ from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from tailslap import errors, progress
@@ -109,7 +110,7 @@ class Pool:
         ours, self._lifeline = context.Pipe(duplex=False)
         self._executor = ProcessPoolExecutor(self._workers, context, _begin, (ours,))
         try:
-            with _server_environment():
+            with _server_environment(), _hidden_script():
                 first = self._executor.submit(make_ready)
             first.result()
         except BrokenProcessPool:
@@ -120,12 +121,13 @@ class Pool:
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Have a worker make the call."""
-        try:
-            return self._executor.submit(function, *arguments)
-        except BrokenProcessPool:
-            self.close()
-            self._start()
-            return self._executor.submit(function, *arguments)
+        with _hidden_script():
+            try:
+                return self._executor.submit(function, *arguments)
+            except BrokenProcessPool:
+                self.close()
+                self._start()
+                return self._executor.submit(function, *arguments)
 
     def threads(self) -> int:
         """Number of workers. Raises LostError."""
@@ -139,6 +141,22 @@ class Pool:
         """End all processes, whatever they do."""
         self._lifeline.close()
         self._executor.shutdown(cancel_futures=True)
+
+
+class _ThisProcess(Pool):
+    """This process as a pool of one worker: a call is made when it is submitted."""
+
+    def __init__(self) -> None:
+        self._workers = 1
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        """Make the call."""
+        done: Future[Any] = Future()
+        done.set_result(function(*arguments))
+        return done
+
+    def close(self) -> None:
+        """End nothing: no process was started."""
 
 
 def _begin(lifeline: Connection) -> None:
@@ -176,8 +194,23 @@ def _server_environment() -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def _hidden_script() -> Iterator[None]:
+    """Have processes that are started meanwhile not import the main module again, of which they need nothing: a script
+    without `if __name__ == "__main__":` would start them anew."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
+@contextlib.contextmanager
 def local(workers: int) -> Iterator[Pool]:
-    """So many processes of this machine, ended after. Raises LostError."""
+    """So many processes of this machine, ended after; none: this process. Raises LostError."""
+    if not workers:
+        yield _ThisProcess()
+        return
     with progress.announced("Starting processes ..."):
         pool = Pool(workers)
     with contextlib.closing(pool):

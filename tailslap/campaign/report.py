@@ -10,8 +10,8 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.page import Column, Page, Section, Table, columns, write_page, write_summary
-from postprocess.report.report import page_in_units, place_line, printed
+from postprocess.report.page import Column, Page, Section, Table, columns
+from postprocess.report.report import Report, page_in_units, place_line, printed, write_report
 from postprocess.units import SYSTEMS, Units, measure
 from tailslap.campaign import definition as sweeps
 from tailslap.campaign.definition import ERROR, FAILED, PASSED, REFUSED, TABLE
@@ -41,19 +41,19 @@ RIGID_SPREAD = (
 NOT_PASSED = columns({"run": "Run", "inputs": "Inputs", "status": "Status", "reason": "Reason"})
 
 
-def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") -> None:
-    """Write `report.html` and its charts, in these units, and `summary.json` from the table in the folder."""
+def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") -> Report:
+    """Write the report of the table in the folder beside it: page and charts, in these units, and summary."""
     rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
     made = page_in_units(sweep_page(sweep, rows, reasons), SYSTEMS[units])
-    write_page(folder / REPORT, made)
-    for chart in made.charts:
-        (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
-    write_summary(folder / SUMMARY, summary(sweep, rows))
+    tables = (replace(table, title=part.title) for part in made.sections[:2] for table in part.tables)
+    found = Report(made, summary(sweep, rows), tuple(tables))
+    write_report(found, folder)
+    return found
 
 
-def sweep_text(sweep: sweeps.FinishedSweep, place: Path) -> str:
-    """Numbers of rows by status, what the runs took, and where the files are."""
+def sweep_text(sweep: sweeps.FinishedSweep, place: Path | None) -> str:
+    """Numbers of rows by status, what the runs took, and where the files are, if they stay."""
     effort, cost = sweep.effort, "nothing was left to run"
     if effort.runs:
         cost = (
@@ -61,9 +61,8 @@ def sweep_text(sweep: sweeps.FinishedSweep, place: Path) -> str:
             f"{1e3 * effort.overhead_s:.1f} ms a run beyond the runs themselves"
         )
     said = f"{sweep.definition.scene}: {sweep.definition.runs} runs, {counts(sweep)}"
-    return printed(
-        (said, f"Cost:   {cost}", place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
-    )
+    files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
+    return printed((said, f"Cost:   {cost}", *(files or ())))
 
 
 def sweep_page(sweep: sweeps.FinishedSweep, rows: SweepRows, reasons: np.ndarray) -> Page:

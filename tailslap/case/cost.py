@@ -204,7 +204,7 @@ def available_cores() -> int:
 
 def worker_count(asked: int | None, parts: int) -> int:
     """Processes for so many parts: as many as were asked for, but no more than there are parts or cores."""
-    return min(asked or available_cores(), available_cores(), parts)
+    return min(available_cores() if asked is None else asked, available_cores(), parts)
 
 
 def available_memory() -> float:

@@ -9,6 +9,7 @@ import pydoc
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -19,6 +20,10 @@ import tailslap
 from fem import FRICTION_LAWS, MATERIALS
 from postprocess.units import number
 from tailslap import Columns, InputError, api, cli
+from tailslap.campaign import pools
+from tailslap.campaign.definition import CIRCUMSTANCES
+from tailslap.campaign.perform import StoppedError
+from tailslap.case.cost import available_cores
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 FUNCTIONS = (
@@ -239,6 +244,90 @@ def test_a_sweep_has_a_row_a_run(tmp_path):
     )
 
 
+def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):
+    """Table, sentences and charts are those of a sweep in a folder, and `save` writes its files."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(pools, "Pool", None)  # no process is started
+    values = {"corner.friction": [0.2, 0.3, 0.47]}
+    found = tailslap.sweep("paper-table-3", values)
+    assert list(tmp_path.iterdir()) == []
+    kept = tailslap.sweep("paper-table-3", values, folder="kept")
+    assert repr(found) == repr(kept)
+    assert repr(found).startswith("<sweep paper-table-3 passed: 3 runs: 3 passed all checks.")
+    assert [*found.tables] == [*kept.tables] != []
+    for name in set(found.history) - {*CIRCUMSTANCES}:
+        np.testing.assert_array_equal(found.history[name], kept.history[name])
+    assert {f"{name}.svg" for name in found.charts} == {path.name for path in Path("kept").glob("*.svg")}
+    assert found.charts["against-corner-friction-v_gy"]._repr_svg_().startswith("<svg")
+    result = {path.name for path in Path("kept").iterdir()} - {"sweep.json", "records.sqlite"}
+    assert {path.name for path in found.save("saved").iterdir()} == result
+    assert tailslap.load("saved").summary["statuses"] == found.summary["statuses"]
+    (axes,) = found.plot("fe.v_gy").figure.axes
+    assert (axes.get_xlabel(), list(axes.lines[0].get_xdata())) == ("corner.friction", [0.2, 0.3, 0.47])
+
+
+def test_without_a_folder_a_study_writes_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    found = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000)
+    assert list(tmp_path.iterdir()) == []
+    kept = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000, folder="kept")
+    assert repr(found) == repr(kept)
+    assert {path.name for path in found.save("saved").iterdir()} == {p.name for p in Path("kept").iterdir()}
+    assert (
+        {f"{name}.svg" for name in found.charts}
+        == {path.name for path in Path("kept").glob("*.svg")}
+        != set()
+    )
+
+
+SCRIPT = """
+print("begun")
+import tailslap
+found = tailslap.sweep("paper-table-3", {"corner.friction": "0.1:0.5:5"}, {"plate.elements": [6, 2]}, workers=2)
+print(found.summary["effort"]["threads"], len(found.history["run"]), found.passed)
+"""
+
+
+def test_a_script_needs_no_guard(tmp_path):
+    """Processes do not import it: it says once that it begins."""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.splitlines() == ["begun", f"{min(2, available_cores())} 5 True"], done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["script.py"]
+
+
+@pytest.mark.parametrize(("count", "own", "workers", "expected"), [
+    (3, False, None, 0), (4, False, None, None), (4, True, None, 0), (2, False, 2, 2),
+])  # fmt: skip
+def test_where_the_runs_of_a_sweep_are_made(count, own, workers, expected, monkeypatch):
+    """Up to three, and those with an object of one's own, in this process."""
+    asked = []
+    monkeypatch.setattr(
+        api, "sweep_result", lambda definition, place, cluster, workers, *a, **k: asked.append(workers)
+    )
+    reaction = law(3.0) if own else "drag"
+    try:
+        values = {"corner.friction": list(np.linspace(0.1, 0.4, count))}
+        tailslap.sweep("paper-table-3", values, {"corner.reaction": reaction}, workers=workers)
+        assert asked == [expected]
+        if own:
+            with pytest.raises(InputError, match=r"other processes do not know corner\.reaction = own"):
+                tailslap.sweep("paper-table-3", values, {"corner.reaction": reaction}, workers=2)
+    finally:
+        FRICTION_LAWS.pop("own", None)
+
+
+def test_an_interrupted_sweep_says_that_no_row_is_kept(monkeypatch):
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pools, "run_batch", interrupted)
+    with pytest.raises(StoppedError, match=r"^interrupted; without a folder no row is kept$"):
+        tailslap.sweep("paper-table-3", {"corner.friction": [0.2, 0.47]})
+
+
 def test_a_scene_may_be_tables_or_a_path(tmp_path):
     from tailslap.scene.read import read_source, scene_text
 
@@ -321,7 +410,7 @@ def test_a_field_is_a_picture(result, tmp_path):
     assert result.plot_field("v_gx").tobytes() != result.plot_field("v_gy").tobytes()
     with pytest.raises(InputError, match=r"did you mean stress_von_mises\?"):
         result.plot_field("von_mises")
-    with pytest.raises(InputError, match="no fields were kept"):
+    with pytest.raises(InputError, match="the result has no fields"):
         tailslap.rigid("mash-tl4-sut").plot_field("v_gy")
 
 
