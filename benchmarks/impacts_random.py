@@ -1,12 +1,14 @@
 """Random ordinary whole impacts: what fails and how far off it is, whether what is stated bounds the error, the time.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
-        [--references] [--keep FILE] [--beside CHECKOUT]
+        [--trains] [--references] [--keep FILE] [--beside CHECKOUT]
 
 Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
 200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
 Below a restitution of 0.1 a strike ends so suddenly that no mesh tells when.
 
+--trains       tractors with one to three trailers instead, each unit with a centre of mass and a yaw inertia of its
+               own; in a third of them the hinges are spread over 1.5 m
 --meshes       "default", or a kind of element and the number across the vehicle, which are square
 --references   each impact also on finer meshes of two kinds of element, still finer ones for those that fail. The true
                error of a quantity is the distance from the nearer of the two, which both confirm
@@ -64,7 +66,7 @@ CHOSEN = ("quad4:4", "quad4:6", "quad4:12", "quad9:3")
 Record = dict[str, Any]
 
 
-def changes(seed: int, number: int) -> tuple[dict[str, float], float]:
+def changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
     """The keys of a random impact, and its length over its width."""
     random, own = np.random.default_rng((seed, number)), VEHICLES[number % len(VEHICLES)]
     length, width, mass, crush, force = (random.uniform(*bounds) for bounds in own.values())
@@ -83,20 +85,63 @@ def changes(seed: int, number: int) -> tuple[dict[str, float], float]:
     return keys, length / width
 
 
+UNITS = (
+    {"length": (5.5, 8.5), "width": (2.3, 2.6), "mass": (6e3, 11e3), "crush": (1.0, 3.3)},
+    {"length": (8.0, 16.0), "width": (2.3, 2.6), "mass": (5e3, 30e3), "crush": (1.0, 3.3)},
+)
+"""Ranges of a tractor and of a trailer: m, kg, MN/m."""
+
+
+def train_changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
+    """The keys of a random train, and its tractor's length over its width.
+
+    Centres are 0.35 to 0.65 of the length behind the front, radii of gyration 0.22 to 0.33 of it; the hitch is in the
+    last quarter of the unit ahead, the kingpin in the first tenth of its own.
+    """
+    random = np.random.default_rng((seed, number, 1))
+    units, hitch_length = [], {} if number % 3 else {"hitch_length": 1.5}
+    for unit in range(1 + int(random.integers(1, 4))):
+        length, width, mass, crush = (random.uniform(*bounds) for bounds in UNITS[min(unit, 1)].values())
+        centre, radius = random.uniform(0.35, 0.65) * length, random.uniform(0.22, 0.33) * length
+        own = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre}
+        own |= {"yaw_inertia": mass * radius**2, "stiffness": 1e6 * crush}
+        if unit:
+            own["hitch"] = random.uniform(0.75, 1.0) * units[-1]["length"]
+            own |= {"kingpin": random.uniform(0.0, 0.1) * length, **hitch_length}
+        units.append(own)
+    tractor, *trailers = units
+    length, width, mass = tractor["length"], tractor["width"], tractor["mass"]
+    keys = {
+        "contact.stiffness": tractor.pop("stiffness"),
+        **{f"vehicle.{key}": value for key, value in tractor.items()},
+        "trailer": trailers,
+        "contact.restitution": random.uniform(0.1, 0.4),
+        "contact.friction": random.uniform(0.05, 0.6),
+        "impact.speed": random.uniform(8.0, 30.0),
+        "impact.angle": math.radians(random.uniform(5.0, 25.0)),
+        "plate.thickness": mass / (7800.0 * length * width) * 2.0 ** random.uniform(-1.0, 1.0),
+    }
+    return keys, length / width
+
+
+drawn: Callable[[int, int], tuple[dict[str, Any], float]] = changes
+"""What draws the impacts; with --trains `train_changes`."""
+
+
 def case_of(seed: int, number: int, mesh: str) -> Any:
     """The impact on a mesh."""
     from tailslap.case.impact.case import ImpactCase
-    from tailslap.scene.read import read_scene
+    from tailslap.scene.read import read_source
+    from tailslap.scene.vary import vary
 
-    keys, slenderness = changes(seed, number)
-    given = [f"{key}={value!r}" for key, value in keys.items()]
+    keys, slenderness = drawn(seed, number)
     kind, _, across = mesh.partition(":")
     if across:
         along = max(2, round(int(across) * slenderness))
-        given += [f"plate.elements=[{along},{across}]", f"plate.element={kind}"]
+        keys |= {"plate.elements": (along, int(across)), "plate.element": kind}
     else:
-        given += ["plate.elements="]
-    return ImpactCase(*read_scene(SCENE, (*given, "impact.test_level=")))
+        keys |= {"plate.elements": None}
+    return ImpactCase(*vary(read_source(SCENE), {**keys, "impact.test_level": None}))
 
 
 def read(answer: Any) -> Record:
@@ -259,11 +304,15 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--meshes", nargs="+", default=["default", *CHOSEN])
+    parser.add_argument("--trains", action="store_true")
     parser.add_argument("--references", action="store_true")
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--beside", type=Path)
     parser.add_argument("--times", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
+    if given.trains:
+        global drawn
+        drawn = train_changes
     if given.times:
         print(json.dumps(timed(given.seed, given.runs, given.meshes)))
         return

@@ -321,7 +321,9 @@ def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, in
 SEED = 7
 
 
-def distorted(mesh: meshio.Mesh, fraction: float, elements: tuple[int, int]) -> meshio.Mesh:
+def distorted(
+    mesh: meshio.Mesh, fraction: float, elements: tuple[int, int], hinged: bool = False
+) -> meshio.Mesh:
     """A copy with the nodes inside the plate moved at random, equally every time.
 
     Parameters
@@ -332,6 +334,8 @@ def distorted(mesh: meshio.Mesh, fraction: float, elements: tuple[int, int]) -> 
         Largest displacement of a node, as a fraction of an element's length and width [-].
     elements : tuple of int
         Along and across, as the mesh was made with.
+    hinged : bool
+        Whether nodes on the middle line, or those nearest to it, stay where they are.
 
     Returns
     -------
@@ -344,5 +348,7 @@ def distorted(mesh: meshio.Mesh, fraction: float, elements: tuple[int, int]) -> 
     inner = np.ones(len(points), dtype=bool)
     inner[np.unique(mesh.cells_dict["line"])] = False
     size = np.ptp(points[:, :2], axis=0) / elements
+    if hinged:
+        inner &= np.abs(points[:, 1] - points[:, 1].mean()) > 0.6 * size[1]
     points[inner, :2] += np.random.default_rng(SEED).uniform(-fraction, fraction, (inner.sum(), 2)) * size
     return meshio.Mesh(points, mesh.cells, cell_sets=mesh.cell_sets)

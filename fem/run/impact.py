@@ -22,7 +22,8 @@ CHUNK = 200
 
 @dataclass(frozen=True)
 class FirstTouch:
-    """Rigid motion of the plate at t = 0, its corner P at the origin.
+    """Rigid motion of the plate at t = 0, its corner P at the origin; of a straight train, whose first corner to touch
+    is on the wall.
 
     Attributes
     ----------
@@ -48,7 +49,7 @@ class ImpactRun:
         By name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall on the
         plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
     points : ndarray, shape (2, contact points)
-        Places in the body frame [m]; a corner that crushes and has a layer is there twice.
+        Places in the body frames of their plates [m]; a corner that crushes and has a layer is there twice.
     unit : ndarray, shape (contact points,)
         Number of the plate that each is of.
     normal, tangential : ndarray, shape (rows, contact points)
@@ -57,9 +58,8 @@ class ImpactRun:
         Behind the wall's face, and along the wall [m].
     units : tuple of dict of ndarray, shape (rows,)
         Rigid motion of each plate of a train by the names of `fem.laws.hinges.UNIT`; empty for one plate.
-    hinges : tuple of dict of ndarray, shape (rows,)
-        Of each hinge force_x and force_y [N] of the plate behind on the one ahead, means since the row before, and
-        angle, theta of the one behind less that of the one ahead [rad].
+    hinges : ndarray, shape (hinges, 2, rows)
+        Force of the plate behind on the one ahead along X and Y, mean since the row before [N].
     steps : int
         Time steps taken.
     time_loop_s : float
@@ -78,7 +78,7 @@ class ImpactRun:
     depth: np.ndarray
     place: np.ndarray
     units: tuple[dict[str, np.ndarray], ...]
-    hinges: tuple[dict[str, np.ndarray], ...]
+    hinges: np.ndarray
     steps: int
     time_loop_s: float = np.nan
     highest_frequency: float = np.nan
@@ -99,6 +99,8 @@ class ImpactStepper(runner.PlateStepper):
         points, wall = self.loop.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
         arm = inertia_relief.to_global(touch.angle) @ body
+        if self.loop.hinges is not None:  # a trailer that is wider may touch first
+            arm[1] -= arm[1].min()
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
         if self.loop.wall is not None:
@@ -111,11 +113,15 @@ class ImpactStepper(runner.PlateStepper):
 
     @property
     def points(self) -> np.ndarray:
-        """Places [m] of the contact points in the body frame, shape (2, points)."""
-        contact = self.loop.contact
-        return np.add.reduceat(
+        """Places [m] of the contact points in the body frames of their plates, shape (2, points)."""
+        contact, hinges = self.loop.contact, self.loop.hinges
+        found = np.add.reduceat(
             contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
         )
+        for number in range(len(hinges.inertia) + 1 if hinges is not None else 0):
+            plate = self._reference[:, hinges.unit == number]
+            found[:, self.unit == number] -= [[plate[0].max()], [plate[1].min()]]
+        return found
 
     @property
     def unit(self) -> np.ndarray:
@@ -244,20 +250,14 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     return ImpactRun(history, stepper.points, stepper.unit, push, drag, depth, place, motions, hinges, steps)
 
 
-def _of_train(rows: np.ndarray, interval: float) -> tuple[Any, Any]:
-    """Motions of the plates of a train, and its hinges, by the columns of their rows."""
-    if not rows.shape[1]:
-        return (), ()
-    count = (rows.shape[1] + len(HINGE)) // (len(UNIT) + len(HINGE))
+def _of_train(rows: np.ndarray, interval: float) -> tuple[tuple[dict[str, np.ndarray], ...], np.ndarray]:
+    """Motions of the plates of a train, and forces in its hinges, by the columns of their rows."""
+    count = (rows.shape[1] + len(HINGE)) // (len(UNIT) + len(HINGE)) if rows.shape[1] else 0
     split = len(UNIT) * count
-    motions = [dict(zip(UNIT, each, strict=True)) for each in rows[:, :split].T.reshape(count, len(UNIT), -1)]
+    motions = [
+        dict(zip(UNIT, each, strict=True)) for each in rows[:, :split].T.reshape(count, len(UNIT), len(rows))
+    ]
     for motion in motions:
         motion["theta"] = np.unwrap(motion["theta"])
-    forces = np.diff(rows[:, split:].T, prepend=0.0) / interval
-    hinges = [
-        {"force_x": force_x, "force_y": force_y, "angle": behind["theta"] - ahead["theta"]}
-        for (force_x, force_y), ahead, behind in zip(
-            forces.reshape(-1, 2, len(rows)), motions, motions[1:], strict=False
-        )
-    ]
-    return tuple(motions), tuple(hinges)
+    impulses = rows[:, split:].T.reshape(max(0, count - 1), len(HINGE), len(rows))
+    return tuple(motions), np.diff(impulses, prepend=0.0) / interval

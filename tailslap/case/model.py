@@ -17,6 +17,7 @@ from meshes import distorted, plate_mesh
 from tailslap.case import cost
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
+from tailslap.scene.vary import value_at
 
 if TYPE_CHECKING:
     import meshio
@@ -77,18 +78,38 @@ def resolved_plate(
     return plate.model_copy(update={"youngs_modulus": modulus})
 
 
-def fe_mesh(scene: Scene, plate: Plate) -> meshio.Mesh:
-    """The plate's mesh in its body frame."""
-    vehicle, cells = scene.vehicle, kinds.ELEMENT_KINDS[plate.element].cells
-    make = _mesh if math.prod(plate.counts) < LARGE else _mesh.__wrapped__
-    mesh: meshio.Mesh = make(vehicle.length, vehicle.width, plate.counts, cells, plate.distortion)
+def fe_mesh(scene: Scene, plate: Plate, number: int = 0) -> meshio.Mesh:
+    """The mesh of a unit's plate in its body frame; number: of the unit, 0 for the vehicle."""
+    unit, counts = scene.units[number], unit_counts(scene, plate, number)
+    hinges = [*(own.kingpin for own in scene.trailer[number - 1 : number] if number)]
+    hinges += [behind.hitch for behind in scene.trailer[number : number + 1]]
+    make = _mesh if math.prod(counts) < LARGE else _mesh.__wrapped__
+    cells = kinds.ELEMENT_KINDS[plate.element].cells
+    mesh: meshio.Mesh = make(unit.length, unit.width, counts, cells, plate.distortion, tuple(hinges))
     return mesh
 
 
+def unit_counts(scene: Scene, plate: Plate, number: int) -> tuple[int, int]:
+    """Elements along and across a unit: a trailer's are as large as the vehicle's, and even across where those are."""
+    if number == 0:
+        return plate.counts
+    (along, across), unit, vehicle = plate.counts, scene.units[number], scene.vehicle
+    step = 1 if across % 2 else 2  # even: a row of nodes on the middle line, on which the hinges are
+    across = step * max(1, round(across * unit.width / vehicle.width / step))
+    return max(1, round(along * unit.length / vehicle.length)), across
+
+
 @lazy.cached("mesh")
-def _mesh(length: float, width: float, counts: tuple[int, int], cells: str, distortion: float) -> meshio.Mesh:
-    mesh = plate_mesh(length, width, counts, cells)
-    return distorted(mesh, distortion, counts) if distortion else mesh
+def _mesh(
+    length: float,
+    width: float,
+    counts: tuple[int, int],
+    cells: str,
+    distortion: float,
+    hinges: tuple[float, ...],
+) -> meshio.Mesh:
+    mesh = plate_mesh(length, width, counts, cells, hinges)
+    return distorted(mesh, distortion, counts, bool(hinges)) if distortion else mesh
 
 
 def same_mesh(plate: Plate, other: Plate) -> bool:
@@ -108,6 +129,8 @@ def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
         "wall.elements": ("wall.elements", wall and list(wall.elements)),
         "wall.length": ("wall.length", wall and wall.length),
     }
+    if error.wrong.startswith("trailer."):
+        return InputError(error.wrong, value_at(scene, error.wrong), str(error))
     return InputError(*given[error.wrong], str(error))
 
 
@@ -120,15 +143,17 @@ def demand_steps(scene: Scene, duration: float, model: PlateModel) -> None:
     raise InputError(key, given, allowed)
 
 
-def plate_density(scene: Scene, plate: Plate) -> float:
-    """The plate's density [kg/m^3]; left out, the vehicle's mass spread over the plate."""
-    vehicle = scene.vehicle
-    return plate.density or vehicle.mass / (vehicle.length * vehicle.width * plate.thickness)
+def plate_density(scene: Scene, plate: Plate, number: int = 0) -> float:
+    """The density of a unit's plate [kg/m^3]; the vehicle's left out, and of trailers, the mass spread over it."""
+    unit, own = scene.units[number], plate.density if number == 0 else None
+    return own or unit.mass / (unit.length * unit.width * plate.thickness)
 
 
-def plate_properties(scene: Scene, plate: Plate, inertia: Inertia | None = None) -> PlateProperties:
-    """Make the properties of the plate; inertia: that its masses carry, where it is not the plate's own."""
-    given = plate.thickness, plate_density(scene, plate), plate.modulus, plate.poissons_ratio
+def plate_properties(
+    scene: Scene, plate: Plate, inertia: Inertia | None = None, number: int = 0
+) -> PlateProperties:
+    """Make the properties of a unit's plate; inertia: that its masses carry, where it is not the plate's own."""
+    given = plate.thickness, plate_density(scene, plate, number), plate.modulus, plate.poissons_ratio
     law = scene.material.law if scene.material else "st-venant-kirchhoff"
     return PlateProperties(*given, plate.lumping, plate.element, law, inertia)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.signals import filters, occupant
-from solver.impact import CORNERS, ImpactMotion, Strike, strikes_of
+from solver.impact import CORNERS, ImpactMotion, Strike, corner_name, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
 """Columns of the state at the end of an impact."""
@@ -146,7 +146,7 @@ def sampled_answer(
     normal: np.ndarray,
     tangential: np.ndarray,
     place: np.ndarray,
-    length: float,
+    corner: np.ndarray,
 ) -> ImpactAnswer:
     """An impact from sampled forces of contact points.
 
@@ -155,21 +155,21 @@ def sampled_answer(
     history : dict of ndarray, shape (rows,)
         As of `ImpactAnswer`.
     points : ndarray, shape (2, points)
-        Places in the body frame, the front corner on the wall's side at the origin [m].
+        Places in the body frame of their unit, the front corner on the wall's side at the origin [m].
     normal, tangential, place : ndarray, shape (rows, points)
         Mean forces since the row before [N]; place along the wall [m].
-    length : float
-        Of the vehicle [m].
+    corner : ndarray, shape (points,)
+        Number of the corner that each belongs to, in `CORNERS`, of a trailer 4 more for each unit.
 
     Returns
     -------
     ImpactAnswer
-        Its strikes by the nearest corner of each point.
+        Its strikes by corner.
     """
-    corner = nearest_corner(points, length)
     pushes, drags, stations, places = {}, {}, {}, {}
-    for i, name in enumerate(CORNERS):
-        force, own = normal[1:, corner == i], corner == i
+    for i in np.unique(corner):
+        name, own = corner_name(*divmod(int(i), len(CORNERS))), corner == i
+        force = normal[1:, own]
         total = force.sum(axis=1)
         if not total.any():
             continue

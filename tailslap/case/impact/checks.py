@@ -29,7 +29,7 @@ def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
 
 def _initial_energy(outcome: run.ImpactOutcome) -> float:
     plan = outcome.fe_plan.case
-    return 0.5 * plan.vehicle.mass * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
+    return 0.5 * sum(unit.mass for unit in plan.motion.vehicles) * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
 def _finite(outcome: run.ImpactOutcome) -> case.Evaluation:
@@ -104,7 +104,8 @@ def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
 MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.QUANTITIES.items()}
 """Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
-CLOSER = f"{case.FINER}; or spread a corner's force by contact.patch_length; or allow more by verify.mesh"
+SPREAD = "or spread a corner's force by contact.patch_length, a hinge's by hitch_length of its trailer"
+CLOSER = f"{case.FINER}; {SPREAD}; or allow more by verify.mesh"
 FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (

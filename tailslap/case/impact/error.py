@@ -41,9 +41,14 @@ THIRD_UP_TO = 1000
 
 
 def weighed(strikes: Sequence[Strike]) -> list[Strike]:
-    """The first two strikes of weight."""
-    largest = max((strike.impulse for strike in strikes), default=0.0)
-    return [strike for strike in strikes if strike.impulse >= WEIGHT * largest][:2]
+    """The first two strikes of weight; of a train all up to the largest, which may be the trailer's rear one."""
+    impulses = [strike.impulse for strike in strikes]
+    largest = max(impulses, default=0.0)
+    last = (
+        strikes[impulses.index(largest)].start if any("trailer" in each.corner for each in strikes) else 0.0
+    )
+    found = [strike for strike in strikes if strike.impulse >= WEIGHT * largest]
+    return [strike for number, strike in enumerate(found) if number < 2 or strike.start <= last]
 
 
 def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:

@@ -9,10 +9,10 @@ from postprocess.figures.impact import StrikeMark, write_animation
 from postprocess.report.page import Picture
 from postprocess.svg.chart import FULL, Chart
 from postprocess.units import SI, Units
-from solver.impact import CORNERS
+from solver.impact import corner_name
 from tailslap import progress
 from tailslap.case.impact import answers
-from tailslap.case.impact.run import ImpactOutcome
+from tailslap.case.impact.run import ImpactOutcome, corners_of
 
 PARTS = {
     "crush_energy": "crush, lost",
@@ -86,17 +86,17 @@ def energy_figure(outcome: ImpactOutcome) -> Chart:
 
 
 def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
-    """Force over crush of the corners that struck, and with more points than corners the force along the side."""
-    run, length = outcome.run, outcome.fe_plan.case.vehicle.length
-    corner = answers.nearest_corner(run.points, length)
+    """Force over crush of the corners that struck, and with more points than corners the force along the side, of
+    a train that of its first unit."""
+    run, corner = outcome.run, corners_of(outcome.fe_plan, outcome.run)
     loops = {}
-    for i, name in enumerate(CORNERS):
+    for i in np.unique(corner):
         pressed = [k for k in np.flatnonzero(corner == i) if run.normal[:, k].any()]
         if pressed:
             k = max(pressed, key=lambda k: run.normal[:, k].max())
-            loops[name] = (np.maximum(run.depth[:, k], 0.0), run.normal[:, k])
+            loops[corner_name(*divmod(int(i), 4))] = (np.maximum(run.depth[:, k], 0.0), run.normal[:, k])
     along = []
-    side = np.flatnonzero(run.points[1] < 1e-6)
+    side = np.flatnonzero((run.points[1] < 1e-6) & (run.unit == 0))
     order = side[np.argsort(-run.points[0, side], kind="stable")]
     if order.size > 4:
         distances, places = np.unique(np.round(-run.points[0, order], 9), return_inverse=True)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem.laws.friction import Drag
 from fem.plate import kinds
-from fem.plate.properties import ContactProperties, Inertia, ModelError, WallProperties
-from meshes import wall_mesh
+from fem.plate.properties import ContactProperties, Inertia, ModelError, UnitProperties, WallProperties
+from meshes import train_mesh, wall_mesh
 from tailslap.case import model
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
+    import meshio
+
     from fem.model.plate_model import PlateModel
     from fem.run.impact import FirstTouch
 
@@ -104,21 +109,47 @@ def safety_factor(scene: Scene, plate: Plate) -> float:
 
 def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
-    from fem.model.impact_model import build_impact_model
+    from fem.model.impact_model import build_impact_model, build_train_model
 
-    scene, vehicle = case.scene, case.vehicle
-    uniform = scene.vehicle.centre_of_mass is None and scene.vehicle.yaw_inertia is None
-    inertia = None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
-    mesh = model.fe_mesh(scene, plate)
-    plate = model.resolved_plate(scene, plate, mesh, inertia)
-    contact, step = contact_properties(scene.needed_contact), model.step_properties(scene, longest_step)
+    scene = case.scene
+    plate = model.resolved_plate(scene, plate, model.fe_mesh(scene, plate), _inertia(case, 0))
+    step = model.step_properties(scene, longest_step)
     step = replace(step, safety_factor=safety_factor(scene, plate))
+    first, *trailers = (_unit(case, plate, number) for number in range(len(scene.units)))
     try:
         wall = wall_properties(case, scene.wall) if scene.wall else None
-        made = build_impact_model(mesh, model.plate_properties(scene, plate, inertia), contact, step, wall)
+        if trailers:
+            mesh, units = _train_mesh(scene, [first, *trailers]), (first, *trailers)
+            return build_train_model(mesh, units, step, wall), plate
+        return build_impact_model(first.mesh, first.plate, first.contact, step, wall), plate
     except ModelError as error:
         raise model.refusal(scene, plate, error) from None
-    return made, plate
+
+
+def _inertia(case: RigidImpact, number: int) -> Inertia | None:
+    """Inertia that the masses of a unit carry; None for the uniform rectangle's."""
+    given, vehicle = case.scene.units[number], case.motion.vehicles[number]
+    uniform = given.centre_of_mass is None and given.yaw_inertia is None
+    return None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
+
+
+def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
+    """A unit on a plate that has its modulus."""
+    scene, inertia = case.scene, _inertia(case, number)
+    properties = model.plate_properties(scene, plate, inertia, number)
+    mesh, contact = model.fe_mesh(scene, plate, number), contact_properties(scene.needed_contact)
+    if number == 0:
+        return UnitProperties(mesh, properties, contact)
+    own = scene.trailer[number - 1]
+    contact = replace(contact, stiffness=own.stiffness or contact.stiffness)
+    return UnitProperties(mesh, properties, contact, own.hitch, own.kingpin, own.hitch_length or 0.0)
+
+
+def _train_mesh(scene: Scene, units: Sequence[UnitProperties]) -> meshio.Mesh:
+    """The mesh of a straight train, the middle lines of all units in one."""
+    places = np.cumsum([unit.kingpin - unit.hitch for unit in units])
+    sides = [0.5 * (scene.vehicle.width - unit.width) for unit in scene.units]
+    return train_mesh([unit.mesh for unit in units], np.column_stack([places, sides]))
 
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:

@@ -8,7 +8,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
 from fem.plate.properties import ModelError
+from solver.impact import CORNERS, corner_name
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
@@ -79,7 +82,8 @@ def compared(fe_plan: plan.ImpactPlan, run: ImpactRun) -> ImpactOutcome:
 
 
 def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
-    """The run of the model, to the scene's end, or 0.1 s after the second strike and no less than the rigid's.
+    """The run of the model, to the scene's end, or 0.1 s after the second strike, of a train after its last rear's, and
+    no less than the rigid's.
 
     snapshots: instants at which the motion of all nodes is kept.
     """
@@ -93,7 +97,12 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
         if now < until:
             return False
         strikes = _answer(fe_plan, run).strikes
-        return now >= (BEYOND * until if len(strikes) < 2 else strikes[1].end + AFTER_SECOND)
+        if run.units:
+            rear = corner_name(len(run.units) - 1, CORNERS.index("rear"))
+            last = [strike for strike in strikes if strike.corner == rear][:1]
+        else:
+            last = list(strikes[1:2])
+        return now >= (last[0].end + AFTER_SECOND if last else BEYOND * until)
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
@@ -113,8 +122,17 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
 
 
 def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
-    length = fe_plan.case.vehicle.length
-    return answers.sampled_answer(run.history, run.points, run.normal, run.tangential, run.place, length)
+    points = run.points, run.normal, run.tangential, run.place
+    return answers.sampled_answer(run.history, *points, corners_of(fe_plan, run))
+
+
+def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:
+    """Number of the corner that each contact point belongs to, see `answers.sampled_answer`; shape (points,)."""
+    corner = np.empty_like(run.unit)
+    for number, vehicle in enumerate(fe_plan.case.motion.vehicles):
+        own = run.unit == number
+        corner[own] = 4 * number + answers.nearest_corner(run.points[:, own], vehicle.length)
+    return corner
 
 
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:

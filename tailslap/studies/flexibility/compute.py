@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.start.start_kinds import START_KINDS
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
-from solver.impact import CORNERS
+from solver.impact import corner_name
 from tailslap.campaign import engine, levels
 from tailslap.campaign.convergence import Record, convergence_index, three_meshes
 from tailslap.campaign.levels import PowerLaw, Reach, Sample
@@ -25,10 +25,10 @@ from tailslap.case import case_of, cost, model
 from tailslap.case.case import failed_names
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.model import MIN_STEPS
-from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes, nearest_corner
+from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
-from tailslap.case.impact.run import attempt
+from tailslap.case.impact.run import attempt, corners_of
 from tailslap.errors import InputError
 from tailslap.modal_analysis import modal_run
 from tailslap.scene import schema
@@ -449,8 +449,8 @@ def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Chang
 def both_record(case: ImpactCase) -> Record:
     """Values and failed checks of a single run; the filters take the force of the points nearest to each corner."""
     outcome = attempt(case)
-    corner = nearest_corner(outcome.run.points, case.scene.vehicle.length)
-    forces = {name: outcome.run.normal[:, corner == n].sum(axis=1) for n, name in enumerate(CORNERS)}
+    corner, push = corners_of(outcome.fe_plan, outcome.run), outcome.run.normal
+    forces = {corner_name(*divmod(int(n), 4)): push[:, corner == n].sum(axis=1) for n in np.unique(corner)}
     return {"values": both_strikes(outcome.fe, forces), "failed": failed_but_mesh(outcome)}
 
 
