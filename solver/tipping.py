@@ -281,7 +281,7 @@ def _parts(bodies: Array, interval: float, intervals: int, phase: float, step: f
         interval * rate / phase if step is None else interval / step * np.full_like(rate, 1.0 - 1e-12)
     )
     few = parts * (intervals + FREE / interval) <= MOST_STEPS
-    Gate().demand(rules.ROLL_STEPS, few, bodies[:, SPRING], rate=rate)
+    Gate().demand(rules.ROLL_STEPS, few.squeeze(), bodies[:, SPRING].squeeze(), rate=rate.squeeze())
     return parts.astype(np.int64)
 
 

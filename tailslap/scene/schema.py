@@ -54,6 +54,8 @@ LayerStiffness = Annotated[
     float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', least=1e-3, most=1e15)
 ]
 Force = Annotated[float, Quantity("a force", "N", '"100 kN"', least=0.0, most=1e12)]
+Height = Annotated[float, Quantity("a height above the ground", "m", '"32 in"', least=0.05, most=20.0)]
+RollDamping = Annotated[float, Quantity("a damping ratio", "", "0.15", least=0.0, most=1.0)]
 Inertia = Annotated[
     float, Quantity("a moment of inertia", "kg m^2", '"88101 kg m^2"', least=1e-12, most=1e15)
 ]
@@ -247,6 +249,19 @@ class Contact(SceneTable):
         return self.stiffness is not None
 
 
+class Tipping(SceneTable):
+    """Roll of a whole impact's vehicle over the wall, on wheels that lift. Where time.end is left out the impact then
+    ends 0.5 s after the second strike."""
+
+    wall_height: Height = needed("of the wall's top, where it pushes")
+    centre_height: Height = needed("of the vehicle's centre of mass")
+    roll_inertia: Inertia | None = key("about it; if left out the mass times the square of 0.45 widths")
+    track: Length = needed("between the wheels of both sides")
+    suspension: Stiffness = needed("vertical, of the wheels of one side")
+    damping_ratio: RollDamping = key("of the suspension in heave, to critical; assumed", 0.15)
+    friction: Friction = key("of the wall's face, against sliding up and down it too", 0.0)
+
+
 class StrikeTable(SceneTable):
     """Stage 3: force of the tail-slap."""
 
@@ -371,6 +386,7 @@ class Scene(SceneTable):
     start: StartTable | None = None
     corner: CornerTable = CornerTable()
     contact: Contact | None = None
+    tipping: Tipping | None = None
     strike: StrikeTable = StrikeTable()
     plate: Plate | None = None
     material: MaterialTable | None = None

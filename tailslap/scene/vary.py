@@ -137,6 +137,8 @@ def _known(location: tuple[int | str, ...]) -> str:
 def _check_corner(scene: schema.Scene) -> None:
     """Validate keys of a constrained corner."""
     _refuse(scene, "this key requires [contact]; remove it", *OF_A_WHOLE_IMPACT)
+    if scene.tipping:
+        raise InputError("tipping", Verbatim("a table"), "this table requires [contact]; remove it")
     if scene.trailer:
         why = (
             "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
@@ -234,6 +236,9 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
     _check_trailers(scene, contact)
+    if scene.tipping and scene.tipping.track > scene.vehicle.width:
+        allowed = f"wheels are below the vehicle; allowed is up to its width, {scene.vehicle.width:g} m"
+        raise InputError("tipping.track", scene.tipping.track, allowed)
     _check_plate_of_impact(scene, contact)
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 STRIKES = (1, 2)
 VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
+TIPPING = ("largest_roll", "lowest_safe_wall")
 SPENT = {"cost.steps": int, "cost.time_step": float}
 
 
@@ -66,6 +67,7 @@ class ImpactCase(rigid.RigidImpact):
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
             kinds |= {f"{model}.peak.{name}": float for name in rigid.CURVES}
             kinds |= {f"{model}.end.{name}": float for name in answers.END}
+            kinds |= {f"{model}.tipping.{name}": float for name in TIPPING if scene.tipping}
         if scene.plate is None:
             return kinds
         names = [f"difference.strike_{k}.{name}" for k in STRIKES for name in answers.COMPARED]
@@ -76,11 +78,14 @@ class ImpactCase(rigid.RigidImpact):
         from tailslap.case.report import run_cost
 
         if outcome is None:
-            return {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}
+            row = {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}
+            return row | _tipping_columns("rigid", rigid.tipping_of(self, self.answer))
         return {
             **check_columns(outcome.checks),
             **_answer_columns("rigid", outcome.rigid),
             **_answer_columns("fe", outcome.fe),
+            **_tipping_columns("rigid", outcome.tipping.get("rigid")),
+            **_tipping_columns("fe", outcome.tipping.get("FE")),
             **{f"difference.{name}": value for name, value in outcome.difference.items()},
             "numerical_error": self.stated_error(outcome),
             **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
@@ -96,3 +101,9 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
         row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
     row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
+
+
+def _tipping_columns(model: str, answer: Any) -> dict[str, float]:
+    """Columns of the roll by the forces of one of the two models; none without [tipping]."""
+    found = answer.numbers() if answer else {}
+    return {f"{model}.tipping.{name}": found[name] for name in TIPPING if found}

@@ -72,6 +72,7 @@ def run_report(outcome: run.ImpactOutcome, folder: Path, pictures: bool, units: 
         report.short(report.design_table(outcome)),
         _strikes(outcome),
         errors_table(outcome),
+        *(own.verdict for name, own in outcome.tipping.items() if name == "FE"),
     )
     said = report.terminal_text(outcome, verdict, tables)
     return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
@@ -162,6 +163,7 @@ def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
+        *tipping_sections(outcome),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
         Section(
             "Energy, and force along the side" if along else "Energy",
@@ -182,6 +184,15 @@ def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section
         Section("What was run", sentences=_statements(outcome), is_folded=True),
         report.checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
     ]
+
+
+def tipping_sections(outcome: run.ImpactOutcome) -> list[Section]:
+    """The section on tipping; none without [tipping]."""
+    if not outcome.tipping:
+        return []
+    from tailslap.case.impact import tipping
+
+    return [tipping.section(outcome.tipping)]
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:
@@ -232,11 +243,11 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
 
 def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
-    plan = outcome.fe_plan.case
+    plan, rolls = outcome.fe_plan.case, {n: {"tipping": own.numbers()} for n, own in outcome.tipping.items()}
     return {
         **report.run_summary(outcome, omitted_parts(plan.scene, pictures)),
-        "rigid": outcome.rigid.numbers(),
-        "fe": outcome.fe.numbers(),
+        "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
+        "fe": outcome.fe.numbers() | rolls.get("FE", {}),
         "paper_method": outcome.paper_method,
         "difference": outcome.difference,
         "numerical_error": {"mesh": outcome.mesh_error},

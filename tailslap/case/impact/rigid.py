@@ -22,8 +22,9 @@ from tailslap.scene.schema import Contact, Scene
 from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Source, vary
 
-AFTER_SECOND = 0.1
-"""Time [s] after the second strike at which an impact ends that has no time.end."""
+AFTER_SECOND, AFTER_TIPPING = 0.1, 0.5
+"""Time [s] after the second strike at which an impact ends that has no time.end; with [tipping], where a third strike
+adds to the roll."""
 
 LONGEST = 5.0
 """Time [s] after which an impact without a second strike ends."""
@@ -122,10 +123,15 @@ class RigidImpact(Case):
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
-        """The impact to another end [s]; None: to 0.1 s after the second strike."""
+        """The impact to another end [s]; None: to `after_second` after the second strike."""
         with refusals(self.scene):
-            given = self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST
+            given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
             return impact.solve_impact(*given, on_compile=progress.compiling)
+
+    @property
+    def after_second(self) -> float:
+        """Time after the second strike at which the impact ends that has no time.end [s]."""
+        return AFTER_TIPPING if self.scene.tipping else AFTER_SECOND
 
     @property
     def duration(self) -> float:
@@ -197,7 +203,9 @@ class RigidImpact(Case):
     def rigid_numbers(self) -> dict[str, Any]:
         """Strikes, peaks and end, SI."""
         beside = paper_method(self.scene, self.answer)
-        return {"scene": self.scene.name, **self.answer.numbers(), "paper_method": beside}
+        own = tipping_of(self, self.answer)
+        rolled = {"tipping": own.numbers()} if own else {}
+        return {"scene": self.scene.name, **self.answer.numbers(), **rolled, "paper_method": beside}
 
     def rigid_text(self, units: str = "si") -> list[str]:
         """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
@@ -213,7 +221,19 @@ class RigidImpact(Case):
         lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
         lines += ["", "At the end"]
         lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
+        if own := tipping_of(self, answer):
+            lines += ["", *own.text(units)]
         return lines + _paper_lines(paper_method(self.scene, answer), units)
+
+
+def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
+    """Roll of the vehicle by the forces of one of the two models, a `TippingAnswer`; None without [tipping]."""
+    if case.scene.tipping is None:
+        return None
+    from tailslap.case.impact import tipping
+
+    with refusals(case.scene):
+        return tipping.solve(case.scene, case.vehicle, answer)
 
 
 def wall_contact(scene: Scene, contact: Contact) -> impact.WallContact:
@@ -228,7 +248,9 @@ def wall_contact(scene: Scene, contact: Contact) -> impact.WallContact:
     return impact.WallContact(corner, contact.friction, side)
 
 
-KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, "vehicle.yaw_inertia", "time.end")}
+KEYS = {
+    key.split(".")[1]: key for key in (*ARGUMENTS, "vehicle.yaw_inertia", "time.end", "tipping.suspension")
+}
 """Keys of the scene behind the inputs of the theory."""
 
 

@@ -14,7 +14,7 @@ from fem.plate.properties import ModelError
 from solver.impact import CORNERS, corner_name
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
+from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
 from tailslap.case.model import refusal
 from tailslap.errors import InputError
 from tailslap.files import checkpoints
@@ -52,6 +52,14 @@ class ImpactOutcome(Outcome):
     def lateral_force(self) -> float:
         """Largest mean over 50 ms of the plate's force on the wall [N]."""
         return float(self.fe.peaks["mean_50ms"])
+
+    @cached_property
+    def tipping(self) -> dict[str, Any]:
+        """Roll over the wall by the forces of both models, by their names; empty without [tipping]."""
+        found = {
+            name: tipping_of(self.fe_plan.case, own) for name, own in (("FE", self.fe), ("rigid", self.rigid))
+        }
+        return {name: each for name, each in found.items() if each}
 
     @cached_property
     def paper_method(self) -> dict[str, Any] | None:
@@ -102,7 +110,7 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
             last = [strike for strike in strikes if strike.corner == rear][:1]
         else:
             last = list(strikes[1:2])
-        return now >= (last[0].end + AFTER_SECOND if last else BEYOND * until)
+        return now >= (last[0].end + fe_plan.case.after_second if last else BEYOND * until)
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:

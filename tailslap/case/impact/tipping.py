@@ -1,0 +1,188 @@
+"""Tipping over the wall: roll of the vehicle of a whole impact, the lowest wall that holds it, margins, limits."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from postprocess.report.page import Column, Section, Table, columns
+from postprocess.units import SYSTEMS, measure
+from solver import tipping
+from solver.impact import ImpactVehicle
+from tailslap import progress
+from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.scene.schema import Scene, Tipping
+
+TITLE, INCH = "Tipping over the wall", 0.0254
+
+GYRATION = 0.45
+"""Radius of gyration in roll, over the width, where the scene leaves the roll inertia out: assumed."""
+
+ROWS = (
+    Column("force", "Force by"),
+    Column("tips", "It tips"),
+    Column("largest_roll", "Largest roll", "rad", form=".2f", style="strong"),
+    *columns(
+        {"lowest_safe_wall": "Lowest wall", "wall_margin": "Margin"},
+        unit="m",
+        form=".3f",
+        group="That holds it",
+    ),
+    *columns(
+        {"highest_safe_centre": "Highest centre", "centre_margin": "Margin"},
+        unit="m",
+        form=".3f",
+        group="Held",
+    ),
+    Column("far_lifted", "Far wheels lifted", "s", form=".2f"),
+)
+
+TIPPED = "A vehicle that tips is followed until its centre of mass is beyond the wheels of the wall's side: 90 deg."
+
+LIMITS: Sequence[tuple[str, ...]] = (
+    ("force below the wall's top", "has a longer lever", "+"),
+    ("tyres' grip across the road", "holds the feet of a vehicle that still moves towards the wall", "+"),
+    ("a frame that twists", "lets the box roll beyond its axles, which lift one after the other", "+"),
+    ("box and frame that separate", "the box rolls more than both together, the chassis less", "±"),
+    ("cargo that shifts", "takes the centre of mass towards the wall", "+"),
+    ("suspension beyond a vertical spring a side", "gives sideways and has play", "+"),
+    ("pitch", "takes part of what a strike at one end would turn into roll", "−"),
+    ("the roll's own give at the contact", "takes part of the force", "−"),
+)
+"""Parts that the model leaves out, what each would do, and by which sign to the roll."""
+
+LIMIT_COLUMNS = columns({"0": "Left out", "1": "What it would do", "2": "Roll"})
+
+
+@dataclass(frozen=True)
+class TippingAnswer:
+    """Roll of a vehicle by the force of one of both models.
+
+    Attributes
+    ----------
+    given : Tipping
+        The scene's.
+    vehicle : RollingVehicle
+        What rolls.
+    motion : RollMotion
+        Its motion.
+    lowest_wall, highest_centre : float
+        Lowest wall that holds the vehicle, and highest centre of mass that the wall holds [m].
+    lost_mass : float
+        What the roll would take off the contact's effective mass, over that mass [-].
+    """
+
+    given: Tipping
+    vehicle: tipping.RollingVehicle
+    motion: tipping.RollMotion
+    lowest_wall: float
+    highest_centre: float
+    lost_mass: float
+
+    def numbers(self) -> dict[str, Any]:
+        """Part of `summary.json`, SI; wheels are those "near" the wall and "far" from it."""
+        lifted = self.motion.lifted()
+        return {
+            "tips": self.motion.tips,
+            "largest_roll": self.motion.largest_roll,
+            "lowest_safe_wall": self.lowest_wall,
+            "wall_margin": self.given.wall_height - self.lowest_wall,
+            "highest_safe_centre": self.highest_centre,
+            "centre_margin": self.highest_centre - self.given.centre_height,
+            "lifted": [{"wheels": side, "start": a, "duration": b - a} for side, a, b in lifted],
+            "effective_mass_change": -self.lost_mass,
+            "step": self.motion.step,
+            "error": self.motion.error,
+        }
+
+    @property
+    def verdict(self) -> str:
+        """Say whether the wall holds the vehicle, and which one would."""
+        heights = self.given.wall_height, self.lowest_wall
+        wall, lowest = (f"{measure(height, 'm', '.3f')} ({height / INCH:.1f} in)" for height in heights)
+        if self.given.centre_height <= self.given.wall_height:
+            return f"It cannot tip over this wall: its centre of mass is below the wall's top, {wall}."
+        said = (
+            f"The wall of {wall} holds it, with a roll of {measure(self.motion.largest_roll, 'rad', '.1f')}"
+        )
+        if self.motion.tips:
+            said = f"It tips over the wall of {wall}"
+        return f"{said}; the lowest wall that holds it has {lowest}."
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Sentences on margins, wheels, the force and the error."""
+        found = self.numbers()
+        wall, centre = (measure(found[f"{name}_margin"], "m", "+.3f") for name in ("wall", "centre"))
+        lifted = (
+            f"{x['wheels']} side's from {x['start']:.3f} s for {x['duration']:.3f} s" for x in found["lifted"]
+        )
+        return (
+            f"Margin of the wall's height {wall}, of the centre's {centre}.",
+            f"Wheels lifted: {', '.join(lifted) or 'none'}.",
+            f"The force is that of the plane. The roll would take {100.0 * self.lost_mass:.1f} % off the contact's "
+            "effective mass, and up to as much off the impulse.",
+        )
+
+    def text(self, units: str) -> list[str]:
+        """Lines for a terminal."""
+        return [TITLE, *(f"  {SYSTEMS[units].rendered(said)}" for said in (self.verdict, *self.sentences))]
+
+
+def solve(scene: Scene, body: ImpactVehicle, answer: ImpactAnswer) -> TippingAnswer:
+    """Roll of a scene's vehicle by the forces of one of both models. Raises RigidBodyError for too stiff springs."""
+    given, force, interval = scene.tipping, answer.history["force_normal"][1:], answer.interval
+    assert given
+    vehicle = rolling_vehicle(scene, given)
+    motion = tipping.solve_roll(vehicle, given.wall_height, force, interval, on_compile=progress.compiling)
+    lowest = float(tipping.lowest_walls(vehicle, force, interval))
+    highest = float(tipping.highest_centres(vehicle, given.wall_height, force, interval))
+    return TippingAnswer(given, vehicle, motion, lowest, highest, lost_mass(scene, body, vehicle))
+
+
+def rolling_vehicle(scene: Scene, given: Tipping) -> tipping.RollingVehicle:
+    """The scene's vehicle as it rolls."""
+    body, impact = scene.vehicle, scene.impact
+    assert impact
+    inertia = given.roll_inertia or body.mass * (GYRATION * body.width) ** 2
+    own = given.centre_height, inertia, given.track, given.suspension, given.damping_ratio
+    return tipping.RollingVehicle(
+        body.mass, *own, body.width, given.friction, impact.speed * math.cos(impact.angle)
+    )
+
+
+def lost_mass(scene: Scene, body: ImpactVehicle, vehicle: tipping.RollingVehicle) -> float:
+    """Fraction that the roll would take off the effective mass of the front corner at first touch, which is the last
+    term's of 1/m_eff = 1/m + X (X - mu |Y|)/I_yaw + (z - h)^2/I."""
+    impact, given, friction = scene.impact, scene.tipping, scene.needed_contact.friction
+    assert impact
+    assert given
+    s, c, half = math.sin(impact.angle), math.cos(impact.angle), 0.5 * body.width
+    x, y = body.front_distance * c - half * s, body.front_distance * s + half * c
+    planar = 1.0 / body.mass + x * (x - friction * y) / body.inertia
+    roll = (given.centre_height - given.wall_height) ** 2 / vehicle.roll_inertia
+    return float(roll / (planar + roll))
+
+
+def section(answers: Mapping[str, TippingAnswer]) -> Section:
+    """The section of a page, of what each model answers, by its name; the first is drawn."""
+    from postprocess.figures import tipping as figures
+
+    rolls, rows = {}, []
+    for name, each in answers.items():
+        found, history = each.numbers(), dict(zip(tipping.ROW, each.motion.rows.T, strict=True))
+        t = each.motion.interval * np.arange(len(each.motion.rows), dtype=np.float64)
+        rolls[name] = figures.Roll(t, history["roll"], history["load_near"], history["load_far"])
+        far = math.fsum(its["duration"] for its in found["lifted"] if its["wheels"] == "far")
+        rows.append({"force": name, "far_lifted": far, **found})
+    first = next(iter(answers.values()))
+    height, roll = max(first.motion.rows[:, :2].tolist(), key=lambda row: row[1])
+    given, width = first.given, float(first.vehicle.width)
+    shape = figures.Leaning(width, given.track, given.centre_height, given.wall_height)
+    drawn = figures.draw_roll(rolls), figures.draw_leaning(shape, height, roll)
+    step, error = f"{first.motion.step:.1e} s", f"{first.motion.error:.1e}"
+    said = f"Steps of {step}; with twice the step the largest roll changes by {error} of its own."
+    tables = Table(ROWS, rows, notes=(TIPPED,)), Table(LIMIT_COLUMNS, LIMITS)
+    return Section(TITLE, first.verdict, drawn, tables, (*first.sentences, said), "wide")
