@@ -37,8 +37,19 @@ def pages() -> dict[str, str]:
         "results.md": results_page(),
         "python.md": python_page(),
         "commands.md": commands_page(),
+        "../theory/set-up.svg": scheme(),
     }
     return {name: NOTICE + text.rstrip() + "\n" for name, text in made.items()}
+
+
+def scheme() -> str:
+    """Drawing of the set-up of the paper's truck with symbols in place of numbers."""
+    from postprocess.figures import set_up
+    from tailslap.case.corner.case import CornerCase
+    from tailslap.scene.read import read_scene
+
+    unit = CornerCase(*read_scene("mash-tl4-sut")).unit
+    return set_up.draw_set_up([unit], set_up.SYMBOLS, set_up.SCHEME).svg
 
 
 # Scene
@@ -140,11 +151,13 @@ changed since, is refused with its name; `--force` (in Python `force=True`) read
 FILES = (
     (
         "`summary.json`",
-        "the numbers: `rigid`, `fe`, `difference`, `checks`, `cost`, `chosen`, `left_out` and more",
+        "`title`, `answer`, `set_up` and `certainty` in words, as page and terminal open; the numbers: `rigid`, `fe`, "
+        "`difference`, `checks`, `cost`, `chosen`, `left_out` and more",
     ),
     ("`history.csv`", "the FE run, a row an instant"),
     ("`rigid.csv`", "the rigid vehicle at the same instants"),
     ("`report.html`", "what a person opens"),
+    ("`set-up.svg`", "drawing of the set-up, to scale"),
     ("`theta.svg`, `omega.svg` and so on", "the page's curves"),
     ("`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`", "the plate at the tail-slap"),
     ("`impact.gif`", "of a whole impact: its animation"),

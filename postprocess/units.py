@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 OPEN, SEPARATOR, CLOSE = "\x02", "\x1f", "\x03"
@@ -133,6 +134,25 @@ def percent(fraction: float | None, decimals: int = 2) -> str:
         return number(fraction)
     text = f"{100.0 * fraction:+.{decimals}f}"
     return f"{text if float(text) else text[1:]} %"
+
+
+def rounded_up(value: float) -> float:
+    """The least number of two digits that is not below a positive value, but for rounding errors."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.ceil(value / unit * (1.0 - 1e-9)) * unit
+
+
+def percent_up(fraction: float) -> str:
+    """Bound of a relative error in per cent, rounded up to two digits; "unknown" where it is not finite."""
+    if not math.isfinite(fraction):
+        return "unknown"
+    text = f"{100.0 * rounded_up(abs(fraction)):.2g}" if fraction else "0"
+    return f"{text if abs(fraction) < 1e-7 else f'{Decimal(text):f}'} %"
+
+
+def force(newtons: float) -> str:
+    """Measure of a force with three digits at least."""
+    return measure(newtons, "N", ".0f" if abs(newtons) >= 1e5 else ".3g")
 
 
 def grouped(count: int) -> str:

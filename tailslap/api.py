@@ -21,7 +21,7 @@ from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
 from postprocess.report import page
-from postprocess.report.report import labelled_text, printed, write_report
+from postprocess.report.report import labelled_text, opened, write_report
 from postprocess.units import SYSTEMS
 from tailslap import result
 from tailslap.case import case_of, cost
@@ -148,7 +148,8 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     653
     """
     case = _case(scene, changes)
-    summary, columns = page.plain(case.rigid_numbers()), case.rigid_history()
+    headline, columns = case.headline(), case.rigid_history()
+    summary = page.plain({**vars(headline), **case.rigid_numbers()})
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         page.write_summary(folder / "summary.json", summary)
@@ -159,7 +160,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
         summary["scene"],
         summary,
         histories={result.RIGID: load.history(columns)},
-        text=labelled_text(case.rigid_text(units), 19),
+        text=f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{labelled_text(case.rigid_text(units), 19)}",
         fill=fill,
     )
 
@@ -197,12 +198,15 @@ def check(
     >>> tailslap.check("paper-table-3").summary["plate"][0][:23]
     '120 elements, 147 nodes'
     """
-    from tailslap.case.report import LABEL, as_numbers
+    from tailslap.case.case import LABEL
+    from tailslap.case.report import as_numbers
 
     case = _case(scene, changes)
-    name, lines = case.scene.name, case.check_text(allow_large)
-    text = labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
-    return result.Result("check", name, page.plain(as_numbers(name, lines)), text=text)
+    headline, lines = case.check_text(allow_large)
+    found = labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
+    summary = page.plain({**vars(headline), "scene": case.scene.name, "valid": True, **as_numbers(lines)})
+    text = f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{found}"
+    return result.Result("check", case.scene.name, summary, text=text)
 
 
 @named_arguments
@@ -302,7 +306,7 @@ def modes(
     from tailslap import modal_analysis
 
     report = modal_analysis.modes_report(_corner_plan(scene, changes, allow_large), count)
-    return result.of_report("modes", report, tables={"Frequencies": report.terminal[1]})
+    return result.of_report("modes", report, tables={"Frequencies": report.terminal[0]})
 
 
 def study(
@@ -367,7 +371,8 @@ def study(
 def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, Any]) -> result.Result:
     """Run a study of a case, whose place is locked; options: its own, as `compute` takes them."""
     report = chosen.report(chosen.compute(case, place, **options))
-    return result.of_report(f"study {chosen.name}", report, text=printed(report.terminal))
+    text = opened(report.page.headline, *report.terminal)
+    return result.of_report(f"study {chosen.name}", report, text=text)
 
 
 @named_arguments

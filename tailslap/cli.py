@@ -79,7 +79,7 @@ def _run(arguments: list[str] | None) -> int:
 
         return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
     try:
-        with warnings.catch_warnings(), commands.make_context("tailslap", given) as context:
+        with warnings.catch_warnings(), commands.make_context("tailslap", given, obj=tuple(given)) as context:
             warnings.simplefilter("always", UserWarning)
             warnings.showwarning = _remark
             status = commands.invoke(context)

@@ -73,7 +73,7 @@ def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") 
     from postprocess.report.report import PAGE, report_text
 
     assert report is not None
-    options.tell(report.summary, report_text(report, place, page or PAGE), as_json)
+    options.tell(report.numbers, report_text(report, place, page or PAGE), as_json)
     return DONE if report.passed else CHECK_FAILED
 
 

@@ -20,10 +20,10 @@ from fem.plate import elastic
 from fem.start.inertia_relief import relieved_fields
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.figures.plates import draw_mode
-from postprocess.report.page import Column, Section, Table, columns
+from postprocess.report.page import Column, Headline, Section, Table, columns
 from postprocess.report.report import Report, printed, shown_in
-from postprocess.units import SYSTEMS, measure, percent
-from tailslap.case.case import Check
+from postprocess.units import SYSTEMS, measure, percent, percent_up
+from tailslap.case.case import Case, Check, failed_sentence, unreliable
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.model import plate_density
 from tailslap.case.report import study_page
@@ -160,39 +160,52 @@ def _estimate(
 
 def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> tuple[Check, ...]:
     angle = 0.0 if motion.strike else float(motion.history["theta"][-1])
-    more = "how far the result moves with more of them; --modes takes a larger number"
-    linear = "what their linear strain leaves out; the plate is too soft for modes, `tailslap run` is not"
-    half = "how far the result moves with half as many; --steps takes more"
+    more = "relative change of the result with more modes", "a larger --modes"
+    linear = (
+        "relative error of the linear strain of modes",
+        "`tailslap run`, for the plate is too soft for modes",
+    )
+    half = "relative change of the result with half as many time steps", "a larger --steps"
+    stiff = "a stiffer plate, or `tailslap run`"
     return (
-        Check("tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]"),
-        Check.at_most("modes left out", estimate.modes, tolerance, more),
-        Check.at_most("linear modes", estimate.linear, tolerance, linear),
-        Check.at_most("time steps", estimate.steps, tolerance, half),
+        Check(
+            "tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]", stiff
+        ),
+        Check.at_most("omitted modes", estimate.modes, tolerance, *more),
+        Check.at_most("linear modes", estimate.linear, tolerance, *linear),
+        Check.at_most("time steps", estimate.steps, tolerance, *half),
     )
 
 
 def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
-    """The results as a person reads them, in units "si" or "us"."""
-    scene, estimate = fe_plan.case.scene, run.estimate
-    kept = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies) or "none"
-    estimated = (
-        f"Estimate of its error: {estimate.total:.1e}, of that {estimate.modes:.1e} by the modes left out, "
-        f"{estimate.linear:.1e} by linear strain, {estimate.steps:.1e} by the time steps"
-    )
-    failed = (
-        f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g} ({check.meaning})"
-        for check in run.checks
-        if not check.passed
-    )
-    compared = Table(COLUMNS, comparison_rows(run.values, run.rigid, None)) if run.values else None
-    parts = (
-        f"{scene.name}: modal model, reaction {scene.corner.reaction}, modes kept [Hz]: {kept}",
-        *((compared, estimated) if compared else ()),
-        *failed,
+    """Text of the results in units "si" or "us"."""
+    rows = comparison_rows(run.values, run.rigid, None) if run.values else ()
+    parts: tuple[Table | str, ...] = (
+        *modal_headline(fe_plan, run).lines,
+        "",
+        Table(COLUMNS, rows),
         f"Cost:   {run.steps} steps in {1e3 * run.integration_s:.2f} ms, set-up {1e3 * run.setup_s:.1f} ms, "
         f"estimate {1e3 * run.estimate_s:.2f} ms",
     )
     return printed(parts if units == "si" else [shown_in(part, SYSTEMS[units]) for part in parts])
+
+
+def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:
+    """Peak force of the tail-slap, the modes, and the estimate of the error."""
+    case, estimate = fe_plan.case, run.estimate
+    sentence, certainty = "No tail-slap within the run.", ""
+    if run.values:
+        sentence = case.force_sentence(case.peak_force(run.values["v_gy"]))
+        certainty = (
+            f"Estimated error {percent_up(estimate.total)}: omitted modes {percent_up(estimate.modes)}, linear strain "
+            f"{percent_up(estimate.linear)}, time steps {percent_up(estimate.steps)}."
+        )
+    if run.values and not run.passed:
+        sentence = unreliable(sentence)
+    kept = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies)
+    modes = f"Modal model: modes of {kept} Hz." if kept else "Modal model without elastic modes."
+    answer = failed_sentence(run.checks) + sentence
+    return Headline(case.headline().title, answer, f"{case.set_up} {modes}", certainty)
 
 
 def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, Any]:
@@ -200,6 +213,7 @@ def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, Any]:
     unknown = dict.fromkeys(run.rigid)
     cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")
     return {
+        **vars(modal_headline(fe_plan, run)),
         "scene": fe_plan.case.scene.name,
         "passed": run.passed,
         "modal": run.values or unknown,
@@ -242,8 +256,7 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
     beam = modal.Beam(vehicle.length, vehicle.width, plate.modulus, plate.poissons_ratio, density)
     modes = [*_modes(fe_plan, found, beam)]
     table = Table(MODE_COLUMNS, [mode | {"name": _name(mode)} for mode in modes])
-    at = f"at {modes[0]['frequency']:.4g} Hz"
-    said = f"The first elastic mode of the free plate in its plane is {_name(modes[0])}, {at}."
+    headline = _modes_headline(case, modes[0])
     rigid = found.rigid_frequencies / (2.0 * math.pi)
     sections = (
         Section("Frequencies, beside those of a free beam", tables=(table,)),
@@ -251,7 +264,7 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
         Section("What was computed, and what it means", sentences=_sentences(fe_plan, rigid, beam)),
     )
     files = "summary.json, these numbers and the shares of energy behind the kinds"
-    page = study_page(case, "Natural frequencies of the free plate in its plane", said, sections, files)
+    page = study_page(case, "Modes of the free plate in its plane", headline, sections, files)
     summary = {
         "scene": case.scene.name,
         "version": tailslap.__version__,
@@ -265,7 +278,18 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
             "nodes": int(model.loop.mass.size),
         },
     }
-    return Report(page, summary, (f"{case.scene.name}: {said}", table))
+    return Report(page, summary, (table,))
+
+
+def _modes_headline(case: Case, first: dict[str, Any]) -> Headline:
+    """The first natural frequency, beside that of a beam."""
+    answer = f"First natural frequency of the free plate in its plane: {first['frequency']:.4g} Hz ({_name(first)})."
+    certainty = ""
+    if first["theory"]:
+        certainty = (
+            f"Beam theory: {first['theory']:.4g} Hz; the plate differs by {percent(first['difference'])}."
+        )
+    return Headline(f"Natural frequencies: {case.subject}", answer, case.set_up, certainty)
 
 
 def _modes(fe_plan: CornerPlan, found: elastic.FreeModes, beam: modal.Beam) -> Iterator[dict[str, Any]]:

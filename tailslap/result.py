@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
 from importlib import import_module
@@ -18,9 +17,9 @@ import numpy as np
 
 from postprocess.comparison import quantities
 from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
-from postprocess.report.page import Table, plain
-from postprocess.report.report import PAGE, Report, in_units, printed, write_report
-from postprocess.units import SI, SYSTEMS, measure
+from postprocess.report.page import Headline, Table, plain
+from postprocess.report.report import PAGE, Report, in_units, opened, write_report
+from postprocess.units import SI, SYSTEMS
 from tailslap.errors import InputError, Missing, Verbatim, one_of
 from tailslap.files.folder import result_folder
 from tailslap.files.manifest import Origin
@@ -204,8 +203,6 @@ class Result:
         Name of the scene.
     summary : dict
         Numbers and words, SI, by the names of `summary.json`; None where there is no finite number.
-    headline : str
-        What was found, in a sentence.
     passed : bool or None
         Whether every check passed; None where nothing is judged.
     tables : mapping of Table
@@ -229,7 +226,6 @@ class Result:
     command: str
     scene: str
     summary: dict[str, Any]
-    headline: str = ""
     passed: bool | None = None
     tables: Mapping[str, Table] = field(default_factory=dict)
     histories: Mapping[str, Columns] = field(default_factory=dict)
@@ -239,6 +235,11 @@ class Result:
     text: str = ""
     charts: Mapping[str, Chart] = field(default_factory=dict)
     inputs: tuple[Path, ...] = ()
+
+    @property
+    def headline(self) -> Headline:
+        """Title, answer, set-up and certainty, as the page and the terminal open."""
+        return Headline(*(str(self.summary.get(each.name) or "") for each in fields(Headline)))
 
     @cached_property
     def history(self) -> pandas.DataFrame | Columns:
@@ -398,21 +399,16 @@ class Result:
 
     def __repr__(self) -> str:
         judged = {None: "", True: " passed", False: " FAILED"}[self.passed]
-        said = f": {self.headline}" if self.headline else ""
-        text = f"<{self.command} {self.scene}".rstrip() + f"{judged}{said}"
-        return f"{text if len(text) < 159 else text[:156] + '...'}>".replace("\n", " ")
+        answer = f": {self.headline.answer}" if self.headline.answer else ""
+        return f"<{self.command} {self.scene}".rstrip() + f"{judged}{answer}>"
 
     def __str__(self) -> str:
-        if self.text:
-            return self.text
-
-        return printed((*self.tables.values(), self.headline or repr(self)))
+        return self.text or opened(self.headline, *self.tables.values()) or repr(self)
 
     def _repr_html_(self) -> str:
-        said = f"<p><b>{escape(self.headline)}</b></p>" if self.headline else ""
+        lines = "".join(f"<p>{escape(line)}</p>" for line in self.headline.lines)
         shown = "".join(_table_html(title, table) for title, table in self.tables.items())
-        text = "" if said or shown else f"<pre>{escape(self.text or repr(self))}</pre>"
-        return f"<div>{said}{shown}{text}</div>"
+        return f"<div>{lines}{shown}{'' if lines or shown else f'<pre>{escape(str(self))}</pre>'}</div>"
 
     def _history(self, *names: str) -> Any:
         for name in names:
@@ -435,25 +431,23 @@ def _table_html(title: str, table: Table) -> str:
 
 def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) -> Result:
     """The result of a command that makes a report; page_name: of its file; more: what else the result has."""
-    page = report.page
     parts = chain.from_iterable(getattr(part, "tables", (part,)) for part in report.terminal)
     shown = [part for part in parts if isinstance(part, Table)]
     tables = {table.title or f"Table {n}": table for n, table in enumerate(shown, 1)} | dict(report.tables)
+    summary = plain(report.numbers)
     found = {
-        "scene": page.title,
-        "headline": SI.rendered(page.headline),
-        "passed": page.passed,
+        "scene": summary.get("scene", ""),
+        "passed": report.page.passed,
         "tables": tables,
-        "charts": {chart.name: chart for chart in page.charts},
+        "charts": {chart.name: chart for chart in report.page.charts},
         "fill": filled_by(lambda place, pictures, units: report, page_name),
     }
-    return Result(command, summary=plain(report.summary), **(found | more))
+    return Result(command, summary=summary, **(found | more))
 
 
 def of_run(summary: dict[str, Any], *rest: Any) -> Result:
     """The result of a run, just made or read again; rest: of the result, from its histories on."""
-    said, passed, tables = _run_headline(summary), summary["passed"], _run_tables(summary)
-    return Result("run", summary["scene"], summary, said, passed, tables, *rest)
+    return Result("run", summary["scene"], summary, summary["passed"], _run_tables(summary), *rest)
 
 
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
@@ -469,20 +463,3 @@ def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
         found["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
     failed = [check for check in summary["checks"] if not check["passed"]]
     return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})
-
-
-def _run_headline(summary: Mapping[str, Any]) -> str:
-    """The lateral force of a run from its summary, and the verdict or the number of strikes."""
-    whole = "verdict" not in summary
-    models, stated = ("fe", "rigid"), summary.get("peak_force", {})
-    forces = [summary[model]["peaks"]["mean_50ms"] if whole else stated.get(model) for model in models]
-    known = (force is not None and math.isfinite(force) for force in forces)
-    fe, rigid = (
-        measure(force, "N", ".0f") if there else "unknown" for force, there in zip(forces, known, strict=True)
-    )
-    if whole:
-        count = len(summary["fe"]["strikes"])
-        return SI.rendered(
-            f"Peak lateral force {fe} as a 50 ms mean (rigid vehicle {rigid}); {count} strikes."
-        )
-    return SI.rendered(f"Peak lateral force {fe} (rigid vehicle {rigid}). {summary['verdict']}")

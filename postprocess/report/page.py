@@ -253,7 +253,7 @@ def plain(value: Any) -> Any:
 
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
-GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
+GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<=\d x) (?=\d)|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
 SYMBOL = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 CODE = re.compile(r"`([^`]+)`")
 EXPONENT = re.compile(r"(?<![\w.])([+-]?\d+(?:\.\d+)?)e([+-]?\d+)\b")
@@ -301,13 +301,34 @@ class Section:
 
 
 @dataclass(frozen=True)
+class Headline:
+    """First lines of a page and of the text on a terminal, and keys of a summary.
+
+    title: subject of the page; answer: the result; set_up: what was computed; certainty: how well the result is known.
+    """
+
+    title: str
+    answer: str
+    set_up: str = ""
+    certainty: str = ""
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """All but the title, without empty ones."""
+        return tuple(line for line in (self.answer, self.set_up, self.certainty) if line)
+
+    def in_units(self, units: Units) -> Headline:
+        """Return it in these units."""
+        return Headline(*map(units.rendered, vars(self).values()))
+
+
+@dataclass(frozen=True)
 class Page:
-    """All that a page says. passed: whether its checks did, None where nothing is judged; checked: how many did, in
-    words; contents: whether it lists its sections on top."""
+    """Content of a page. passed: whether its checks did, None where nothing is judged; checked: how many did, in words;
+    contents: whether it lists its sections on top."""
 
     kicker: str
-    title: str
-    headline: str
+    headline: Headline
     sections: Sequence[Section]
     footer: str
     scene_text: str = ""

@@ -15,7 +15,16 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from postprocess.report import page
-from postprocess.report.page import Page, Section, Table, plain, write_history, write_page, write_summary
+from postprocess.report.page import (
+    Headline,
+    Page,
+    Section,
+    Table,
+    plain,
+    write_history,
+    write_page,
+    write_summary,
+)
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 
@@ -184,8 +193,8 @@ SHOWN = ("figures", "tables", "sentences")
 class Report:
     """Files and terminal text of a command.
 
-    tables, histories, texts: by the names of their files, which are .csv for the first two. terminal: what is printed
-    before the place of the page. passed: None where nothing is judged.
+    tables, histories, texts: by the names of their files, which are .csv for the first two. terminal: printed between
+    the answer of the page and the place of the page. passed: None where nothing is judged.
     """
 
     page: Page
@@ -196,6 +205,11 @@ class Report:
     texts: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def numbers(self) -> dict[str, Any]:
+        """The summary behind the headline."""
+        return {**vars(self.page.headline), **self.summary}
+
+    @property
     def passed(self) -> bool:
         """True if nothing failed."""
         return self.page.passed is not False
@@ -204,7 +218,8 @@ class Report:
 def in_units(report: Report, units: Units) -> Report:
     """The report as people who think in other units read it; its files stay in SI."""
     terminal = tuple(shown_in(part, units) for part in report.terminal)
-    return replace(report, page=page_in_units(report.page, units), terminal=terminal)
+    page = page_in_units(report.page, units)
+    return replace(report, page=page, summary=report.numbers, terminal=terminal)
 
 
 def page_in_units(page: Page, units: Units) -> Page:
@@ -212,7 +227,7 @@ def page_in_units(page: Page, units: Units) -> Page:
     sections = [shown_in(section, units) for section in page.sections]
     said = "SI units" if units is SI else f"{units.name.upper()} units, files in SI"
     footer = page.footer.replace("SI units", said)
-    return replace(page, headline=units.rendered(page.headline), sections=sections, footer=footer)
+    return replace(page, headline=page.headline.in_units(units), sections=sections, footer=footer)
 
 
 def shown_in(part: Any, units: Units) -> Any:
@@ -231,7 +246,7 @@ def shown_in(part: Any, units: Units) -> Any:
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
     """Fill a folder: page, summary, tables, histories, texts, and the figures as SVG."""
     write_page(folder / page, report.page)
-    write_summary(folder / SUMMARY, report.summary)
+    write_summary(folder / SUMMARY, report.numbers)
     for name, table in report.tables.items():
         write_table(folder / name, table)
     for name, columns in report.histories.items():
@@ -260,6 +275,11 @@ def _literal(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
+def opened(headline: Headline, *parts: Part) -> str:
+    """A headline and what follows it, as text."""
+    return printed((*headline.lines, "", *parts))
+
+
 def report_text(report: Report, place: Path, page: str = PAGE) -> str:
     """Text for the terminal, with the place of the page."""
-    return printed((*report.terminal, place_line("Report:", place / page)))
+    return opened(report.page.headline, *report.terminal, place_line("Report:", place / page))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from postprocess.units import rounded_up
 from tailslap.errors import InputError
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import parse_value
@@ -52,7 +53,7 @@ class Reach:
             NOT_REACHED: "<\N{NO-BREAK SPACE}",
             ABOVE_ALL: ">\N{NO-BREAK SPACE}",
         }
-        return signs[self.kind] + hertz(_rounded_up(self.frequency)) if self.kind in signs else "not known"
+        return signs[self.kind] + hertz(rounded_up(self.frequency)) if self.kind in signs else "not known"
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,6 @@ def hertz(frequency: float) -> str:
         return "–"
     number, unit = (frequency / 1e3, "kHz") if frequency >= 999.5 else (frequency, "Hz")
     return f"{number:.3g}\N{NO-BREAK SPACE}{unit}"
-
-
-def _rounded_up(frequency: float) -> float:
-    """The least number of two digits that is not below a frequency, but for rounding."""
-    unit = 10.0 ** (math.floor(math.log10(frequency)) - 1)
-    return math.ceil(frequency / unit * (1.0 - 1e-9)) * unit
 
 
 def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:

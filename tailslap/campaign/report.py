@@ -1,6 +1,8 @@
 """Report of a sweep: page and summary beside its table, and what the terminal says."""
 
+import contextlib
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,14 +12,19 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.page import Column, Page, Section, Table, columns
-from postprocess.report.report import Report, page_in_units, place_line, printed, write_report
-from postprocess.units import SYSTEMS, Units, measure
+from postprocess.report.page import Column, Headline, Page, Section, Table, columns
+from postprocess.report.report import Report, in_units, opened, place_line, write_report
+from postprocess.svg.chart import Chart
+from postprocess.units import SYSTEMS, Units, force, measure, percent_up
 from tailslap.campaign import definition as sweeps
 from tailslap.campaign.definition import ERROR, FAILED, PASSED, REFUSED, TABLE
+from tailslap.case import case_of
+from tailslap.case.case import Case
 from tailslap.case.report import footer
+from tailslap.errors import InputError
 from tailslap.files.load import read_columns
 from tailslap.progress import clock
+from tailslap.scene import vary
 
 REPORT, SUMMARY = "report.html", "summary.json"
 MAX_LISTED = 15
@@ -45,28 +52,47 @@ def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") ->
     """Write the report of the table in the folder beside it: page and charts, in these units, and summary."""
     rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
-    made = page_in_units(sweep_page(sweep, rows, reasons), SYSTEMS[units])
-    tables = (replace(table, title=part.title) for part in made.sections[:2] for table in part.tables)
-    found = Report(made, summary(sweep, rows), tuple(tables))
+    case, forces = base_case(sweep.definition), None
+    if case:
+        column = f"{'fe' if rows.fe else 'rigid'}.{case.force_column}"
+        forces = read_columns(folder / TABLE, [column])[column]
+    opening, drawing = headline(sweep, rows, case, forces), (case.drawing(),) if case else ()
+    page = sweep_page(sweep, rows, reasons, opening, drawing)
+    tables = (replace(table, title=part.title) for part in page.sections[1:3] for table in part.tables)
+    found = in_units(Report(page, summary(sweep, rows), tuple(tables)), SYSTEMS[units])
     write_report(found, folder)
     return found
 
 
+def base_case(definition: sweeps.Definition) -> Case | None:
+    """The scene without its variation, or with that of its first run; None where neither has an answer."""
+    for changes in ({}, definition.changes_of(0)):
+        with contextlib.suppress(InputError):
+            return case_of(*vary.vary(definition.source, changes))
+    return None
+
+
 def sweep_text(sweep: sweeps.FinishedSweep, place: Path | None) -> str:
-    """Numbers of rows by status, what the runs took, and where the files are, if they stay."""
+    """Headline of the report, cost of the runs, and places of the files, if they stay."""
     effort, cost = sweep.effort, "nothing was left to run"
     if effort.runs:
         cost = (
             f"{effort.runs} runs on {effort.threads} workers in {clock(effort.wall_s)}, {effort.rate:.3g} runs/s, "
             f"{1e3 * effort.overhead_s:.1f} ms a run beyond the runs themselves"
         )
-    said = f"{sweep.definition.scene}: {sweep.definition.runs} runs, {counts(sweep)}"
     files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
-    return printed((said, f"Cost:   {cost}", *(files or ())))
+    assert sweep.report
+    return opened(sweep.report.page.headline, f"Cost:   {cost}", *(files or ()))
 
 
-def sweep_page(sweep: sweeps.FinishedSweep, rows: SweepRows, reasons: np.ndarray) -> Page:
-    """The page; reasons: of each row that did not pass, shape (rows,)."""
+def sweep_page(
+    sweep: sweeps.FinishedSweep,
+    rows: SweepRows,
+    reasons: np.ndarray,
+    opening: Headline,
+    drawing: Sequence[Chart] = (),
+) -> Page:
+    """The page; reasons: of each row that did not pass, shape (rows,); drawing: of the set-up."""
     definition, curves = sweep.definition, draw_sweep(rows)
     spread, where = SPREAD if rows.fe else RIGID_SPREAD, rows.compared.where.capitalize()
     varied = [
@@ -77,6 +103,7 @@ def sweep_page(sweep: sweeps.FinishedSweep, rows: SweepRows, reasons: np.ndarray
     for curve in curves:
         groups.setdefault(curve.group, []).append(curve)
     sections = (
+        Section("Set-up", figures=drawing),
         Section("What varies", tables=(Table(VARIED, varied),)),
         Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
         *(Section(group, figures=its) for group, its in groups.items()),
@@ -86,10 +113,7 @@ def sweep_page(sweep: sweeps.FinishedSweep, rows: SweepRows, reasons: np.ndarray
     kind = "each beside its exact rigid solution" if rows.fe else "of the rigid vehicle"
     changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)
     text = definition.text.rstrip("\n") + "\n" + changes
-    said = headline(sweep, rows)
-    return Page(
-        f"Sweep: many runs of one scene, {kind}", definition.scene, said, sections, footer(FILES), text
-    )
+    return Page(f"Sweep: many runs of one scene, {kind}", opening, sections, footer(FILES), text)
 
 
 def summary(sweep: sweeps.FinishedSweep, rows: SweepRows) -> dict[str, Any]:
@@ -177,16 +201,27 @@ def counts(sweep: sweeps.FinishedSweep) -> str:
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 
-def headline(sweep: sweeps.FinishedSweep, rows: SweepRows) -> str:
-    """The result in two sentences."""
-    said = f"{sweep.definition.runs} runs: {counts(sweep)}."
-    good = rows.worst[(rows.status == PASSED) & np.isfinite(rows.worst)]
-    if not good.size:
-        return said
-    return (
-        f"{said} In those that passed, the largest difference between FE and the exact rigid solution lies between "
-        f"{good.min():.1e} and {good.max():.1e}, in half of them below {np.median(good):.1e}."
-    )
+def headline(
+    sweep: sweeps.FinishedSweep, rows: SweepRows, case: Case | None = None, forces: np.ndarray | None = None
+) -> Headline:
+    """Range of the forces [N], shape (rows,), in the runs that passed; varied keys; difference of finite elements and
+    rigid body. case: the scene, where it has an answer."""
+    definition, passed = sweep.definition, rows.status == PASSED
+    varied = "; ".join(f"{item.key} {values_words(item)}" for item in definition.variations)
+    answer, set_up, certainty = "", f"Varied: {varied}.", f"{definition.runs} runs: {counts(sweep)}."
+    if case:
+        set_up = f"{case.set_up} {set_up}"
+    known = np.zeros(0) if forces is None else forces[passed & np.isfinite(forces)]
+    if case and known.size:
+        span = f"{force(known.min())} to {force(known.max())}"
+        answer = f"{case.force_words}: {span} over {definition.runs} runs."
+    if sweep.failures:
+        answer = f"Failed: {sweep.failures} of {definition.runs} runs. {answer}".rstrip()
+    good = rows.worst[passed & np.isfinite(rows.worst)]
+    if good.size:
+        certainty += f" Finite elements and rigid body differ by at most {percent_up(good.max())} in those that passed."
+    title = f"Sweep of {', '.join(item.key for item in definition.variations)}: {definition.scene}"
+    return Headline(title, answer or certainty, set_up, certainty if answer else "")
 
 
 def _sentences(sweep: sweeps.FinishedSweep) -> list[str]:

@@ -18,17 +18,24 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 import numpy as np
 
 from postprocess.comparison.quantities import Compared
-from postprocess.units import SI, Units
+from postprocess.signals.filters import design_forces
+from postprocess.units import SI, Units, force, measure
 from tailslap.case import cost, model
 from tailslap.case.model import Decision
 from tailslap.errors import InputError, Verbatim
+from tailslap.scene import write
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
+    from postprocess.report.page import Headline
     from postprocess.report.report import Report
+    from postprocess.svg.chart import Chart
 
+
+LABEL = 13
+"""Columns of a label of `tailslap check`."""
 
 MOST_ELEMENTS = 20_000
 """Most elements of a mesh with which a tolerance is sought."""
@@ -147,6 +154,12 @@ class Case(ABC):
     compared: ClassVar[Compared]
     """Quantities of FE and rigid vehicle that pictures and pages of many runs show."""
 
+    force_words: ClassVar[str]
+    """Name of the force of the answer."""
+
+    force_column: ClassVar[str]
+    """Its column in the table of a sweep, after the name of the model."""
+
     @property
     @abstractmethod
     def duration(self) -> float:
@@ -155,6 +168,53 @@ class Case(ABC):
     def varied(self, changes: Changes) -> Self:
         """The case of the scene with these changes, noted in its source. Raises InputError."""
         return type(self)(*vary(self.source, changes))
+
+    def given(self, key: str) -> str:
+        """A quantity of the scene in its own unit."""
+        return write.as_given(self.source, key)
+
+    @property
+    def subject(self) -> str:
+        """The vehicle, its speed and angle, in the units of the scene."""
+        keys = (
+            ("start.corner_speed", "start.angle")
+            if self.scene.starts_later
+            else ("impact.speed", "impact.angle")
+        )
+        return f"{self.given('vehicle.mass')} vehicle at {', '.join(map(self.given, keys))}"
+
+    @property
+    def set_up(self) -> str:
+        """Subject, dimensions and details in the units of the scene."""
+        sides = [f"{name} {self.given(f'vehicle.{name}')}" for name in ("length", "width")]
+        return f"{self.scene.name}: {self.subject}; {', '.join([*sides, *self.details()])}."
+
+    @abstractmethod
+    def details(self) -> list[str]:
+        """Parts of the set-up beside vehicle, speed and angle."""
+
+    def drawing_words(self, angle: float) -> dict[str, str]:
+        """Texts of the drawing of the set-up; angle: at first touch [rad]."""
+        keys = {"length": "vehicle.length", "width": "vehicle.width"}
+        keys |= {} if self.scene.starts_later else {"speed": "impact.speed"}
+        words = {"first": "first touch", "angle": measure(angle, "rad")}
+        return words | {name: self.given(key) for name, key in keys.items()}
+
+    @abstractmethod
+    def headline(self) -> Headline:
+        """Result of the rigid vehicle, and the set-up."""
+
+    @abstractmethod
+    def drawing(self) -> Chart:
+        """Drawing of the set-up, from above."""
+
+    def design_ratio(self, peak: float) -> str:
+        """Ratio of a force [N] to the first design force of the scene's test level; empty without a test level."""
+        level = self.scene.impact and self.scene.impact.test_level
+        if not level:
+            return ""
+        first = design_forces(level)[0]
+        return f", {peak / first.force:.2g} times {first.name} {level} ({force(first.force)})"
 
     @abstractmethod
     def rigid_numbers(self) -> dict[str, Any]:
@@ -172,14 +232,20 @@ class Case(ABC):
     def plan(self, more_damping: float = 1.0) -> Any:
         """Make the model of a run, and decide what the scene leaves open. Raises InputError for keys that make none."""
 
-    def check_text(self, allow_large: bool = False) -> list[str]:
-        """Lines of `tailslap check`; of a large mesh an estimate. Raises InputError."""
+    def check_text(self, allow_large: bool = False) -> tuple[Headline, list[str]]:
+        """Headline and labelled lines of `tailslap check`; of a large mesh an estimate. Raises InputError."""
         if not allow_large:
             cost.demand_affordable(self.scene, self.duration)
         if cost.is_large(self.scene):
-            return cost.estimate_text(self.scene, self.duration)
-        lines: list[str] = self.pages().check_text(self, self.plan() if self.scene.plate else None)
-        return lines
+            lines = cost.estimate_text(self.scene, self.duration)
+        else:
+            lines = self.pages().check_text(self, self.plan() if self.scene.plate else None)
+        steps = next((line[LABEL:] for line in lines if line.startswith("steps ")), "")
+        answer = f"The scene is valid; a run takes {steps}."
+        rigid = self.headline()
+        if not steps:
+            answer = "The scene is valid for `tailslap rigid`; a run needs the table [plate]."
+        return replace(rigid, answer=answer, certainty=f"Rigid-body method: {rigid.answer}"), lines
 
     def run(self, tolerance: float | None = None) -> Any:
         """Run the plate and check it. Writes nothing.
@@ -273,6 +339,20 @@ class Check:
     def at_most(cls, name: str, value: float, limit: float, meaning: str, advice: str = "") -> Check:
         """A check that passes where the value is a finite number and not above the limit."""
         return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning, advice)
+
+
+def failed_sentence(checks: Iterable[Check]) -> str:
+    """Names, values and limits of the checks that failed, and their remedy; empty if none failed."""
+    failed = [check for check in checks if not check.passed]
+    if not failed:
+        return ""
+    named = ", ".join(f"{check.name} {check.value:.3g} (limit {check.limit:.3g})" for check in failed)
+    return f"Failed: {named}. Remedy: {advice(check.advice for check in failed)}. "
+
+
+def unreliable(sentence: str) -> str:
+    """A sentence on a result, which it calls not reliable."""
+    return sentence.replace(":", ", not reliable:", 1)
 
 
 def failed_names(checks: Iterable[Check]) -> tuple[str, ...]:

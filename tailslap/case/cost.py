@@ -186,10 +186,9 @@ def estimate_text(scene: Scene, duration: float) -> list[str]:
     plate, effort = scene.needed_plate, expected_effort(scene, duration)
     along, across = plate.counts
     return [
-        f"{scene.name}: the scene is valid",
         f"plate        {along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}",
         f"memory       about {expected_memory(scene) / 1e9:.2g} GB",
-        f"steps        about {effort.steps:.2g}, about {effort.seconds:.2g} s in the time loop",
+        f"steps        about {effort.steps:.2g} time steps, about {effort.seconds:.2g} s in the time loop",
         "model        not made: of so many elements this is an estimate from the scene alone",
     ]
 

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
+import datetime
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import click
 import numpy as np
 
 import tailslap
 from fem.start import start_kinds
 from postprocess import units
 from postprocess.fields import series
-from postprocess.report.page import Column, Page, Section, Table, columns, pairs
+from postprocess.report.page import Column, Headline, Page, Section, Table, columns, pairs
 from postprocess.signals.filters import design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
-from tailslap.case.case import Case, Check, FePlan, Outcome, advice
+from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome
 from tailslap.scene import write
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
     from fem.run.runner import Snapshots
-
-LABEL = 13
-"""Columns of a label of `tailslap check`."""
 
 Parts = Sequence[tuple[str, str]]
 """Parts that a scene does without, each with the reason."""
@@ -66,7 +66,7 @@ FAILED = (
     Column("name", "Failed check"),
     Column("value", "Value", form=".3g", style="strong"),
     Column("limit", "Limit", form=".3g"),
-    Column("advice", "What to do"),
+    Column("advice", "Remedy"),
 )
 INPUTS = (
     Column("key", "Key", form=lambda key: f"`{key}`"),
@@ -121,7 +121,7 @@ def fe_text(
         f"free plate in its plane {fe_plan.first_frequency:.4g} Hz",
         *contact,
         f"time step    {step:.4g} s, {step / model.stable_time_step:.2f} of the stable {model.stable_time_step:.4g} s",
-        f"steps        {fe_plan.expected_steps}, about {seconds:.2g} s in the time loop{steps}",
+        f"steps        {fe_plan.expected_steps} time steps, about {seconds:.2g} s in the time loop{steps}",
         *more,
         *(f"chosen       {decision.shown}" for decision in fe_plan.decisions),
     ]
@@ -132,18 +132,19 @@ def left_out_text(omitted: Parts) -> list[str]:
     return [f"left out     {part}: {why}" for part, why in omitted]
 
 
-def as_numbers(scene: str, lines: list[str]) -> dict[str, Any]:
+def as_numbers(lines: list[str]) -> dict[str, list[str]]:
     """Collect the texts of the lines by their labels."""
-    found: dict[str, Any] = {"scene": scene, "valid": True}
-    for line in lines[1:]:
+    found: dict[str, list[str]] = {}
+    for line in lines:
         found.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
     return found
 
 
-def run_summary(outcome: Outcome, omitted: Parts) -> dict[str, Any]:
+def run_summary(outcome: Outcome, headline: Headline, omitted: Parts) -> dict[str, Any]:
     """Make the part of a summary that runs of both kinds have, SI."""
     fe_plan, model = outcome.fe_plan, outcome.fe_plan.model
     return {
+        **vars(headline),
         "scene": fe_plan.case.scene.name,
         "version": tailslap.__version__,
         "passed": outcome.passed,
@@ -178,13 +179,15 @@ def run_cost(outcome: Outcome) -> dict[str, float | int]:
 def run_page(
     outcome: Outcome,
     kicker: str,
-    headline: str,
+    headline: Headline,
     sections: Sequence[Section],
     omitted: Parts,
     about: str,
+    diagnosis: Sequence[str],
     drawn: Mapping[str, float] | None = None,
 ) -> Page:
-    """The page of a run; its cost, with that of pictures, what was left out and its inputs come after the sections."""
+    """Page of a run: failed checks and their diagnosis, set-up, sections, cost with that of pictures, omitted parts and
+    inputs."""
     fe_plan = outcome.fe_plan
     scene, source = fe_plan.case.scene, fe_plan.case.source
     chosen = {decision.key: decision.value for decision in fe_plan.decisions}
@@ -199,36 +202,34 @@ def run_page(
         Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
     ]
     below, given = f"{footer()} {about}", write.scene_text(source)
-    every = [*sections, *record]
+    failed = failed_section(outcome.checks, diagnosis)
+    every = [failed, Section("Set-up", figures=[fe_plan.case.drawing()]), *sections, *record]
     found = [check for check in outcome.checks if check.passed is outcome.passed]
     checked = f"{len(found)} of {len(outcome.checks)} checks"
-    return Page(kicker, scene.name, headline, every, below, given, outcome.passed, True, checked)
+    return Page(kicker, headline, every, below, given, outcome.passed, True, checked)
 
 
 def terminal_text(
-    outcome: Outcome,
-    verdict: str,
-    tables: Sequence[Table],
-    diagnosis: Sequence[str] = (),
-    drawn: str = "",
+    outcome: Outcome, tables: Sequence[Table], diagnosis: Sequence[str] = (), drawn: str = ""
 ) -> tuple[Table | str, ...]:
-    """Compose what the terminal says of a run: the verdict, its tables, what was chosen, what failed, and what it cost.
+    """Text of a run on the terminal, below the headline: tables, decisions, checks and cost.
 
-    diagnosis: what is known of the cause of a failure; drawn: what pictures cost.
+    diagnosis: cause of a failure; drawn: cost of pictures.
     """
-    failed = [check for check in outcome.checks if not check.passed]
-    advised = advice(check.advice for check in failed)
     return (
-        f"{outcome.fe_plan.case.scene.name}: {verdict}",
-        *(f"FAILED  {check.name}: {check.value:.3g}, limit {check.limit:.3g}" for check in failed),
-        *([f"What to do: {advised}."] if advised else ()),
-        *(diagnosis if failed else ()),
-        "",
+        *(() if outcome.passed else (*diagnosis, "")),
         *tables,
         *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
         passed_text(outcome.checks),
         f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{drawn}",
     )
+
+
+def plate_sentence(fe_plan: FePlan) -> str:
+    """The finite-element model in a sentence."""
+    (along, across), element = fe_plan.plate.counts, fe_plan.plate.element
+    frequency = f"first natural frequency {fe_plan.first_frequency:.4g} Hz"
+    return f"Plate of {along} x {across} {element} elements, {frequency}."
 
 
 def chosen_sentences(fe_plan: FePlan) -> list[str]:
@@ -237,21 +238,29 @@ def chosen_sentences(fe_plan: FePlan) -> list[str]:
 
 
 def footer(files: str = "") -> str:
-    """The version, and the files beside the page."""
-    beside = f" The files beside this page: {files}." if files else ""
-    return f"tailslap {tailslap.__version__}.{beside}"
+    """Version, date, command line, and the files beside the page."""
+    context = click.get_current_context(silent=True)
+    command = f"`{shlex.join(['tailslap', *context.find_root().obj])}`" if context else "from Python"
+    beside = f" Files beside this page: {files}." if files else ""
+    return f"tailslap {tailslap.__version__}, {datetime.date.today().isoformat()}, {command}.{beside}"
 
 
 def study_page(
-    plan: Any, kicker: str, headline: str, sections: Sequence[Section], files: str, passed: bool | None = None
+    case: Case,
+    kicker: str,
+    headline: Headline,
+    sections: Sequence[Section],
+    files: str,
+    passed: bool | None = None,
 ) -> Page:
-    """The page of a study of a plan; files: those beside it."""
-    return Page(kicker, plan.scene.name, headline, sections, footer(files), plan.source.text, passed)
+    """Page of a study of a case; files: those beside it."""
+    every = [Section("Set-up", figures=[case.drawing()]), *sections]
+    return Page(kicker, headline, every, footer(files), case.source.text, passed)
 
 
-def study_summary(study: str, plan: Case) -> dict[str, Any]:
+def study_summary(study: str, case: Case) -> dict[str, Any]:
     """Begin the summary of a study."""
-    return {"study": study, "scene": plan.scene.name, "version": tailslap.__version__}
+    return {"study": study, "scene": case.scene.name, "version": tailslap.__version__}
 
 
 def design_ratios(outcome: Outcome) -> list[dict[str, Any]]:
@@ -294,7 +303,7 @@ def short(table: Table) -> Table:
 def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:
     """The checks that failed, with advice on each, and what was found of the cause; empty if none failed."""
     rows = [check for check in checks if not check.passed]
-    title, sentences = "Failed checks, and what to do", diagnosis if rows else ()
+    title, sentences = "Failed checks and remedies", diagnosis if rows else ()
     return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)
 
 

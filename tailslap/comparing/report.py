@@ -8,7 +8,7 @@ from typing import Any
 import tailslap
 from postprocess.comparison.quantities import LIMITS, QUANTITIES, Beside, beside
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
-from postprocess.report.page import Column, Page, Section, Table, columns
+from postprocess.report.page import Column, Headline, Page, Section, Table, columns
 from postprocess.report.report import Report
 from postprocess.svg.chart import FULL, PART, Chart
 from postprocess.units import SI, percent
@@ -101,7 +101,7 @@ def _in_common(item: Item, reference: Item, only: Sequence[str]) -> list[Beside]
 
 def compare_report(found: Comparison) -> Report:
     """Page, summary, and the text for the terminal."""
-    table, said = metrics_table(found), headline(found)
+    table, opening = metrics_table(found), headline(found)
     notes = [note for item in found.items for note in item.notes]
     compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
     for label, each in found.pairs:
@@ -120,25 +120,27 @@ def compare_report(found: Comparison) -> Report:
         Section("Curves", figures=[*_curves(found)]),
         Section("Differences from the reference", figures=[*_curves(found, True)]),
     )
-    title = " · ".join(item.label for item in found.items)
     below = footer("summary.json, these numbers; metrics.csv, the table")
-    page = Page("Histories side by side", title, said, sections, below, passed=found.within)
-    return Report(page, summary, (table, *notes, said), tables={"metrics.csv": table})
+    page = Page("Histories side by side", opening, sections, below, passed=found.within)
+    return Report(page, summary, (table, *notes), tables={"metrics.csv": table})
 
 
-def headline(found: Comparison) -> str:
-    """Verdict in a sentence, and the column that is furthest off."""
+def headline(found: Comparison) -> Headline:
+    """Comparison with the limits of the metrics, the results, and the largest difference."""
     sizes = [abs(each.largest[0]) for _, each in found.pairs]
     most = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
     label, worst = found.pairs[most]
     outside = [f"{each.name} of {label}" for label, each in found.pairs if not each.within]
-    verdict = f"All {len(sizes)} histories are within NCHRP W179's limits."
+    answer = f"All {len(sizes)} histories are within the limits of NCHRP W179."
     if outside:
-        verdict = f"Beyond NCHRP W179's limits: {', '.join(outside)}."
-    return (
-        f"{verdict} Against {found.reference.label}, {worst.name} of {label} differs most, by "
-        f"{percent(worst.largest[0])} of its peak, at {worst.largest[1]:.4g} s."
+        answer = f"Failed: beyond the limits of NCHRP W179: {', '.join(outside)}."
+    difference = (
+        f"Largest difference: {worst.name} of {label}, {percent(worst.largest[0])} of the peak, at "
+        f"{worst.largest[1]:.4g} s."
     )
+    labels = ", ".join(item.label for item in found.items[1:])
+    set_up = f"Compared: {labels}; reference: {found.reference.label}."
+    return Headline(f"Comparison of {labels} with {found.reference.label}", answer, set_up, difference)
 
 
 def metrics_table(found: Comparison) -> Table:

@@ -14,10 +14,10 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import COMPARED, TIME, History, thinned
-from postprocess.report.page import Column, Form, Page, Section, Table, columns, pairs
+from postprocess.report.page import Column, Form, Headline, Page, Section, Table, columns, pairs
 from postprocess.report.report import Report
 from postprocess.svg import chart, marks
-from postprocess.units import percent
+from postprocess.units import percent, percent_up
 from tailslap import progress
 from tailslap.case.report import footer
 from tailslap.errors import named_arguments
@@ -74,11 +74,11 @@ def paper_report(found: Numbers) -> Report:
     column = found["table_3"]["analytical"]
     off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     title = "The paper's tables and figures, computed beside printed"
-    met = f"Velocities and slide of Table 3's analytical column are met to {100 * off:.2f} %. {DIFFERENCE}"
-    page = Page(tables.PAPER, title, met, parts, footer() + AXES, contents=True)
+    answer = f"Velocities and slide of Table 3's analytical column are reproduced within {percent_up(off)}."
+    headline = Headline(title, answer, f"{tables.PAPER}.", DIFFERENCE)
+    page = Page("Replication", headline, parts, footer() + AXES, contents=True)
     curves = {f"figures_10_to_14_{name}.csv": course for name, course in courses.items()}
-    opening = f"{tables.PAPER}\nComputed beside printed. {DIFFERENCE}"
-    return Report(page, summary(found), (opening, "", *parts), histories=curves)
+    return Report(page, summary(found), parts, histories=curves)
 
 
 def summary(found: Numbers) -> dict[str, Any]:

@@ -402,6 +402,12 @@ class Scene(SceneTable):
         return (self.vehicle, *self.trailer)
 
     @property
+    def starts_later(self) -> bool:
+        """True if [start] gives all of the state that Stage 2 starts from, and [impact] nothing."""
+        start = self.start or StartTable()
+        return None not in (start.angle, start.omega, start.corner_speed)
+
+    @property
     def needed_plate(self) -> Plate:
         """The plate. Raises InputError where the scene has none."""
         if self.plate is None:

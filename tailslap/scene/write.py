@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from fem.laws import materials
+from postprocess.units import measure
 from tailslap.errors import InputError, named_arguments, place_error
 from tailslap.scene import schema, units, vary
 
@@ -190,6 +191,15 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
             shown = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
             rows.append(SceneInput(key, str(given.get(name, "")), shown, unit_of(field), origin))
     return rows
+
+
+def as_given(source: vary.Source, key: str) -> str:
+    """A quantity of the scene in the unit in which it is given; a plain number in SI, or the units of the reader."""
+    table, name = key.split(".")
+    given = source.given[table][name]
+    if isinstance(given, str) and (found := units.NUMBER.fullmatch(given)):
+        return f"{float(found[1]):.6g} {found[2]}"
+    return measure(given, unit_of(schema.TABLES[table].model_fields[name]), ".6g")
 
 
 def unit_of(field: FieldInfo) -> str:

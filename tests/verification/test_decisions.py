@@ -8,7 +8,7 @@ import pytest
 
 from tailslap.case.corner import case, decisions, error, model
 from tailslap.case.corner.plan import make_corner_plan
-from tailslap.case.corner.report import flutter_sentence, verdict_sentence
+from tailslap.case.corner.report import flutter_sentence, headline
 from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
@@ -185,19 +185,21 @@ def test_former_names_of_starts_are_refused_with_the_new_one():
             read_scene("mash-tl4-sut", (f"plate.start={former}",))
 
 
-def test_verdict_tells_flexibility_from_numerical_error(outcome):
+def test_the_certainty_tells_flexibility_from_discretisation_error(outcome):
     stiff, bending = outcome("mash-tl4-sut"), outcome("mash-tl4-sut", "wall=", *SOFT, "corner.patch_length=1")
-    confirmed = "The rigid motion is confirmed to 2.2e-06; numerical error at most"
-    assert verdict_sentence(stiff).startswith(confirmed)
+    agree = "Finite elements and rigid-body method agree within 0.00023 %; discretisation error at most"
+    assert headline(stiff).certainty.startswith(agree)
     assert stiff.passed
     assert bending.passed
     soft = ("wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1")
     softer = outcome("mash-tl4-sut", *soft, "plate.elements=[40, 12]")  # its companion resolves the patch
     assert softer.passed
-    sentence = r"The flexible plate differs .* by (\S+) %, numerical error at most (\S+)\."
-    found = re.fullmatch(sentence, verdict_sentence(softer))
-    assert 0.9 < float(found[1]) < 1.1
-    assert float(found[2]) < 1e-3
+    sentence = (
+        r"Vehicle flexibility changes the motion by at most (\S+) %; discretisation error at most (\S+) %\."
+    )
+    found = re.match(sentence, headline(softer).certainty)
+    assert 0.9 < float(found[1]) <= 1.1
+    assert float(found[2]) < 0.1
     demanded = outcome("mash-tl4-sut", *soft, "verify.tolerance=1e-3")
     assert [check.name for check in demanded.checks if not check.passed] == ["agreement with rigid"]
 

@@ -44,10 +44,31 @@ def test_no_line_is_longer_than_80_columns(arguments, tmp_path):
     assert [line for line in out.splitlines() if len(line) > 80] == []
 
 
+OPENED = (
+    ("rigid", "mash-tl4-sut"), ("rigid", "impact-mash-tl1-car"), ("check", "mash-tl4-sut"),
+    ("modal", "paper-table-3"), ("modes", "paper-table-3", "--count", "2", "--out", "modes"),
+    ("run", "paper-table-3", "--no-pictures", "--out", "run"), ("paper", "--out", "paper"),
+    ("study", "uncertainty", "mash-tl4-sut", "--samples", "500", "--out", "study"),
+    ("sweep", "paper-table-3", "--vary", "corner.friction=0.3,0.4", "--out", "sweep"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("arguments", OPENED, ids=" ".join)
+def test_answer_set_up_and_certainty_open_the_terminal(arguments, tmp_path):
+    """Within 25 lines of 80 columns, as they stand in the summary."""
+    first = " ".join(" ".join(said(*arguments, cwd=tmp_path).splitlines()[:25]).split())
+    summary = json.loads(said(*arguments, "--json", cwd=tmp_path))
+    lines = [summary[name] for name in ("answer", "set_up", "certainty")]
+    assert all(lines)
+    assert first.startswith(" ".join(lines).replace("\N{NO-BREAK SPACE}", " "))
+    for place in tmp_path.glob("*/summary.json"):
+        assert json.loads(place.read_text())["answer"] == summary["answer"]
+
+
 def test_a_failed_run_fits_too(tmp_path):
     out = said("run", "mash-tl4-sut", "--no-pictures", "--out", "bad", *FLUTTER, cwd=tmp_path)
     assert [line for line in out.splitlines() if len(line) > 80] == []
-    assert "What to do: leave damping.kind out" in out
+    assert "Remedy: leave damping.kind out" in " ".join(out.split())
 
 
 WORDS = Table(

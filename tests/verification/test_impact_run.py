@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from postprocess.units import percent_up
 from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, checks, error, report, rigid, run
@@ -175,7 +176,7 @@ def test_without_companions_no_error_is_stated():
     assert {check.name for check in whole().checks} - {check.name for check in outcome.checks} == ERRORS
     assert outcome.passed
     assert math.isnan(case.row(outcome)["numerical_error"])
-    assert "not stated" in report.headline(outcome)
+    assert report.headline(outcome).certainty.endswith("discretisation error not estimated.")
     assert not report.errors_table(outcome).rows
     with pytest.raises(errors.InputError, match=r"leave verify\.companion out"):
         case.run(1e-2)
@@ -300,7 +301,7 @@ def test_a_strike_without_weight_is_none():
 def test_other_corners_or_a_run_that_diverged_bound_nothing(other):
     found = error.estimate(answer(), [answer(), other])
     assert set(found.values()) == {math.inf}
-    assert error.percent(math.inf) == "unknown"
+    assert percent_up(math.inf) == "unknown"
 
 
 def test_meshes_that_judge():
@@ -320,8 +321,7 @@ def test_meshes_that_judge():
 
 def with_stated(limit, **errors):
     """The shipped impact as if it stated these errors of its second strike."""
-    scene = planned(f"verify.mesh={limit}").scene
-    case = SimpleNamespace(**{**vars(whole().fe_plan.case), "scene": scene})
+    case = planned(f"verify.mesh={limit}")
     found = dict.fromkeys(whole().mesh_error, 1e-3) | {
         f"strike_2.{name}": each for name, each in errors.items()
     }
@@ -336,11 +336,15 @@ def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
     found = {check.name: check for check in checks.impact_checks(unsure)}
     assert [name for name, check in found.items() if not check.passed] == ["error of duration"]
     assert (found["error of duration"].value, found["error of duration"].limit) == (0.0312, 0.02)
-    said = report.headline(dataclasses.replace(unsure, checks=tuple(found.values())))
-    assert said == (
-        "The mesh may change the duration by up to 3.12 %, where 2 % is allowed. What stands, with an error of at most "
-        "1.99 %: peak force, impulse, 50 ms mean."
+    headline = report.headline(dataclasses.replace(unsure, checks=tuple(found.values())))
+    assert headline.certainty == (
+        "Known within the discretisation error: durations to 3.2 % (limit 2 %); peak forces, impulses, 50 ms means to "
+        "2 %."
     )
+    assert headline.answer.startswith(
+        "Failed: error of duration 0.0312 (limit 0.02). Remedy: refine plate.elements"
+    )
+    assert "not reliable" not in headline.answer
     assert "contact.patch_length" in found["error of duration"].advice
     relaxed = checks.impact_checks(with_stated(0.04, duration=0.0312, impulse=0.0199))
     assert all(check.passed for check in relaxed)
@@ -353,9 +357,9 @@ def test_errors_are_reported_of_each_quantity():
     table = report.errors_table(outcome)
     assert [row["strike"] for row in table.rows] == ["1 front", "2 rear"]
     assert [column.text(table.rows[1]) for column in table.columns[1:]] == [
-        error.percent(outcome.mesh_error[f"strike_2.{name}"]) for name in error.QUANTITIES
+        percent_up(outcome.mesh_error[f"strike_2.{name}"]) for name in error.QUANTITIES
     ]
-    assert error.percent(max(outcome.mesh_error.values())) in report.headline(outcome)
+    assert percent_up(max(outcome.mesh_error.values())) in report.headline(outcome).certainty
 
 
 PICKUP = (

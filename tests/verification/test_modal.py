@@ -229,7 +229,7 @@ def test_it_says_when_more_modes_are_needed():
     given = ("plate.youngs_modulus=2 GPa", "plate.element=quad4", "corner.constraint=penalty")
     softer = plan("paper-table-3", *given)
     few, enough = modal_run(softer, 0, tolerance=5e-6), modal_run(softer, 4, tolerance=5e-6)
-    assert [check.name for check in few.checks if not check.passed] == ["modes left out"]
+    assert [check.name for check in few.checks if not check.passed] == ["omitted modes"]
     assert enough.passed
     softest = modal_run(plan("paper-table-3", "plate.youngs_modulus=20 MPa"), 4, tolerance=1e-3)
     assert [check.name for check in softest.checks if not check.passed] == ["linear modes"]
@@ -272,9 +272,9 @@ def test_command(capsys):
     assert _status(["modal", "paper-table-3"]) == DONE
     text = capsys.readouterr().out
     assert "0.3839597" in text
-    assert "Estimate of its error" in text
+    assert "Estimated error" in text
     assert _status(["modal", "paper-table-3", "--modes", "1", "--tolerance", "1e-9"]) == CHECK_FAILED
-    assert "FAILED  modes left out" in capsys.readouterr().out
+    assert "Failed: omitted modes" in capsys.readouterr().out
     for count in ("0", "9999"):
         assert _status(["modal", "paper-table-3", "--modes", count]) == WRONG_INPUT
 

@@ -274,7 +274,8 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
     base, given = study.base_source(case.scene), {"tolerance": 1e-3}
     found = study.StabilityResult(case, base, axes, given, study.MAP_KINDS, cells, rows, 1.0)
-    assert "1 unjudged. 1 are wrong without" in headline(found)
+    kinds = "1 refused as wrong input, 1 rejected by the checks, 1 undecided, 1 wrong and undetected"
+    assert headline(found).answer == f"9 cells: 5 correct, {kinds}."
     assert caught_by(found) == {"energy balance": 1, "mesh": 1}
     assert refused_by(found) == {"k: allowed less": 1}
     made = report(found)
@@ -284,7 +285,7 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     assert not summary["passed"]
     assert len(summary["wrong"]) == 1
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    assert page.count("<svg") == 2  # the map, and what its colours mean
+    assert page.count("<svg") == 3  # set-up, map and what its colours mean
     key = next(iter(found.of_kind("wrong")))
     advised = "k: allowed less", "a smaller time.safety_factor", "failed</span>"
     for text in ("passed every check, and is not right", key, left_out["reason"], *advised):
@@ -585,7 +586,14 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
     made = report(campaign_of(*study.RANDOM_KINDS))
     write_report(made, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"report.html", "cells.csv", "summary.json", "cell-0002.toml", "cell-0006.toml"}
+    assert names == {
+        "report.html",
+        "set-up.svg",
+        "cells.csv",
+        "summary.json",
+        "cell-0002.toml",
+        "cell-0006.toml",
+    }
     counts = json.loads((tmp_path / "summary.json").read_text())["counts"]
     assert counts == dict.fromkeys(study.RANDOM_KINDS, 1)
     with (tmp_path / "cells.csv").open(newline="") as file:

@@ -9,7 +9,7 @@ import click
 import pytest
 
 import tailslap.studies
-from postprocess.report.page import Column, Page, Section, Table
+from postprocess.report.page import Column, Headline, Page, Section, Table
 from postprocess.report.report import Report
 from tailslap import cli, studies
 from tailslap.case.case import CORNER, WHOLE_IMPACT
@@ -27,7 +27,7 @@ def heavier(case, place, factor):
 def masses_report(found):
     table = Table((Column("what", "Vehicle"), Column("mass", "Mass", "kg", form=".5g")), found)
     section = Section("Masses", tables=(table,))
-    page = Page("Masses", "a toy", "Two masses.", (section,), "", passed=len(found) == 2)
+    page = Page("Masses", Headline("A toy", "Two masses."), (section,), "", passed=len(found) == 2)
     return Report(page, {"masses": found}, (table,), {"masses.csv": table})
 
 
@@ -50,7 +50,9 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
     assert "30000" in said
     assert f"Report: {folder / 'report.html'}" in said
     assert "Two masses." in (folder / "report.html").read_text()
-    assert json.loads((folder / "summary.json").read_text())["masses"][1] == {"what": "heavier", "mass": 3e4}
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["answer"], summary["masses"][1]) == ("Two masses.", {"what": "heavier", "mass": 3e4})
+    assert said.startswith("Two masses.\n")
     with (folder / "masses.csv").open() as file:
         assert [float(row["mass"]) for row in csv.DictReader(file)] == [1e4, 3e4]
 

@@ -16,6 +16,7 @@ import pytest
 from postprocess.comparison.quantities import TAIL_SLAP
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
 from postprocess.report.page import write_page
+from postprocess.report.report import Report
 from postprocess.svg.chart import FULL, PART
 from postprocess.units import SI
 from tailslap.campaign import engine, report
@@ -311,11 +312,16 @@ def sweep_of(some):
     return FinishedSweep(definition, statuses, engine.CampaignEffort())
 
 
+def page_of(some, reasons):
+    sweep = sweep_of(some)
+    return report.sweep_page(sweep, some, reasons, report.headline(sweep, some))
+
+
 def test_the_page_holds_what_it_is_given(tmp_path):
     some = rows(key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10))
     some.status[:] = ["refused", "passed", "failed", "passed"]
     reasons = np.array(["beyond <theory>", "", "energy <balance>", ""], dtype=object)
-    page = write_page(tmp_path / "report.html", report.sweep_page(sweep_of(some), some, reasons)).read_text()
+    page = write_page(tmp_path / "report.html", page_of(some, reasons)).read_text()
     plain = page.replace("\N{NO-BREAK SPACE}", " ")
     statuses = "2 passed all checks, 1 failed a check, 1 refused"
     for text in ("a&lt;b", statuses, "name = 1", "+1.00×10⁻³", "1, 10"):
@@ -332,7 +338,7 @@ def test_a_page_of_runs_that_were_all_refused(tmp_path):
     count = report.MAX_LISTED + 5
     some = rows(key("a.x", *range(count)), status="refused")
     nothing = replace(some, difference={k: np.full(count, np.nan) for k in KEYS})
-    page = report.sweep_page(sweep_of(nothing), nothing, np.full(count, "no", dtype=object))
+    page = page_of(nothing, np.full(count, "no", dtype=object))
     text = write_page(tmp_path / "e.html", page).read_text()
     assert "<svg" not in text
     assert f"The first {report.MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
@@ -342,7 +348,7 @@ def test_a_page_of_runs_that_were_all_refused(tmp_path):
 
 def all_passed():
     some = rows(key("a.x", 1, 2, 3))
-    return report.sweep_page(sweep_of(some), some, np.full(3, "", dtype=object))
+    return page_of(some, np.full(3, "", dtype=object))
 
 
 def test_the_largest_differences():
@@ -354,10 +360,11 @@ def test_the_largest_differences():
 
 
 def test_what_the_terminal_says():
-    said = report.sweep_text(sweep_of(rows(key("a.x", 1, 2, 3))), Path("results/x")).splitlines()
-    assert said[0] == "a<b: 3 runs, 3 passed all checks"
+    done = replace(sweep_of(rows(key("a.x", 1, 2, 3))), report=Report(all_passed(), {}, ()))
+    said = report.sweep_text(done, Path("results/x")).splitlines()
+    assert said[0].startswith("3 runs: 3 passed all checks. Finite elements and rigid body differ by at most")
     files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
-    assert said[1:] == ["Cost:   nothing was left to run", *files]
+    assert said[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   nothing was left to run", *files]
 
 
 def test_words():

@@ -239,7 +239,7 @@ def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
     assert sum(summary["peak_force"]["histogram"]["counts"]) == len(rows) - len(refused)
     said, page = capsys.readouterr().out, (out / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     for text in (said, page):
-        assert "The theory refuses 50 % of the combinations" in text
+        assert "50 % of them have no solution" in text.replace("\n", " ")
     assert "wrong side of the centre of mass" in page
 
 
@@ -257,9 +257,9 @@ def test_the_same_call_gives_the_same_files(tmp_path):
         given = ["mash-tl3-car", "--samples", "2000", "--out", str(folder)]
         assert cli._status(["study", "uncertainty", *given]) == 0
         files = {"report.html", "samples.csv", "summary.json", "histogram.svg", "sensitivity.svg", MANIFEST}
-        assert {path.name for path in folder.iterdir()} == files
-    for name in ("report.html", "samples.csv"):
-        assert len({(folder / name).read_bytes() for folder in folders}) == 1
+        assert {path.name for path in folder.iterdir()} == files | {"set-up.svg"}
+    assert len({(folder / "samples.csv").read_bytes() for folder in folders}) == 1
+    assert len({(folder / "report.html").read_text().partition("<footer>")[0] for folder in folders}) == 1
     one, two = (json.loads((folder / "summary.json").read_text()) | {"cost": None} for folder in folders)
     assert (one, one["seed"]) == (two, 307)
     assert "seed 307" in (tmp_path / "one" / "report.html").read_text()
@@ -270,7 +270,7 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
     assert cli._status(["study", "uncertainty", TRUCK, "--samples", "1000"]) == 0
     assert [path.name for path in (tmp_path / "results").iterdir()] == [f"{TRUCK}-uncertainty"]
     page = (tmp_path / "results" / f"{TRUCK}-uncertainty" / "report.html").read_text()
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 3
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 
@@ -386,7 +386,7 @@ def test_what_is_held_and_how_the_scene_s_own_force_compares(complete):
     made = report(complete)
     assert made.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
     below_own = np.mean(complete.samples["peak_force"] < complete.case.force.peak_force)
-    assert f"more than {100.0 * below_own:.0f} % of them" in made.page.headline
+    assert f"exceeds {100.0 * below_own:.0f} % of the samples" in made.page.headline.answer
     nothing = {"peak_force": np.where(np.arange(complete.rows) < 0, 0.0, complete.tables["peak_force"])}
     nothing["peak_force"][0] = np.nan
     summary = report(replace(complete, tables=nothing)).summary
@@ -535,7 +535,7 @@ def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
     page = (tmp_path / "report.html").read_text()
     drawn = {path.stem for path in tmp_path.glob("*.svg")}
     assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
-    assert page.count("<svg") == len(drawn) == 3 + len(impacts.curves)
+    assert page.count("<svg") == len(drawn) == 4 + len(impacts.curves)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["own"] == pytest.approx(dict(impacts.own))
     assert {each["u_d"] for each in summary["rows"]} == {None}

@@ -10,7 +10,7 @@ import pytest
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.impact import write_animation
-from postprocess.report.page import Column, Page, Section, Table
+from postprocess.report.page import Column, Headline, Page, Section, Table
 from postprocess.report.report import Report, in_units
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
@@ -133,11 +133,11 @@ def test_a_report_is_in_american_units_everywhere():
     columns = (Column("a", "a", form=str), Column("b", "b", "N", form=".1f"), Column("c", "c", form=form))
     table = Table(columns, [{"a": two, "b": 445e3, "c": "2 m"}], f"of {two}", (two,))
     section = Section(two, two, (chart,), (table,), (two,))
-    page = Page("", "", two, (section,), "SI units; x along")
+    page = Page("", Headline("", two), (section,), "SI units; x along")
     shown = in_units(Report(page, {}, (two, table)), US)
     (part,) = shown.page.sections
     (made,), (figure,) = part.tables, part.figures
-    assert {shown.page.headline, part.title, part.lead, *part.sentences, *made.notes} == {"6.56 ft"}
+    assert {shown.page.headline.answer, part.title, part.lead, *part.sentences, *made.notes} == {"6.56 ft"}
     assert [column.text(made.rows[0]) for column in made.columns] == ["6.56 ft", "100.0", "`2 m`"]
     assert (made.title, made.columns[1].heading, shown.terminal[0]) == ("of 6.56 ft", "b [kip]", "6.56 ft")
     assert isinstance(figure, Chart)
@@ -146,7 +146,7 @@ def test_a_report_is_in_american_units_everywhere():
     assert figure.csv.splitlines() == ["x [kip]; y [kip],100 kip", "6.56 ft,100 kip", "9.84 ft,100 kip"]
     assert "kN" not in figure.svg + figure.csv
     assert shown.page.footer == "US units, files in SI; x along"
-    assert in_units(Report(page, {}, ()), SI).page.headline == SI.rendered(two) == "2 m"
+    assert in_units(Report(page, {}, ()), SI).page.headline.answer == SI.rendered(two) == "2 m"
     assert in_units(Report(page, {}, ()), SI).page.footer == page.footer
 
 
@@ -301,8 +301,9 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
 
 
 def page_text(place):
-    """Words of a page without tags, what is folded and drawn included."""
+    """Words of a page without tags, what is folded and drawn included, but for the set-up, in the scene's units."""
     html = (place / "report.html").read_text(encoding="utf-8")
+    html = re.sub(r"<header>.*?</header>|<svg[^>]*Set-up from above.*?</figure>", "", html, flags=re.DOTALL)
     text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", html, flags=re.DOTALL)
     return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from fem.laws.friction import FRICTION_LAWS, FrictionLaw
 from postprocess.comparison.quantities import Metrics, compare_histories
-from solver import stage_3
 from tailslap.case.case import Outcome, energy_surplus
 from tailslap.case.corner.error import Companion, NumericalError, friction_by_ringing, numerical_error
 from tailslap.case.corner.plan import CornerPlan
@@ -101,11 +100,7 @@ class CornerOutcome(Outcome):
     @cached_property
     def lateral_force(self) -> float:
         """Peak lateral force of the tail-slap [N] by Stage 3, with the plate's speed; NaN without a tail-slap."""
-        if not self.fe:
-            return float("nan")
-        scene = self.fe_plan.case.scene
-        found = stage_3.strike_force(scene.vehicle.mass, self.fe["v_gy"], scene.strike.duration)
-        return float(found.peak_force)
+        return self.fe_plan.case.peak_force(self.fe["v_gy"]) if self.fe else float("nan")
 
     @property
     def by_flexibility(self) -> float:

@@ -12,11 +12,11 @@ from fem.plate import kinds
 from fem.start import start_kinds
 from postprocess.comparison import quantities
 from postprocess.report import page
-from postprocess.report.page import Column, Section, Table
+from postprocess.report.page import Column, Headline, Section, Table
 from postprocess.report.report import Report
-from postprocess.units import SI, Units, measure
+from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
-from tailslap.case.case import failed_names
+from tailslap.case.case import failed_names, failed_sentence, unreliable
 from tailslap.case.corner import checks, decisions, rigid
 from tailslap.case.corner.error import FLOOR
 from tailslap.case.corner.figures import curves, draw_pictures, shown_pictures
@@ -60,14 +60,13 @@ def run_report(outcome: CornerOutcome, folder: Path, pictures: bool, units: Unit
 
 def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
     """The report of a run; pictures: whether they were asked for."""
-    verdict, peaks, design = verdict_sentence(outcome), *_forces(outcome)
-    failed, omitted = failed_names(outcome.checks), omitted_parts(outcome.fe_plan.case.scene, pictures)
-    headline = (f"Failed: {', '.join(failed)}. " if failed else "") + verdict
-    spent = {"pictures_s": outcome.pictures_s}
-    page = report.run_page(outcome, KICKER, headline, sections(outcome), omitted, FOOTER, spent)
+    (peaks, design), omitted = _forces(outcome), omitted_parts(outcome.fe_plan.case.scene, pictures)
+    spent, why = {"pictures_s": outcome.pictures_s}, diagnosis(outcome)
+    parts = sections(outcome)
+    page = report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why, spent)
     tables = (peaks, report.short(design), comparison(outcome, " "))
     drawn = f", pictures {outcome.pictures_s:.2f} s"
-    lines = report.terminal_text(outcome, verdict, tables, [prediction(outcome)], drawn)
+    lines = report.terminal_text(outcome, tables, [prediction(outcome)], drawn)
     return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
 
 
@@ -79,7 +78,7 @@ def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
 def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
     """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
-    alike = report.run_summary(outcome, omitted_parts(fe_plan.case.scene, pictures))
+    alike = report.run_summary(outcome, headline(outcome), omitted_parts(fe_plan.case.scene, pictures))
     nothing = dict.fromkeys(quantities.KEYS, float("nan"))
     answer = fe_plan.case.rigid_numbers()
     return {
@@ -88,7 +87,6 @@ def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
         "fe": outcome.fe or nothing,
         "difference": outcome.difference or nothing,
         "peak_force": {"fe": outcome.lateral_force, "rigid": float(fe_plan.case.force.peak_force)},
-        "verdict": verdict_sentence(outcome),
         "numerical_error": {"total": outcome.error.total, **asdict(outcome.error)},
         "companions": [asdict(each) for each in outcome.companions],
         "attempts": outcome.attempts,
@@ -140,7 +138,6 @@ def sections(outcome: CornerOutcome) -> list[Section]:
         numbers = [(*rigid.LABELS[name], value) for name, value in (answer[key] or {}).items()]
         stages.append(page.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
-        report.failed_section(outcome.checks, diagnosis(outcome)),
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),
         Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
@@ -187,7 +184,6 @@ def rigid_text(case: rigid.RigidStages) -> list[str]:
     start, strike, reaction = case.start, case.motion.strike, case.scene.corner.reaction
     computed = "" if case.stage1 is None else " (see `tailslap rigid`)"
     return [
-        f"{case.scene.name}: the scene is valid",
         f"start        angle {start.angle:.6g} rad, omega {start.omega:.6g} rad/s, "
         f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}",
         f"reaction     {reaction}, friction {case.scene.corner_friction:g}: {friction.FRICTION_LAWS[reaction].text}",
@@ -219,29 +215,31 @@ def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]
     ]
 
 
-def verdict_sentence(outcome: CornerOutcome) -> str:
-    """The verdict on a run."""
-    of_the_reaction = checks.reaction_checks()
+def headline(outcome: CornerOutcome) -> Headline:
+    """Peak force of the tail-slap, the set-up, and the distance from rigid body and fine meshes."""
+    fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = set(failed_names(outcome.checks))
-    if not outcome.fe:
-        return "The run did not reach the tail-slap."
-    if failed - of_the_reaction - {"agreement with rigid"}:
-        return "Not to be relied on: a check of the run failed."
-    text = _comparison(outcome)
-    if failed & of_the_reaction:
-        text += " The motion is right, but the history of the reaction is not: it rings."
-    if "agreement with rigid" in failed:
-        text += " It does not agree with the rigid motion as closely as the scene demands."
-    return text
+    sentence = case.force_sentence(outcome.lateral_force) if outcome.fe else "No tail-slap within the run."
+    if outcome.fe and failed - checks.reaction_checks() - {"agreement with rigid"}:
+        sentence = unreliable(sentence)
+    return Headline(
+        case.headline().title,
+        failed_sentence(outcome.checks) + sentence,
+        f"{case.set_up} {report.plate_sentence(fe_plan)}",
+        _certainty(outcome) if outcome.fe else "",
+    )
 
 
-def _comparison(outcome: CornerOutcome) -> str:
-    difference = quantities.largest(outcome.difference)
-    stated = f"at most {outcome.error.total:.1e}" if outcome.companions else "not stated"
-    if difference <= FLOOR:
-        return f"The rigid motion is confirmed to {difference:.1e}; numerical error {stated}."
-    changed = f"The flexible plate differs from the rigid motion by {100.0 * difference:.2g} %"
-    return f"{changed}, numerical error {stated}."
+def _certainty(outcome: CornerOutcome) -> str:
+    difference, stated = quantities.largest(outcome.difference), "not estimated"
+    if outcome.companions:
+        stated = f"at most {percent_up(outcome.error.total)}"
+    text = f"Finite elements and rigid-body method agree within {percent_up(difference)}"
+    if not difference <= FLOOR:
+        text = f"Vehicle flexibility changes the motion by at most {percent_up(difference)}"
+    rings = " The motion is reliable, the history of the reaction is not."
+    rings = rings if set(failed_names(outcome.checks)) & checks.reaction_checks() else ""
+    return f"{text}; discretisation error {stated}.{rings}{outcome.fe_plan.case.other_force()}"
 
 
 def flutter_sentence(fe_plan: CornerPlan) -> str:

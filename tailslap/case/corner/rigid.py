@@ -1,5 +1,7 @@
 """Stages 1 to 3 of the rigid body: from a scene to the tail-slap, and what `tailslap rigid` says of it."""
 
+from __future__ import annotations
+
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -7,7 +9,7 @@ from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -16,11 +18,17 @@ from fem import lazy
 from fem.explicit import columns
 from fem.plate.properties import RigidStart
 from postprocess.comparison import quantities
+from postprocess.report.page import Headline
+from postprocess.svg.chart import Chart
+from postprocess.units import force, measure, percent
 from tailslap.case import case
 from tailslap.case.model import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
-from tailslap.scene.units import shown, value_line
+from tailslap.scene.units import value_line
+
+if TYPE_CHECKING:
+    from postprocess.figures.set_up import Unit
 
 ROWS = 401
 """Instants of a history of the rigid motion."""
@@ -40,6 +48,10 @@ LABELS = {
 }
 """Labels and units of the stages' numbers."""
 
+START = {"angle": "angle", "omega": "angular velocity", "corner_speed": "corner speed"}
+CONVENTIONS = {"paper": "the paper's convention (1 - e)", "newton": "Newton's convention (1 + e)"}
+"""Words of the start of Stage 2 and of the conventions of restitution."""
+
 
 @dataclass(frozen=True)
 class RigidStages(case.Case):
@@ -47,6 +59,8 @@ class RigidStages(case.Case):
 
     name = case.CORNER
     compared = quantities.TAIL_SLAP
+    force_words = "Peak lateral force at the tail-slap"
+    force_column = "peak_force"
 
     def __post_init__(self) -> None:
         """Solve the stages. Raises InputError, naming the scene's key, where the rigid-body method has no answer."""
@@ -96,6 +110,12 @@ class RigidStages(case.Case):
         speed, duration = self.motion.strike.v_gy, self.scene.strike.duration
         with _refusals(self.scene, "strike"):
             return solver.strike_force(self.scene.vehicle.mass, speed, duration)
+
+    def peak_force(self, v_gy: float) -> float:
+        """Stage 3 of another lateral speed at the tail-slap [m/s]: peak force [N]."""
+        return float(
+            solver.strike_force(self.scene.vehicle.mass, v_gy, self.scene.strike.duration).peak_force
+        )
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Peak force [N] of each of n combinations, by Stages 1 to 3 of the scene with columns in place of numbers.
@@ -170,6 +190,65 @@ class RigidStages(case.Case):
         except InputError:
             return None
 
+    def details(self) -> list[str]:
+        """Start of Stage 2 where the scene gives it, friction and restitution."""
+        scene, given = self.scene, self.source.given.get("start", {})
+        words = {"omega": "angular velocity"} if scene.starts_later else START
+        found = [f"{name} {self.given(f'start.{key}')}" for key, name in words.items() if key in given]
+        if found:
+            found[0] = f"start of Stage 2: {found[0]}"
+        law = "" if scene.corner.reaction in ("drag", "none") else f' ("{scene.corner.reaction}")'
+        found.append(f"friction {scene.corner_friction:g}{law}")
+        if scene.impact and "omega" not in given:
+            found.append(
+                f"restitution {scene.impact.restitution:g} by {CONVENTIONS[scene.impact.convention]}"
+            )
+        return found
+
+    def force_sentence(self, peak: float) -> str:
+        """Sentence on a peak force of the tail-slap [N]."""
+        pulse = f"triangular pulse of {1e3 * self.scene.strike.duration:g} ms, assumed"
+        return f"{self.force_words}: {force(peak)} ({pulse}){self.design_ratio(peak)}."
+
+    def headline(self) -> Headline:
+        """Peak force of the tail-slap."""
+        sentence = self.force_sentence(self.force.peak_force)
+        certainty = f"Exact solution of the rigid-body equations.{self.other_force()}"
+        return Headline(f"Tail-slap force: {self.subject}", sentence, self.set_up, certainty)
+
+    def other_force(self) -> str:
+        """Sentence on the peak force by the other convention of restitution; empty where Stage 1 sets no start."""
+        other = self.other_convention()
+        if other is None:
+            return ""
+        convention, peak = CONVENTIONS[other[0]], other[1].force.peak_force
+        return f" With {convention} {force(peak)} ({percent(peak / self.force.peak_force - 1.0, 0)})."
+
+    @property
+    def unit(self) -> Unit:
+        """The vehicle at first touch, the start of Stage 2, and at the tail-slap."""
+        from postprocess.figures.set_up import Unit
+
+        body, at = self.body, self.motion.at(np.array([0.0, self.duration]))
+        phi, radius = at.theta + body.corner_angle, body.corner_radius
+        place = at.slide - radius * np.cos(phi), radius * np.sin(phi)
+        return Unit(*place, at.theta, body.length, body.width, 0.5 * body.length)
+
+    def drawing(self) -> Chart:
+        """Vehicle at first touch and at the tail-slap."""
+        from postprocess.figures import set_up
+
+        strike = self.motion.strike
+        slide, after = measure(strike.slide, "m", ".3g"), measure(strike.t, "s", ".3g")
+        words = {"speed": f"v_P = {measure(self.start.corner_speed, 'm/s')}"}
+        words |= self.drawing_words(self.start.angle)
+        words |= {"second": f"tail-slap, after {after}"}
+        caption = (
+            f"Set-up from above, to scale: {self.subject}; corner P touches the wall and slides {slide} along it until "
+            f"the side PE strikes the wall (tail-slap); G: centre of mass."
+        )
+        return set_up.draw_set_up([self.unit], words, caption)
+
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Columns of the rigid motion to the tail-slap, by their names in `history.csv`, SI."""
 
@@ -198,15 +277,11 @@ class RigidStages(case.Case):
             labelled = [(*LABELS[name], value) for name, value in numbers.items()]
             return [value_line(label, value, unit, units) for label, unit, value in labelled]
 
-        lines = [f"{self.scene.name}: rigid-body method, reaction {self.scene.corner.reaction}"]
-        lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
+        lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
         if answer["stage1"]:
             lines += ["Stage 1, impulse at the front corner", *rows(answer["stage1"])]
         lines += ["Stage 2, from", *rows(answer["start"]), "to the tail-slap", *rows(answer["stage2"])]
         lines += ["Stage 3, tail-slap", *rows(answer["stage3"])]
-        if other := answer["other_convention"]:
-            force = shown(other["stage3"]["peak_force"], "N", units, digits=4)
-            lines += ["", f'With the convention "{other["convention"]}" the peak force would be {force}.']
         return lines
 
 

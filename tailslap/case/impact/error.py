@@ -141,8 +141,3 @@ def safety(ratio: float) -> float:
 def largest(errors: Mapping[str, float], quantity: str = "") -> float:
     """The largest error of a quantity in both strikes, or of all; NaN where none is stated."""
     return max((error for name, error in errors.items() if name.endswith(quantity)), default=math.nan)
-
-
-def percent(error: float) -> str:
-    """An error in words, rounded to the safe side."""
-    return f"{math.ceil(1e4 * error - 1e-6) / 100:g} %" if math.isfinite(error) else "unknown"

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from postprocess.report import page
-from postprocess.report.page import Column, Picture, Section, Table
+from postprocess.report.page import Column, Headline, Picture, Section, Table
 from postprocess.report.report import Report
 from postprocess.signals import filters
-from postprocess.units import SI, Units, measure
+from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
-from tailslap.case.case import failed_names
+from tailslap.case.case import failed_names, failed_sentence, unreliable
 from tailslap.case.impact import checks, error, figures, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.plan import ImpactPlan
@@ -47,7 +47,7 @@ RISK = (
 )
 ERRORS = (
     Column("strike", "Stated error"),
-    *(Column(name, words.capitalize(), form=error.percent) for name, words in error.QUANTITIES.items()),
+    *(Column(name, words.capitalize(), form=percent_up) for name, words in error.QUANTITIES.items()),
 )
 DURATIONS_NOTE = (
     "The paper takes the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
@@ -64,9 +64,13 @@ WALL_NOTE = (
 def run_report(outcome: run.ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units: of it."""
     report.keep_fields(outcome, folder)
-    moving, verdict = [figures.animation(outcome, folder, units)] if pictures else [], headline(outcome)
-    omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
-    page = report.run_page(outcome, KICKER, verdict, _sections(outcome, moving), omitted, FOOTER)
+    moving = [figures.animation(outcome, folder, units)] if pictures else []
+    omitted, why = (
+        omitted_parts(outcome.fe_plan.case.scene, pictures),
+        report.chosen_sentences(outcome.fe_plan),
+    )
+    parts = _sections(outcome, moving)
+    page = report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why)
     tables = (
         peak_table(outcome),
         report.short(report.design_table(outcome)),
@@ -74,40 +78,49 @@ def run_report(outcome: run.ImpactOutcome, folder: Path, pictures: bool, units: 
         errors_table(outcome),
         *(own.verdict for name, own in outcome.tipping.items() if name == "FE"),
     )
-    said = report.terminal_text(outcome, verdict, tables)
-    return Report(page, summary(outcome, pictures), said, histories=histories(outcome))
+    lines = report.terminal_text(outcome, tables)
+    return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
 
 
-def headline(outcome: run.ImpactOutcome) -> str:
-    """Verdict on the numbers, and on what flexibility changes in them."""
-    failed = failed_names(outcome.checks)
-    if failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()):
-        return _unsure(outcome)
-    if failed:
-        return f"Not to be relied on: failed {', '.join(failed)}."
-    impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
-    if not impulses:
-        return "The checks hold; plate and rigid vehicle do not strike in the same order."
-    of_wall = " and the wall's" if outcome.fe_plan.case.scene.wall else ""
-    known = "the numerical error is not stated, for verify.companion is false"
-    if outcome.mesh_error:
-        known = f"numerical error at most {error.percent(error.largest(outcome.mesh_error))}"
-    return (
-        f"The plate's{of_wall} flexibility moves the impulses of the rigid vehicle by up to "
-        f"{100 * max(impulses):.2g} %; {known}."
+def headline(outcome: run.ImpactOutcome) -> Headline:
+    """Largest 50 ms mean, the set-up, and the effects of flexibility and mesh."""
+    fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
+    failed, sentence = failed_names(outcome.checks), case.force_sentence(outcome.fe)
+    uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
+    if failed and not uncertain:
+        sentence = unreliable(sentence)
+    return Headline(
+        case.headline().title,
+        failed_sentence(outcome.checks) + sentence,
+        f"{case.set_up} {report.plate_sentence(fe_plan)}",
+        _uncertain(outcome) if uncertain else _certainty(outcome),
     )
 
 
-def _unsure(outcome: run.ImpactOutcome) -> str:
-    """The quantities whose error is above what was asked for, how large it is, and that of the others, which stand."""
+def _certainty(outcome: run.ImpactOutcome) -> str:
+    impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
+    what = "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.wall else "Vehicle flexibility"
+    text = f"{what} changes the impulses by at most {percent_up(max(impulses, default=math.nan))}"
+    if not impulses:
+        text = "Plate and rigid vehicle do not strike in the same order"
+    stated = (
+        f"at most {percent_up(error.largest(outcome.mesh_error))}" if outcome.mesh_error else "not estimated"
+    )
+    return f"{text}; discretisation error {stated}."
+
+
+def _uncertain(outcome: run.ImpactOutcome) -> str:
+    """Quantities whose error is above the scene's limit, and the error of the others."""
     limit = outcome.fe_plan.case.scene.verify.mesh
-    found = {words: error.largest(outcome.mesh_error, name) for name, words in error.QUANTITIES.items()}
-    above = [f"{words} by up to {error.percent(each)}" for words, each in found.items() if not each <= limit]
-    others = {words: each for words, each in found.items() if each <= limit}
-    said = f"The mesh may change the {', the '.join(above)}, where {100 * limit:g} % is allowed"
-    if not others:
-        return f"{said}."
-    return f"{said}. What stands, with an error of at most {error.percent(max(others.values()))}: {', '.join(others)}."
+    found = {f"{words}s": error.largest(outcome.mesh_error, name) for name, words in error.QUANTITIES.items()}
+    parts = [
+        f"{words} to {percent_up(each)} (limit {100 * limit:g} %)"
+        for words, each in found.items()
+        if not each <= limit
+    ]
+    if others := {words: each for words, each in found.items() if each <= limit}:
+        parts.append(f"{', '.join(others)} to {percent_up(max(others.values()))}")
+    return f"Known within the discretisation error: {'; '.join(parts)}."
 
 
 def errors_table(outcome: run.ImpactOutcome) -> Table:
@@ -158,7 +171,6 @@ def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [
-        report.failed_section(outcome.checks, report.chosen_sentences(outcome.fe_plan)),
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
@@ -245,7 +257,7 @@ def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
     plan, rolls = outcome.fe_plan.case, {n: {"tipping": own.numbers()} for n, own in outcome.tipping.items()}
     return {
-        **report.run_summary(outcome, omitted_parts(plan.scene, pictures)),
+        **report.run_summary(outcome, headline(outcome), omitted_parts(plan.scene, pictures)),
         "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),
         "paper_method": outcome.paper_method,
@@ -320,7 +332,6 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
     motion, touch, vehicle = case.motion, case.touch, case.vehicle
     strikes = ", ".join(f"{s.corner} at {s.start:.4g} s for {s.duration:.3g} s" for s in motion.strikes)
     lines = [
-        f"{case.scene.name}: the scene is valid",
         f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
         + measure(math.hypot(touch.v_gx, touch.v_gy), "m/s", ".5g"),
         f"vehicle      {measure(vehicle.mass, 'kg', 'g')}, centre of mass "
@@ -337,5 +348,5 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
     contact = [f"points       {points} may touch the wall; their force does not bound the time step"]
     steps = f", {rows} rows"
     if case.scene.verify.companion:
-        steps += "; and as many again or more on other meshes, to tell the numerical error"
+        steps += "; as many again or more on the meshes that give the discretisation error"
     return lines + report.fe_text(fe_plan, rows, "", contact, steps)

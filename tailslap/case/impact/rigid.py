@@ -12,6 +12,9 @@ import numpy as np
 import solver
 from fem.laws.unilateral import penalty_stiffness
 from postprocess.comparison import quantities
+from postprocess.report.page import Headline
+from postprocess.svg.chart import Chart
+from postprocess.units import force, measure, percent_up
 from solver import impact
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
@@ -84,6 +87,8 @@ class RigidImpact(Case):
 
     name = WHOLE_IMPACT
     compared = quantities.STRIKES
+    force_words = "Largest 50 ms mean of the lateral force"
+    force_column = "peak.mean_50ms"
 
     def __post_init__(self) -> None:
         """Raise InputError, naming the scene's key, where there is no such vehicle, or no impact."""
@@ -188,13 +193,65 @@ class RigidImpact(Case):
         for k, known in enumerate(np.isfinite(starts[:2]), 1):
             for name, taken in (("raw", "peak_force"), ("impulse", "impulse"), ("duration", "duration")):
                 columns[f"strike_{k}.{name}"][known] = getattr(found, taken)[k - 1][known]
-        for number, force in enumerate(found.mean_force.T):
+        for number, mean in enumerate(found.mean_force.T):
             last = int(np.ceil((np.nanmax(ends[:, number]) + AFTER_SECOND) / INTERVAL))
-            curves = answers.filtered(force[:last], INTERVAL)
+            curves = answers.filtered(mean[:last], INTERVAL)
             for k, (start, end) in enumerate(zip(starts[:2, number], ends[:2, number], strict=True), 1):
                 for name, value in answers.peaks_within(curves, INTERVAL, float(start), float(end)).items():
                     columns[f"strike_{k}.{name}"][number] = value
         return columns
+
+    def details(self) -> list[str]:
+        """Contact of vehicle and wall."""
+        contact, wall = self.scene.needed_contact, self.scene.wall
+        law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
+        given = (
+            [law]
+            if contact.stiffness is None
+            else [f"crush stiffness {self.given('contact.stiffness')} a corner"]
+        )
+        given += (
+            [f"initial crush force {self.given('contact.initial_force')}"] if contact.initial_force else []
+        )
+        given += [f"side layer {self.given('contact.side_stiffness')}"] if contact.side_stiffness else []
+        given += [f"restitution {contact.restitution:g}"] if contact.restitution is not None else []
+        return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
+
+    def force_sentence(self, answer: answers.ImpactAnswer) -> str:
+        """Sentence on the largest 50 ms mean of the lateral force, and its strike."""
+        if not answer.strikes:
+            return "The vehicle does not strike the wall."
+        means = [answers.mean_peak(answer, strike) for strike in answer.strikes]
+        number, peak = int(np.argmax(means)), answer.peaks["mean_50ms"]
+        strike = answer.strikes[number]
+        where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
+        return f"{self.force_words}: {force(peak)} in {where}{self.design_ratio(peak)}."
+
+    def headline(self) -> Headline:
+        """Largest 50 ms mean of the rigid vehicle."""
+        return Headline(
+            f"Impact force: {self.subject}",
+            self.force_sentence(self.answer),
+            self.set_up,
+            f"Rigid vehicle; error by the time step at most {percent_up(self.motion.error)}.",
+        )
+
+    def drawing(self) -> Chart:
+        """Vehicle at first touch and at its second strike, or without one at the end."""
+        from postprocess.figures import set_up
+
+        body, strikes = self.vehicle, self.motion.strikes[1:2]
+        last = strikes[0].start if strikes else self.motion.t_end
+        at = self.motion.at([0.0, last])
+        unit = set_up.Unit(at.x_g, at.y_g, at.theta, body.length, body.width, body.front_distance)
+        event = f"second strike ({strikes[0].corner} corner)" if strikes else "end"
+        words = self.drawing_words(float(at.theta[0]))
+        words |= {"second": f"{event}, after {measure(last, 's', '.3g')}"}
+        caption = (
+            f"Set-up from above, to scale: {self.subject}; corner P touches the wall first; "
+            f"second position: {words['second']}; G: centre of mass."
+        )
+        return set_up.draw_set_up([unit], words, caption)
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Columns of the rigid vehicle's impact by name, SI."""
@@ -210,8 +267,7 @@ class RigidImpact(Case):
     def rigid_text(self, units: str = "si") -> list[str]:
         """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
         answer = self.answer
-        lines = [f"{self.scene.name}: whole impact of the rigid vehicle"]
-        lines += ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else [""]
+        lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
         lines += ["Strikes"] if answer.strikes else ["no strike"]
         for strike in answer.strikes:
             peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)

@@ -7,11 +7,11 @@ import numpy as np
 
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.studies import Series, draw_precision
-from postprocess.report.page import Column, Section, Table, columns, listed
+from postprocess.report.page import Column, Headline, Section, Table, columns, listed
 from postprocess.report.report import Report
 from postprocess.svg.chart import Chart
 from postprocess.svg.scales import power_text
-from postprocess.units import duration, known, measure
+from postprocess.units import duration, known, measure, percent_up
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.cost import compute
 from tailslap.studies.cost.compute import FE, LEVELS, CostResult, Row, cheapest, front, is_valid, own_error
@@ -92,22 +92,25 @@ IMPACT = Question(
 
 def report(found: CostResult) -> Report:
     """Page, summary, points, and what the terminal says."""
-    kicker, headline, best, said, sections = (_impact if found.case.scene.contact else _corner)(found)
+    kicker, answer, certainty, best, sections = (_impact if found.case.scene.contact else _corner)(found)
     sections.append(Section("Every setting", tables=(_every(found.rows),)))
-    page = study_page(found.case, f"Error against run time: {kicker}", headline, sections, FILES)
+    title = f"Error against run time: {found.case.subject}"
+    headline = Headline(title, answer, found.case.set_up, certainty)
+    page = study_page(found.case, kicker, headline, sections, FILES)
     cost = f"Cost:   {len(found.rows)} settings in {found.seconds:.0f} s"
-    return Report(page, summary(found), (*best, headline, *said, cost), {"points.csv": listed(found.rows)})
+    return Report(page, summary(found), (*best, cost), {"points.csv": listed(found.rows)})
 
 
-def _corner(found: CostResult) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
+def _corner(found: CostResult) -> tuple[str, str, str, tuple[Table, ...], list[Section]]:
     rigid, soft = found.of(soft=False), found.of(soft=True)
     limit, mesh_limit = found.limit.known, found.mesh_limit.known
     best = _best(RIGID, rigid), _best(SOFT, soft)
-    headline = (
-        f"The exact rigid solution takes {duration(found.rows[0]['seconds'])}. Finite elements come within "
-        f"{_quickest(rigid)}; the rest is the plate's own flexibility. A soft plate's motion, "
-        f"{found.flexibility:.1e} from the rigid one, they give to {_quickest(soft)}."
+    answer = (
+        f"Finite elements reproduce the rigid-body motion within {_quickest(rigid)}; the exact solution takes "
+        f"{duration(found.rows[0]['seconds'])}. They compute the motion of a soft plate, which differs from the rigid "
+        f"one by {percent_up(found.flexibility)}, within {_quickest(soft)}."
     )
+    certainty = f"The limit of fine meshes of the soft plate is known within {percent_up(limit)}."
     frequency, patch, _ = compute.soft_plate(found.case.scene)
     meshes = [row["label"] for row in soft if row["group"] == "quad9"]
     limits = (
@@ -130,23 +133,24 @@ def _corner(found: CostResult) -> tuple[str, str, tuple[Table, ...], tuple[str, 
         Section("The flexible question", "", drawn, (order_table, best[1]), limits),
         Section("Grid convergence", tables=grids, sentences=READING),
     ]
-    return "every method and setting that the program has", headline, best, (), sections
+    return "All methods and settings of the program", answer, certainty, best, sections
 
 
-def _impact(found: CostResult) -> tuple[str, str, tuple[Table, ...], tuple[str, ...], list[Section]]:
+def _impact(found: CostResult) -> tuple[str, str, str, tuple[Table, ...], list[Section]]:
     rows, rigid, known_to = found.rows, found.rows[0], found.limit.known
     best = (_best(IMPACT, rows),)
-    headline = (
-        f"Both strikes of the plate, by finite elements: within {_quickest(rows)}. "
-        f"The rigid vehicle is {rigid['error']:.1e} off in {duration(rigid['seconds'])}."
+    answer = (
+        f"Finite elements compute both strikes within {_quickest(rows)}; the rigid vehicle differs by "
+        f"{percent_up(rigid['error'])} and takes {duration(rigid['seconds'])}."
     )
+    certainty = f"The limit of fine meshes is known within {percent_up(known_to)}."
     reading = (
         f"Error: largest of impulse, peak and duration of the first two strikes, from Richardson's extrapolation of "
         f"quad9, known to {known_to:.0e}; smaller ones are shown as that. A corner's crush is spread over "
         f"{measure(found.patch, 'm', 'g')} of its side. Times: the fastest of several, all compiled and loaded."
     )
     section = Section("Error against run time", "", charts(IMPACT, rows, known_to), best, (reading,))
-    return "settings of a whole impact", headline, best, (reading,), [section]
+    return "Settings of a whole impact", answer, certainty, best, [section]
 
 
 def summary(found: CostResult) -> dict[str, Any]:
@@ -199,7 +203,7 @@ def _quickest(rows: list[Row]) -> str:
     best = cheapest(fe, least)
     if best is None:
         return "nothing known"
-    return f"{best['error']:.1e} in {duration(best['seconds'])} ({_name(best)})"
+    return f"{percent_up(best['error'])} in {duration(best['seconds'])} ({_name(best)})"
 
 
 def _every(rows: list[Row]) -> Table:

@@ -6,7 +6,7 @@ from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.studies import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
-from postprocess.report.page import Column, Section, Table, columns, listed
+from postprocess.report.page import Column, Headline, Section, Table, columns, listed
 from postprocess.report.report import Report
 from postprocess.svg.chart import FULL, HALF, Chart
 from postprocess.units import known, measure, percent
@@ -110,9 +110,9 @@ def corner_report(found: Flexibility) -> Report:
     tables = [Table((F1, *EVERY_PLATE[k]), rows, k, marks=m) for k, m in zip(EVERY_PLATE, marks, strict=True)]
     modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
     three, five, reaction, stored, modes = figures(found)
-    said = _modelled(found)
+    modelled = _modelled(found)
     sections = (
-        Section("Three starts", "", (three,), (v_gy,), (said, *READING)),
+        Section("Three starts", "", (three,), (v_gy,), (modelled, *READING)),
         Section("With inertia relief", "", (five,), (Table(_good(LEVELS, *LAWS), laws),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("Modal model against finite elements", "", (modes,), (modal,)),
@@ -120,22 +120,25 @@ def corner_report(found: Flexibility) -> Report:
     )
     numbers: Record = {"rigid": found.case.tail_slap, "levels_v_gy": found.levels}
     numbers |= {"levels_v_gy_any_start": found.band, "levels": found.others, "power_laws": found.laws}
-    kicker = "Flexibility: how soft the vehicle may be for the rigid-body method to hold"
-    return _report(found, kicker, headline(found), sections, numbers, (v_gy, said))
+    return _report(found, answer(found), sections, numbers, (v_gy, modelled))
 
 
 def _report(
-    found: Flexibility, kicker: str, said: str, sections: Any, numbers: Record, terminal: tuple[Any, ...]
+    found: Flexibility, sentences: tuple[str, str], sections: Any, numbers: Record, terminal: tuple[Any, ...]
 ) -> Report:
-    """Page, summary, plates as a file, and what the terminal says."""
-    passed = any(row.get("passed", not row.get("failed")) for row in found.rows)
-    page = study_page(found.case, kicker, said, sections, FILES, passed)
-    head = {**study_summary("flexibility", found.case), "passed": passed, "headline": said}
+    """Page, summary, plates as a file, and text for the terminal; sentences: answer and certainty."""
+    passed, case = any(row.get("passed", not row.get("failed")) for row in found.rows), found.case
+    set_up = (
+        f"{case.set_up} The plate of the scene has a first natural frequency of {hertz(found.own_frequency)}."
+    )
+    headline = Headline(f"Effect of flexibility: {case.subject}", sentences[0], set_up, sentences[1])
+    page = study_page(case, "Finite elements against the rigid vehicle", headline, sections, FILES, passed)
+    head = {**study_summary("flexibility", case), "passed": passed}
     summary = {**head, "own_frequency": found.own_frequency, **found.setup, **numbers}
     summary |= {"points": found.rows, "cost": {"seconds": found.seconds}}
     plates = len(found.rows) + max(0, len(found.plates) - 1)  # the last is the rigid vehicle
     cost = f"Cost:   {plates} plates in {found.seconds:.0f} s"
-    return Report(page, summary, (said, *terminal, cost), {"points.csv": listed(found.rows)})
+    return Report(page, summary, (*terminal, cost), {"points.csv": listed(found.rows)})
 
 
 def _failures(rows: Sequence[tuple[float, str]]) -> str:
@@ -153,16 +156,14 @@ def _shown(row: Record) -> Record:
     return {**known_starts, **more}
 
 
-def headline(found: Flexibility) -> str:
-    """Down to which first frequency the rigid body's v_GY is good, and where this scene's own plate lies."""
-    own = f"The scene's own plate has {hertz(found.own_frequency)}."
+def answer(found: Flexibility) -> tuple[str, str]:
+    """Lowest natural frequency at which rigid-body v_GY is within the main level, and that of each start."""
     if not any(math.isfinite(its[MAIN].frequency) for its in found.levels.values()):
-        return f"How good rigid-body v_GY is for a soft plate is not known: no run passed its checks. {own}"
+        return "The error of rigid-body v_GY for a soft plate is not known: no run passed its checks.", ""
     each = ", ".join(f"{its[MAIN].text} ({START_NAMES[name]})" for name, its in found.levels.items())
-    return (
-        f"Rigid-body v_GY is good to {100.0 * LEVELS[MAIN]:g} %, at the strike and before, down to a first frequency "
-        f"of {each}; from any of the three starts, {found.band[MAIN].text}. {own}"
-    )
+    what = f"Lowest natural frequency at which rigid-body v_GY is within {100.0 * LEVELS[MAIN]:g} %"
+    certainty = f"By start of the plate: {each}. Numerical errors are added to the differences."
+    return f"{what}: {found.band[MAIN].text}.", certainty
 
 
 def _modelled(found: Flexibility) -> str:
@@ -225,38 +226,33 @@ def impact_report(found: Flexibility) -> Report:
     points = Table(heads, found.rows, "Differences of the two strikes", marks=marks)
     patch = measure(found.setup["patch_length"], "m", "g")
     failures = _failures([(row["frequency"], row["failed"]) for row in found.rows])
-    said = f"A corner's crush is spread over {patch} of its side. {failures}"
+    crush = f"A corner's crush is spread over {patch} of its side. {failures}"
     why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]
     sections = (
-        Section("Both strikes", "", (_strikes_figure(found),), (good,), (said, IMPACT_READING)),
+        Section("Both strikes", "", (_strikes_figure(found),), (good,), (crush, IMPACT_READING)),
         Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
         Section("Every plate", tables=(points,)),
     )
     numbers = {"rigid": found.case.rigid_numbers(), "levels": found.levels, "plates": found.plates}
-    kicker = "Flexibility: how soft the vehicle may be for the rigid vehicle's strikes to hold"
     plates = plates_table(found, "The plate from soft to rigid", short=True)
-    return _report(found, kicker, _impact_headline(found), sections, numbers, (good, said, plates))
+    return _report(found, _impact_answer(found), sections, numbers, (good, crush, plates))
 
 
-def _impact_headline(found: Flexibility) -> str:
-    """Down to which first frequency the second strike's impulse is the rigid vehicle's, where the scene lies, and what
-    the softest plate that is to be relied on changes."""
-    levels = found.levels[MAIN_STRIKE]
-    each = ", ".join(f"to {100 * level.level:g} % down to {level.text}" for level in levels)
-    said = (
-        f"The rigid vehicle's {WORDS[MAIN_STRIKE]} is that of the plate {each}. "
-        f"The scene's own plate has {hertz(found.own_frequency)}."
+def _impact_answer(found: Flexibility) -> tuple[str, str]:
+    """Lowest natural frequencies at which the second strike's impulse is the rigid vehicle's; differences of the
+    softest plate that passed its checks."""
+    each = ", ".join(f"{level.text} (within {100 * level.level:g} %)" for level in found.levels[MAIN_STRIKE])
+    sentence = (
+        f"Lowest natural frequency at which the impulse of the rigid vehicle's second strike holds: {each}."
     )
     soft = next((row for row in found.plates[:-1] if row["passed"]), None)
     if soft is None:
-        return said
+        return sentence, ""
     ours, rigid = soft["values"], found.plates[-1]["values"]
     names = [f"strike_2.{name}" for name in ("impulse", "duration", "mean_50ms")]
     impulse, duration, mean = (percent(ours[name] / rigid[name] - 1.0, 0) for name in names)
-    return (
-        f"{said} A plate of {soft['frequency']:g} Hz changes the second strike's impulse by {impulse}, "
-        f"its duration by {duration} and its 50 ms mean by {mean}."
-    )
+    effect = f"impulse {impulse}, duration {duration}, 50 ms mean {mean}"
+    return sentence, f"Effect of a plate of {soft['frequency']:g} Hz on the second strike: {effect}."
 
 
 def _strikes_figure(found: Flexibility) -> Chart:

@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
-from postprocess.report.page import Column, Section, Table, columns, text_table
+from postprocess.report.page import Column, Headline, Section, Table, columns, text_table
 from postprocess.report.report import Report
 from postprocess.svg.chart import Chart
 from postprocess.units import known
@@ -23,7 +23,18 @@ RANDOM = "Stability on scenes drawn at random: every quantity and every choice o
 FILES = "cells.csv, every cell with its verdict; summary.json; cell-NUMBER.toml, cells to run again"
 ADVISED = "what could be changed"
 APART, PART = compute.WRONG_FROM
-RANDOM_LIMIT = f"{APART:g} and {100 * PART:g} % of what the plate's flexibility changes"
+RANDOM_LIMIT = f"{APART:g} and {100 * PART:g} % of the effect of flexibility"
+WORDS = {
+    compute.RIGHT: "correct",
+    compute.FLEXIBLE: "flexible, confirmed by refinement",
+    REFUSED: "refused as wrong input",
+    CAUGHT: "rejected by the checks",
+    compute.REACTION_ONLY: "correct except for the reaction",
+    GOOD: "correct but rejected",
+    compute.UNJUDGED: "undecided",
+}
+"""Verdicts in the headline."""
+
 AXES = (
     *columns({"name": "Axis", "meaning": "What it is"}),
     Column("values", "Range", form=lambda values: f"{values[0]:.3g} to {values[-1]:.3g}"),
@@ -39,7 +50,7 @@ LISTED = (
 
 def report(found: StabilityResult) -> Report:
     """Page, summary, table of cells, and cells that matter as scene files, to run again."""
-    said, name, counted = headline(found), found.case.scene.name, counts(found)
+    name, counted = found.case.scene.name, counts(found)
     verdicts = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in counted.items()]
     title = f"{name}: {len(found.rows)} cells in {found.seconds:.0f} s"
     checks = Counter(row["failed"] for row in found.of_kind(CAUGHT).values())
@@ -55,9 +66,10 @@ def report(found: StabilityResult) -> Report:
         Section("A picture per pair of axes", figures=maps(found), layout="narrow"),
         Section("Why", tables=why),
     )
-    page = study_page(found.case, MAP if found.axes else RANDOM, said, sections, FILES, not counted[WRONG])
+    opening, kicker = headline(found), MAP if found.axes else RANDOM
+    page = study_page(found.case, kicker, opening, sections, FILES, not counted[WRONG])
     named = (WRONG, compute.UNJUDGED if found.axes else GOOD)
-    shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], *named), said)
+    shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], *named))
     numbers = {key: number for number, key in enumerate(found.rows)}
     texts = {f"cell-{numbers[key]:04d}.toml": _scene_file(found, key) for key in found.of_kind(WRONG, GOOD)}
     return Report(page, summary(found), shown, {"cells.csv": cells_table(found)}, texts=texts)
@@ -89,12 +101,15 @@ def listed_kinds(found: StabilityResult) -> tuple[str, ...]:
     return (WRONG, GOOD, compute.UNJUDGED) if found.axes else (WRONG, GOOD, compute.UNJUDGED, REFUSED)
 
 
-def headline(found: StabilityResult) -> str:
-    """The result in two sentences."""
-    number, limit = counts(found), f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
-    others = [f"{n} {kind}" for kind, n in number.items() if n and kind not in (compute.RIGHT, WRONG)]
-    ends, wrong = ", ".join([f"{number[compute.RIGHT]} are right to {limit}", *others]), number[WRONG]
-    return f"Of {len(found.rows)} cells {ends}. {f'{wrong} are' if wrong else 'None is'} wrong without being caught."
+def headline(found: StabilityResult) -> Headline:
+    """Numbers of cells by verdict, the scene, and the limit up to which a cell is correct."""
+    number, case = counts(found), found.case
+    parts = [f"{n} {WORDS[kind]}" for kind, n in number.items() if n and kind != WRONG]
+    answer = f"{len(found.rows)} cells: {', '.join(parts)}, {number[WRONG] or 'none'} wrong and undetected."
+    limit = f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
+    judge = "the rigid motion or a refined model" if found.axes else "a refined model of the same plate"
+    certainty = f"Correct: within {limit} of {judge}."
+    return Headline(f"Stability: {case.subject}", answer, case.set_up, certainty)
 
 
 def summary(found: StabilityResult) -> dict[str, Any]:

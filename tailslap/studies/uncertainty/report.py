@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures import studies as figures
-from postprocess.report.page import Column, Section, Table, columns, pairs
+from postprocess.report.page import Column, Headline, Section, Table, columns, pairs
 from postprocess.report.report import Report
-from postprocess.units import grouped, known, measure
+from postprocess.units import force, grouped, known
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
 from tailslap.case.impact.answers import COLUMNS, QUANTITIES
 from tailslap.case.report import study_page, study_summary
@@ -94,14 +94,22 @@ def report(found: Spread) -> Report:
 
 
 def _report(
-    found: Spread, kicker: str, said: str, sections: Any, numbers: Any, terminal: Any, **curves: Table
+    found: Spread,
+    kicker: str,
+    sentences: tuple[str, str],
+    sections: Any,
+    numbers: Any,
+    terminal: Any,
+    **curves: Table,
 ) -> Report:
+    """Page, summary and files; sentences: answer and certainty."""
+    headline = Headline(f"Uncertainty: {found.case.subject}", sentences[0], found.case.set_up, sentences[1])
     files = ["summary.json, these numbers in SI", "samples.csv, the combinations of the distribution"]
     if curves:
         files[1:] = ["samples.csv, the impacts of the bands", "curves.csv, those of the curves"]
     head, cost = study_summary("uncertainty", found.case), {"seconds": found.seconds}
     return Report(
-        study_page(found.case, kicker, said, sections, "; ".join(files)),
+        study_page(found.case, kicker, headline, sections, "; ".join(files)),
         {**head, "seed": SEED, **numbers, "cost": cost},
         terminal,
         {f"{name}.csv": table for name, table in curves.items()},
@@ -119,7 +127,7 @@ def corner_report(found: Spread) -> Report:
     """The peak force of a tail-slap."""
     words = {row["key"]: row for row in _input_rows(found)}
     inputs = [words[row["key"]] | row for row in found.sources_of("peak_force")]
-    said, refusals = _corner_headline(found, inputs), _refusals(found)
+    sentences, refusals = _corner_answer(found, inputs), _refusals(found)
     counts, edges = np.histogram(found.band("peak_force").values, BINS)
     own, used = found.own["peak_force"], used_keys(found.case.scene)
     keys = [row.key for row in scene_inputs(found.case.scene, found.case.source)]
@@ -127,20 +135,20 @@ def corner_report(found: Spread) -> Report:
     percentiles = list(zip(PERCENTILES, found.band("peak_force").percentiles, strict=True))
     histogram = figures.draw_histogram(edges, counts, percentiles, own)
     table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
-    sentences = _corner_sentences(found, refusals, held)
+    explained = _corner_sentences(found, refusals, held)
     sections = (
         Section("Distribution", figures=(histogram,), layout="half"),
         Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
         Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
         Section("Peak force", tables=(_forces_table(found),), layout="half"),
-        Section("What was computed, and what it means", sentences=sentences, layout="half"),
+        Section("What was computed, and what it means", sentences=explained, layout="half"),
     )
     title = f"{found.case.scene.name}: Sobol indices of the peak force"
     cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
-    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), said, refusals, cost)
+    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), refusals, cost)
     kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
     drawn = {"of_the_scene": own, "histogram": {"edges": edges, "counts": counts}}
-    return _report(found, kicker, said, sections, _corner_summary(found, drawn, held), terminal)
+    return _report(found, kicker, sentences, sections, _corner_summary(found, drawn, held), terminal)
 
 
 def _corner_summary(found: Spread, drawn: dict[str, Any], held: tuple[str, ...]) -> dict[str, Any]:
@@ -155,21 +163,24 @@ def _corner_summary(found: Spread, drawn: dict[str, Any], held: tuple[str, ...])
     }
 
 
-def _corner_headline(found: Spread, inputs: list[dict[str, Any]]) -> str:
-    """The peak force, its spread, and where that comes from."""
+def _corner_answer(found: Spread, inputs: list[dict[str, Any]]) -> tuple[str, str]:
+    """Mean and spread of the peak force; its largest source, and the combinations without an answer."""
     band, own, (refused, _) = found.band("peak_force"), found.own["peak_force"], found.refused
-    low, _, high = (force / 1e3 for force in band.percentiles)
-    said = (
-        f"Mean {measure(band.mean, 'N', '.0f')}, standard deviation {measure(band.standard_deviation, 'N', '.0f')}; "
-        f"nine in ten combinations lie between {measure(low, 'kN', '.0f', named=False)} and "
-        f"{measure(high, 'kN', '.0f')}. The scene's own values give {measure(own, 'N', '.0f')}, more than "
-        f"{100.0 * band.fraction_below(own):.0f} % of them. The largest part of the "
-        f"variance comes from {inputs[0]['key']}, with an index of {inputs[0]['first_order']:.2f}."
+    low, _, high = band.percentiles
+    answer = (
+        f"Peak lateral force at the tail-slap: mean {force(band.mean)}, standard deviation "
+        f"{force(band.standard_deviation)}; 90 % of the samples lie between {force(low)} and {force(high)}. "
+        f"The nominal case ({force(own)}) exceeds {100.0 * band.fraction_below(own):.0f} % of the samples."
     )
-    if not refused:
-        return said
-    part = f"{100.0 * refused / found.computed:.2g} %"
-    return f"{said} The theory refuses {part} of the combinations, which are not in these numbers."
+    certainty = (
+        f"{grouped(found.computed)} samples; largest part of the variance from {inputs[0]['key']} (first-order Sobol "
+        f"index {inputs[0]['first_order']:.2f})."
+    )
+    if refused:
+        certainty += (
+            f" {100.0 * refused / found.computed:.2g} % of them have no solution and are not included."
+        )
+    return answer, certainty
 
 
 def _refusals(found: Spread) -> str:
@@ -213,7 +224,7 @@ def _forces_table(found: Spread) -> Table:
 
 def impact_report(found: Spread) -> Report:
     """Both strikes of a whole impact."""
-    inputs, said = found.sources_of(MAIN), _impact_headline(found)
+    inputs, sentences = found.sources_of(MAIN), _impact_answer(found)
     sensitivity = [figures.draw_sensitivity(inputs, "the second strike's 50 ms mean")] if inputs else []
     beside = [row | {"label": row["row"] + "*" * row["projected"]} for row in found.beside]
     rows = Table((*ROWS, *UNCERTAINTY, VERDICT), beside, "", ROW_NOTES)
@@ -239,31 +250,33 @@ def impact_report(found: Spread) -> Report:
         _bands_table(found, f"{found.case.scene.name}: both strikes"),
         _inputs_table(found, short=True),
         Table((*ROWS, VERDICT), beside, "Beside Tables 4 and 5 (* projected); u_D is unknown"),
-        said,
         f"Cost:   {found.computed} impacts, with curves {found.seconds:.1f} s",
     )
     kicker = "Both strikes of the whole impact: against each input, and as bands"
-    return _report(found, kicker, said, sections, summary, terminal, curves=_curves_table(found))
+    return _report(found, kicker, sentences, sections, summary, terminal, curves=_curves_table(found))
 
 
-def _impact_headline(found: Spread) -> str:
-    """The second strike's force, where its spread comes from, and the rows."""
-    low, _, high = (force / 1e3 for force in found.band(MAIN).percentiles)
-    said = [
-        f"The second strike's 50 ms mean is {measure(found.own[MAIN], 'N', '.0f')} with the scene's own values; "
-        f"nine in ten combinations lie between {measure(low, 'kN', '.0f', named=False)} and "
-        f"{measure(high, 'kN', '.0f')}."
-    ]
+def _impact_answer(found: Spread) -> tuple[str, str]:
+    """The second strike's 50 ms mean; its largest source, and the rows of the paper."""
+    low, _, high = found.band(MAIN).percentiles
+    answer = (
+        f"50 ms mean of the second strike: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
+        f"case {force(found.own[MAIN])}."
+    )
+    certainty = f"{grouped(found.computed)} impacts of the rigid vehicle."
     if sources := found.sources_of(MAIN):
         first = sources[0]
-        said.append(f"Most of the variance comes from {first['key']}, with an index of {first['total']:.2f}.")
+        certainty += (
+            f" Largest part of the variance from {first['key']} (total Sobol index {first['total']:.2f})."
+        )
     if shown := [row for row in found.beside if not row["projected"]]:
         inside = sum(row["band"][0] <= row["measured"] <= row["band"][2] for row in shown)
-        said.append(
-            f"Of {len(shown)} forces of Tables 4 and 5 that were not projected, {inside} lie in the band, and "
-            f"{sum(row['within'] for row in shown)} within u_val with u_D unknown."
+        within = sum(row["within"] for row in shown)
+        certainty += (
+            f" Of {len(shown)} forces of Tables 4 and 5 that were not projected, {inside} lie in the band, and "
+            f"{within} within u_val with u_D unknown."
         )
-    return " ".join(said)
+    return answer, certainty
 
 
 def _impact_sentences(found: Spread, single: int) -> list[str]:

@@ -1,0 +1,207 @@
+"""Verification: titles, answers, set-ups and certainties of results hold their numbers; drawings are to scale."""
+
+import datetime
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tailslap
+from postprocess.figures.set_up import SCHEME, SYMBOLS, Unit, draw_set_up
+from postprocess.report.report import in_units, opened
+from postprocess.svg.marks import Outline, Words
+from postprocess.units import KIP, SI, US, force, percent_up
+from tailslap import cli
+from tailslap.case import case_of
+from tailslap.case.corner import report as corner
+from tailslap.case.impact import report as impact
+from tailslap.scene.read import read_scene, shipped_scenes
+
+
+def case(name, *changes):
+    return case_of(*read_scene(name, changes))
+
+
+def rigid_force(name):
+    found = tailslap.rigid(name).summary
+    return found["peaks"]["mean_50ms"] if "peaks" in found else found["stage3"]["peak_force"]
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_every_shipped_scene_has_an_answer_with_its_force(name):
+    """In SI and US customary units; mass, speed and angle as in the scene."""
+    own, peak = case(name), rigid_force(name)
+    headline = own.headline().in_units(SI)
+    digits = f"{peak / 1e3:.0f}" if peak >= 1e5 else f"{peak / 1e3:.3g}"
+    assert f": {digits} kN" in headline.answer
+    shown = f"{peak / KIP:.{max(3, len(digits.replace('.', '')))}g} kip"
+    assert f": {shown}" in own.headline().in_units(US).answer
+    vehicle, hit = own.source.given["vehicle"], own.source.given["impact"]
+    subject = f"{vehicle['mass']} vehicle at {hit['speed']}, {hit['angle']}"
+    if "start" in own.source.given:
+        subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
+    assert headline.title.endswith(f": {subject}")
+    assert headline.set_up.startswith(
+        f"{name}: {subject}; length {vehicle['length']}, width {vehicle['width']}, "
+    )
+    assert headline.certainty
+    drawing = own.drawing()
+    assert len(drawing.svg) < 12_000
+    assert vehicle["length"] in {mark.label for mark in drawing.plots[0].marks if isinstance(mark, Words)}
+
+
+LEVEL = re.compile(r", ([\d.]+) times (.*) \((\S+) (kN|kip)\)\.$")
+
+
+def test_the_ratio_to_the_design_force():
+    ratio, name, level, unit = LEVEL.search(case("mash-tl4-sut").headline().in_units(SI).answer).groups()
+    assert (name, unit, float(level)) == ("AASHTO LRFD TL-4", "kN", round(54.0 * KIP / 1e3))
+    assert float(ratio) == pytest.approx(rigid_force("mash-tl4-sut") / (54.0 * KIP), abs=0.05)
+    assert LEVEL.search(case("mash-tl4-sut").headline().in_units(US).answer)[3] == "54"
+    assert "times" not in case("mash-tl4-sut", "impact.test_level=").headline().answer
+
+
+def test_inputs_stand_in_the_units_in_which_they_are_given():
+    changes = ("vehicle.mass=22 klb", "impact.speed=20", "impact.angle=0.25", "vehicle.length=30ft")
+    set_up = case("mash-tl4-sut", *changes).headline().set_up
+    assert SI.rendered(set_up).startswith(
+        "mash-tl4-sut: 22 klb vehicle at 20 m/s, 14.3239 deg; length 30 ft, width 2438 mm"
+    )
+    assert "at 65.6 ft/s, 14.3239 deg" in US.rendered(set_up)
+    start = SI.rendered(case("paper-table-3", "impact=", "corner.friction=0.47").headline().set_up)
+    assert start.startswith(
+        "paper-table-3: 9979 kg vehicle at 25.053 m/s, 14.8969 deg; length 10 m, width 2438 mm, "
+    )
+    assert start.endswith("start of Stage 2: angular velocity 0.707 rad/s, friction 0.47.")
+    later = SI.rendered(case("mash-tl4-sut", "start.corner_speed=24").headline().set_up)
+    assert (
+        "at 56 mph, 15 deg; length 10 m, width 2438 mm, start of Stage 2: corner speed 24 m/s, friction"
+        in later
+    )
+    contact = case("impact-mash-tl3-car", "contact.side_stiffness=1 MN/m^2").headline().set_up
+    crush = "crush stiffness 0.98 MN/m a corner, initial crush force 75 kN, side layer 1 MN/m^2"
+    assert f"{crush}, restitution 0.22, friction 0.47." in contact
+
+
+def test_a_run_answers_with_the_force_of_the_plate(outcome):
+    soft = ("wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1", "plate.elements=[40, 12]")
+    made = outcome("mash-tl4-sut", *soft)
+    headline = corner.headline(made).in_units(SI)
+    fe, rigid = made.lateral_force, made.fe_plan.case.force.peak_force
+    assert round(fe / 1e3) != round(rigid / 1e3)
+    assert f"tail-slap: {fe / 1e3:.0f} kN (triangular pulse of 100 ms, assumed)" in headline.answer
+    changed = percent_up(max(map(abs, made.difference.values())))
+    assert headline.certainty.startswith(f"Vehicle flexibility changes the motion by at most {changed}; ")
+    other = made.fe_plan.case.other_convention()[1].force.peak_force
+    words = f"{other / 1e3:.0f} kN ({100 * (other / rigid - 1):+.0f} %)"
+    assert headline.certainty.endswith(f"With Newton's convention (1 + e) {words}.")
+
+
+def test_an_impact_answers_with_its_largest_mean_and_strike(outcome):
+    made = outcome("impact-mash-tl4-sut")
+    strike = made.fe.strikes[1]
+    answer = impact.headline(made).in_units(SI).answer
+    where = f"strike 2 (rear corner, from {strike.start:.3f} s)"
+    assert f"force: {made.fe.peaks['mean_50ms'] / 1e3:.0f} kN in {where}" in answer
+    none = replace(made.fe, strikes=())
+    assert made.fe_plan.case.force_sentence(none) == "The vehicle does not strike the wall."
+
+
+def test_a_failed_run_opens_with_check_size_and_remedy(outcome):
+    made = outcome("mash-tl4-sut", "corner.penalty_scale=0.0001")
+    (failed,) = (check for check in made.checks if not check.passed)
+    answer = corner.headline(made).answer
+    size = f"{failed.name} {failed.value:.3g} (limit {failed.limit:.3g})"
+    assert answer.startswith(f"Failed: {size}. Remedy: {failed.advice}. ")
+    assert "a larger corner.penalty_scale" in failed.advice
+    assert "Peak lateral force at the tail-slap, not reliable: " in answer
+    demanded = outcome("mash-tl4-sut", "verify.tolerance=1e-7")
+    assert "not reliable" not in corner.headline(demanded).answer
+    assert corner.headline(demanded).answer.startswith("Failed: agreement with rigid ")
+
+
+@pytest.mark.parametrize(("fraction", "text"), [
+    (2.16e-6, "0.00022 %"), (2e-6, "0.0002 %"), (0.00567, "0.57 %"), (-0.0101, "1.1 %"), (1.0, "100 %"), (0.0, "0 %"),
+    (5.71e-9, "5.8e-07 %"), (float("nan"), "unknown"), (float("inf"), "unknown"),
+])  # fmt: skip
+def test_bounds_are_rounded_up(fraction, text):
+    assert percent_up(fraction) == text
+
+
+@pytest.mark.parametrize(("newtons", "si", "us"), [
+    (653_321.7, "653 kN", "147 kip"), (60_250.0, "60.2 kN", "13.5 kip"), (1_022_000.0, "1022 kN", "229.8 kip"),
+])  # fmt: skip
+def test_forces_have_three_digits(newtons, si, us):
+    assert (SI.rendered(force(newtons)), US.rendered(force(newtons))) == (si, us)
+
+
+def test_the_footer_has_version_date_and_command(tmp_path, capsys):
+    words = [
+        "modes",
+        "paper-table-3",
+        "--count",
+        "1",
+        "--set",
+        "plate.elements=[8, 2]",
+        "--out",
+        str(tmp_path / "a"),
+    ]
+    assert cli._status(words) == 0
+    page = (tmp_path / "a" / "report.html").read_text()
+    footer = page.partition("<footer>")[2].partition("</footer>")[0].replace("\N{NO-BREAK SPACE}", " ")
+    for part in (f"tailslap {tailslap.__version__}", datetime.date.today().isoformat()):
+        assert part in re.sub("<[^>]+>", "", footer)
+    assert (
+        "<code>tailslap modes paper-table-3 --count 1 --set &#39;plate.elements=[8, 2]&#39; --out " in footer
+    )
+
+
+def outlines(drawing):
+    return [
+        np.stack([mark.x, mark.y], axis=1) for mark in drawing.plots[0].marks if isinstance(mark, Outline)
+    ][1:3]
+
+
+def test_the_drawing_is_to_scale():
+    """First touch with corner P at the origin, tail-slap with the side on the wall after the slide."""
+    own = case("mash-tl4-sut")
+    first, last = outlines(own.drawing())
+    slide = own.motion.strike.slide
+    assert first[0] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert first[1] == pytest.approx(10.0 * np.array([-np.cos(np.radians(15)), np.sin(np.radians(15))]))
+    assert last[:2] == pytest.approx(np.array([[slide, 0.0], [slide - 10.0, 0.0]]), abs=1e-9)
+    assert last[2:] == pytest.approx(np.array([[slide - 10.0, 2.438], [slide, 2.438]]), abs=1e-9)
+    hit = case("impact-mash-tl4-sut")
+    first, last = outlines(hit.drawing())
+    assert np.hypot(*(last[1] - last[2])) == pytest.approx(2.438)
+    assert last[1, 1] == pytest.approx(0.0, abs=1e-3), "the rear corner strikes"
+
+
+def test_the_drawing_takes_symbols_and_several_units():
+    at = np.zeros(2), np.ones(2), np.array([0.2, 0.0])
+    truck, trailer = Unit(*at, 6.0, 2.0, 3.0), Unit(at[0] - 7.0, at[1] + 1.0, at[2], 6.0, 2.0, 3.0)
+    one, both = (draw_set_up(units, SYMBOLS, SCHEME) for units in ([truck], [truck, trailer]))
+    assert both.svg.count('fill-opacity="0.12"') == 2 * one.svg.count('fill-opacity="0.12"') == 4
+    for text in ("θ", "L", "B", "P", "E", "G", "wall", "first touch", "tail-slap"):
+        assert f">{text}<" in one.svg, text
+    assert f'aria-label="{SCHEME}"' in one.svg
+    assert one.in_units(US).svg.count("<text") == one.svg.count("<text")
+
+
+def test_python_and_terminal_open_alike(capsys):
+    found = tailslap.rigid("mash-tl4-sut")
+    assert found.headline.answer == found.summary["answer"]
+    assert found.headline.answer in repr(found)
+    assert found.headline.answer in found._repr_html_()
+    assert str(found).startswith(opened(found.headline))
+    us = tailslap.rigid("mash-tl4-sut", units="us")
+    assert "147 kip" in str(us).splitlines()[0]
+
+
+def test_pages_are_in_the_units_of_their_reader(outcome):
+    made = corner.corner_report(outcome("mash-tl4-sut"), pictures=False)
+    page = in_units(made, US).page
+    assert "147 kip" in page.headline.answer
+    assert "9979 kg vehicle at 56 mph" in page.headline.title
+    assert f"{9.4909 / 0.3048:.3g}" in next(chart.svg for chart in page.charts if chart.name == "set-up")
