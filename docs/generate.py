@@ -126,22 +126,27 @@ def _refusal(kind: Any, marks: Iterable[Any]) -> str:
 def results_page() -> str:
     """Files and columns."""
     from postprocess.fields.series import ELEMENTS, NODES
-    from tailslap.files.load import corner_columns, impact_columns
+    from tailslap.files.load import corner_columns, impact_columns, train_columns
 
     columns = {
         "history.csv and rigid.csv of a constrained corner": corner_columns(),
         "history.csv and rigid.csv of a whole impact": impact_columns(),
+        "history.csv and rigid.csv of a train, besides": train_columns(),
     }
     parts = ["# Result files and columns", "", RESULTS_INTRODUCTION, "", table(("file", "what"), FILES)]
     for title, known in columns.items():
+        parts += [f"## {title}", "", *([OF_TRAINS, ""] if "a train" in title else [])]
         rows = [(f"`{c.name}`", c.unit, c.meaning or c.caption) for c in known.values()]
-        parts += [f"## {title}", "", table(("column", "unit", "meaning"), rows)]
+        parts += [table(("column", "unit", "meaning"), rows)]
     fields = [(f"`{n}`", "nodes", u) for n, u in NODES.items()]
     fields += [(f"`{n}`", "elements", u) for n, u in ELEMENTS.items()]
     parts += ["## fields.npz", "", FIELDS, "", table(("field", "of the", "unit"), fields), *_sweep_columns()]
     return "\n".join(parts)
 
 
+OF_TRAINS = """Motions are those of the first unit; `x_g_2` and so on are those of the second. `force_normal_1` is the
+wall's force on the first unit alone, `hinge_force_x_1` that of the first hinge. Forces and energies without a number
+are those of the whole train."""
 RESULTS_INTRODUCTION = """All numbers are SI. What is no finite number is an empty entry in CSV and null in JSON
 and Parquet. The rigid vehicle's columns have the same names, at the same instants; what it has not, like strain
 energy, is 0 or not there.

@@ -241,6 +241,19 @@ MASH_TL_4 = (
     DesignForce("MASH, TTI", 80.0, TTI),  # for rails of 36 in. or higher
     DesignForce("MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
 )
+UNCONFIRMED = "quoted for NCHRP project 22-20(02); not confirmed at its source"
+TALLER = {
+    "TL-4": MASH_TL_4,
+    "TL-5": (
+        DesignForce("42 in wall", 160.0, UNCONFIRMED),
+        DesignForce("Manitoba, 1250 mm wall", 845e3 / KIP, "Design of the Manitoba tall wall, tac-atc.ca"),
+        DesignForce("taller wall", 262.0, UNCONFIRMED),
+    ),
+    "TL-6": (
+        DesignForce("MwRSF, 62 in wall", 300.0, "MASH TL-6 evaluation, rosap.ntl.bts.gov/view/dot/77847"),
+    ),
+}
+"""Forces beside AASHTO's, by test level."""
 
 
 def design_forces(test_level: str) -> Sequence[DesignForce]:
@@ -249,4 +262,4 @@ def design_forces(test_level: str) -> Sequence[DesignForce]:
         raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
     transverse, *along = LRFD[test_level]
     first = DesignForce("AASHTO LRFD", transverse, AASHTO, *along)
-    return (first, *MASH_TL_4) if test_level == "TL-4" else (first,)
+    return (first, *TALLER.get(test_level, ()))

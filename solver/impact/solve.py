@@ -131,7 +131,7 @@ class ImpactMotion:
         return found
 
     def hinge_forces(self, times: Array) -> Array:
-        """Mean forces of each hinge between instants, on the vehicle behind it, by what that and all behind gain.
+        """Mean forces of each hinge between instants, on the vehicle ahead of it, by what all behind it gain.
 
         Parameters
         ----------
@@ -143,11 +143,11 @@ class ImpactMotion:
         ndarray
             Along X and Y [N], shape (hinges, 2, n - 1).
         """
-        at, gained = self.at(times), []
+        at, gained = self.at(np.minimum(times, self.t_end)), []
         for unit, each in enumerate(self.trailers, 2):
             momenta = (each.vehicle.mass * getattr(at, f"v_g{axis}_{unit}") for axis in "xy")
             pushes = (getattr(at, f"impulse_{force}_{unit}") for force in ("tangential", "normal"))
-            gained.append([np.diff(own - wall) for own, wall in zip(momenta, pushes, strict=True)])
+            gained.append([np.diff(wall - own) for own, wall in zip(momenta, pushes, strict=True)])
         found = np.reshape(gained, (-1, 2, times.size - 1)) / np.diff(times)
         return np.cumsum(found[::-1], axis=0)[::-1]
 

@@ -162,13 +162,14 @@ def solve_trains(
         if not chosen.size:
             break
         finer = run(chosen, 0.5 * found.step[chosen], interval)
-        coarse = Trajectories(*(value[chosen] for value in found))
+        coarse = Trajectories(*(value[chosen] for value in found._replace(rows=found.end)))  # rows are large
         error[chosen] = _difference(finer, coarse, turning[chosen])
         if len(chosen) == len(found.end):
             found = finer
             continue
-        for old, new in zip(found, finer, strict=True):
-            old[chosen] = new
+        written = math.ceil(float(np.nanmax(finer.end / finer.interval))) + 2
+        for old, new in zip(found._replace(rows=found.rows[:, :written]), finer, strict=True):
+            old[chosen] = new[:, :written] if new is finer.rows else new
     bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
         i = int(np.argmax(bad))

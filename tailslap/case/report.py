@@ -17,7 +17,7 @@ from fem.start import start_kinds
 from postprocess import units
 from postprocess.fields import series
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns, pairs
-from postprocess.signals.filters import design_forces
+from postprocess.signals.filters import DesignForce, design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
 from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome
@@ -266,16 +266,25 @@ def study_summary(study: str, case: Case) -> dict[str, Any]:
 def design_ratios(outcome: Outcome) -> list[dict[str, Any]]:
     """Design forces of the scene's test level, and the force of the plate over each; none without a test level."""
     impact = outcome.fe_plan.case.scene.impact
-    level = impact.test_level if impact else None
     return [
         {
-            "name": f"{each.name}, {level}",
+            "name": name,
             "force": each.force,
             "ratio": outcome.lateral_force / each.force,
             "source": each.source,
         }
-        for each in (design_forces(level) if level else ())
+        for name, each in known_forces(impact.test_level if impact else None).items()
     ]
+
+
+OF_TRACTORS = ("TL-5", "TL-6")
+"""Test levels of tractors with trailers, whose forces stand beside each other."""
+
+
+def known_forces(level: str | None) -> dict[str, DesignForce]:
+    """Design forces of a test level by name, of tractors with trailers those of both levels."""
+    levels = OF_TRACTORS if level in OF_TRACTORS else (level,) if level else ()
+    return {f"{each.name}, {one}": each for one in levels for each in design_forces(one)}
 
 
 def design_table(outcome: Outcome) -> Table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -37,10 +38,27 @@ def impact_columns() -> dict[str, HistoryColumn]:
     return IMPACT_COLUMNS | {ENERGY_ERROR.name: ENERGY_ERROR}
 
 
+def train_columns() -> dict[str, HistoryColumn]:
+    """Columns that trains have besides, of each hinge with its number at the end."""
+    told = {
+        "hinge_force_x": (
+            "N",
+            "of the unit behind on the one ahead, along the wall, mean since the row before",
+        ),
+        "hinge_force_y": (
+            "N",
+            "of the unit behind on the one ahead, across the wall, mean since the row before",
+        ),
+        "articulation": ("rad", "angle between the unit behind and the wall less that of the one ahead"),
+    }
+    return {name: HistoryColumn(name, unit, meaning=meaning) for name, (unit, meaning) in told.items()}
+
+
 def column_units(names: Iterable[str]) -> dict[str, str]:
-    """SI units of the columns of either calculation that have one of these names."""
-    known = impact_columns() | corner_columns()
-    return {name: known[name].unit for name in names if name in known}
+    """SI units of the columns of either calculation that have one of these names, with a unit's number or without."""
+    known = train_columns() | impact_columns() | corner_columns()
+    found = {name: known.get(re.sub(r"_[1-8]$", "", name)) for name in names}
+    return {name: column.unit for name, column in found.items() if column}
 
 
 def history(columns: Mapping[str, Any]) -> result.Columns:

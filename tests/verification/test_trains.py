@@ -138,7 +138,7 @@ def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
         )
         t = np.linspace(0.0, 2.0, 1001)
         force, at = motion.hinge_forces(t)[0], motion.at(t)
-        apart = [np.diff(own - its) / np.diff(t) for own, its in ((at.v_gx_2, at.v_gx), (at.v_gy_2, at.v_gy))]
+        apart = [np.diff(own - its) / np.diff(t) for own, its in ((at.v_gx, at.v_gx_2), (at.v_gy, at.v_gy_2))]
         assert force == pytest.approx(reduced * np.array(apart), abs=1e-6 * np.abs(force).max())
         if spins[0] == spins[1]:
             assert np.hypot(*force) == pytest.approx(reduced * 0.4**2 * (a + b), rel=1e-6)

@@ -40,6 +40,27 @@ class ImpactAnswer:
     history: Columns
 
     @property
+    def units(self) -> int:
+        """Number of units of a train; 1 of a single vehicle."""
+        return 1 + sum(name.startswith("articulation_") for name in self.history)
+
+    @property
+    def counted(self) -> int:
+        """Number of strikes that are compared and whose error is stated: of a train as many as bring its last rear."""
+        return 3 * self.units - 1
+
+    @property
+    def hinges(self) -> list[dict[str, float]]:
+        """Largest force [N] and articulation angle [rad] of each hinge of a train."""
+        h, numbers = self.history, range(1, self.units)
+        forces = (np.hypot(h[f"hinge_force_x_{k}"], h[f"hinge_force_y_{k}"]) for k in numbers)
+        angles = (np.abs(h[f"articulation_{k}"]) for k in numbers)
+        return [
+            {"peak_force": float(force.max()), "largest_angle": float(angle.max())}
+            for force, angle in zip(forces, angles, strict=True)
+        ]
+
+    @property
     def interval(self) -> float:
         """Time between rows [s]."""
         return float(self.history["t"][1] - self.history["t"][0])
@@ -83,9 +104,11 @@ class ImpactAnswer:
         return found
 
     def occupant_risk(self, mass: float) -> tuple[occupant.RiskMeasure, ...]:
-        """Measures of the planar motion; mass [kg]."""
+        """Measures of the planar motion; mass [kg]. Of a train those of its first unit, at its centre of mass."""
         h = {name: values[1:] for name, values in self.history.items()}
         along, across = h["force_tangential"] / mass, h["force_normal"] / mass
+        if self.units > 1:
+            along, across = (np.diff(self.history[name]) / self.interval for name in ("v_gx", "v_gy"))
         sine, cosine = np.sin(h["theta"]), np.cos(h["theta"])
         ahead, left = cosine * along - sine * across, sine * along + cosine * across
         return occupant.occupant_risk(occupant.VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
@@ -97,6 +120,7 @@ class ImpactAnswer:
             "peaks": self.peaks,
             "end": self.end,
             "second_strike": self.second_strike,
+            **({"hinges": self.hinges} if self.units > 1 else {}),
         }
 
 
@@ -116,9 +140,9 @@ def mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
 
 
 def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
-    """FE/rigid - 1 of the first two strikes; none where the corners do not strike in the same order."""
+    """FE/rigid - 1 of the strikes that count; none where the corners do not strike in the same order."""
     found = {}
-    for k, (one, other) in enumerate(zip(fe.strikes[:2], rigid.strikes[:2], strict=False), 1):
+    for k, (one, other) in enumerate(zip(fe.strikes[: fe.counted], rigid.strikes, strict=False), 1):
         if one.corner != other.corner:
             break
         for name in COMPARED:
@@ -129,15 +153,69 @@ def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
 def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
     """The rigid impact at these even instants [s]; forces are means since the instant before."""
     at = motion.at(np.minimum(instants, motion.t_end))
-    step = np.diff(instants, prepend=np.nan)
-    history = {
-        name: getattr(at, name)
-        for name in ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "kinetic_energy", "friction_work")
-    }
+    step, units = np.diff(instants, prepend=np.nan), range(1, len(motion.vehicles) + 1)
+    history = {name: getattr(at, name) for name in (*MOTION, "kinetic_energy", "friction_work")}
     for force, impulse in (("normal", at.impulse_normal), ("tangential", at.impulse_tangential)):
         history[f"force_{force}"] = np.nan_to_num(np.diff(impulse, prepend=0.0) / step)
     history |= {"contact_energy": at.crush_energy_stored, "crush_energy": at.crush_energy_lost}
+    if motion.trailers:
+        trailers = ({name: getattr(at, f"{name}_{unit}") for name in MOTION} for unit in units[1:])
+        pushed = np.array([getattr(at, f"impulse_normal_{unit}") for unit in units])
+        forces = np.nan_to_num(np.diff(pushed, prepend=0.0) / step)
+        hinged = np.pad(motion.hinge_forces(instants), ((0, 0), (0, 0), (1, 0)))
+        history |= train_columns([history, *trailers], forces, hinged)
     return ImpactAnswer(motion.strikes, {"t": instants} | history)
+
+
+MOTION = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
+"""Columns of the motion of each unit."""
+
+
+def train_columns(
+    motions: Sequence[Columns], forces: np.ndarray, hinges: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Columns of a train by name.
+
+    Parameters
+    ----------
+    motions : sequence of dict of ndarray, shape (rows,)
+        `MOTION` of each unit; the first one's have no number.
+    forces : ndarray, shape (units, rows)
+        Normal force on each [N].
+    hinges : ndarray, shape (hinges, 2, rows)
+        Force of each hinge along X and Y on the unit ahead [N].
+
+    Returns
+    -------
+    dict of ndarray, shape (rows,)
+        By name with the number of the unit, or hinge, from 1.
+    """
+    found = {f"{name}_{k}": motion[name] for k, motion in enumerate(motions[1:], 2) for name in MOTION}
+    found |= {f"force_normal_{k}": force for k, force in enumerate(forces, 1)}
+    for k, ((x, y), ahead, behind) in enumerate(zip(hinges, motions, motions[1:], strict=False), 1):
+        found |= {f"hinge_force_x_{k}": x, f"hinge_force_y_{k}": y}
+        found[f"articulation_{k}"] = behind["theta"] - ahead["theta"]
+    return found
+
+
+def train_remarks(answer: ImpactAnswer) -> list[str]:
+    """Sentences on a train that the model does not hold for, or that does not strike by its front first."""
+    found = []
+    if answer.strikes and answer.strikes[0].corner.startswith("trailer"):
+        found.append("A trailer is so wide that it touches the wall first.")
+    for k in range(1, answer.units):
+        angle = np.abs(answer.history[f"articulation_{k}"])
+        if angle.max() > JACK_KNIFE:
+            t = answer.history["t"][np.argmax(angle > JACK_KNIFE)]
+            found.append(
+                f"The train jack-knifes: from {t:.3f} s on hinge {k} is bent by more than 90 deg. That is beyond the "
+                "model, in which units do not touch one another."
+            )
+    return found
+
+
+JACK_KNIFE = 0.5 * math.pi
+"""Articulation angle beyond which units that touch would hinder each other [rad]."""
 
 
 def sampled_answer(
@@ -199,6 +277,9 @@ peak of the corner's own force, the next two those of the filtered total force i
 
 COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
 
+LARGEST = "peak.mean_50ms"
+"""Column of the largest 50 ms mean of a train's impact."""
+
 SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
 """Contacts of a corner that are closer than this [s] are one strike: a mean over 50 ms does not tell them apart."""
 
@@ -226,17 +307,25 @@ def peaks_within(
     return found
 
 
-def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
-    """The `COLUMNS` of the first strike of the front and of the rear corner [SI]; NaN without one.
+def both_strikes(
+    answer: ImpactAnswer, forces: Columns | None = None, units: int | None = None
+) -> dict[str, float]:
+    """The `COLUMNS` of the first strike of the front and of the rear corner, of a train of its last rear [SI]; NaN
+    without one. Of a train with `LARGEST`.
 
     forces: of each corner, shape (rows,) [N], where several touch at once; else the filters take the total force.
+    units: of a train, where the answer has no columns of them.
     """
     values: dict[str, float] = {}
-    for strike, corner in enumerate(("front", "rear"), 1):
+    units = units or answer.units
+    total = filtered(answer.history["force_normal"][1:], answer.interval)
+    if units > 1:
+        values[LARGEST] = float(total["mean_50ms"].max())
+    for strike, corner in enumerate(("front", corner_name(units - 1, 1)), 1):
         contacts = first_strike([each for each in answer.strikes if each.corner == corner])
         start, end = (contacts[0].start, contacts[-1].end) if contacts else (math.nan, math.nan)
-        force = (forces or {}).get(corner, answer.history["force_normal"])[1:]
-        measures = peaks_within(filtered(force, answer.interval), answer.interval, start, end) | {
+        curves = filtered(forces[corner][1:], answer.interval) if forces and corner in forces else total
+        measures = peaks_within(curves, answer.interval, start, end) | {
             "raw": max((each.peak_force for each in contacts), default=math.nan),
             "impulse": math.fsum(each.impulse for each in contacts) if contacts else math.nan,
             "duration": end - start,

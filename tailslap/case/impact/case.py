@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from tailslap.case.impact.run import ImpactOutcome
 
 
-STRIKES = (1, 2)
 VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
 TIPPING = ("largest_roll", "lowest_safe_wall")
+HINGE = ("peak_force", "largest_angle")
 SPENT = {"cost.steps": int, "cost.time_step": float}
 
 
@@ -60,17 +60,20 @@ class ImpactCase(rigid.RigidImpact):
         """Columns that the table of a sweep has whatever its rows, and the type of their values."""
         models = ("rigid",) if scene.plate is None else ("rigid", "fe")
         kinds: dict[str, type] = {}
+        strikes = range(1, 3 * len(scene.units))
         for model in models:
             kinds[f"{model}.strikes"] = int
-            for k in STRIKES:
+            for k in strikes:
                 kinds[f"{model}.strike_{k}.corner"] = str
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
             kinds |= {f"{model}.peak.{name}": float for name in rigid.CURVES}
             kinds |= {f"{model}.end.{name}": float for name in answers.END}
             kinds |= {f"{model}.tipping.{name}": float for name in TIPPING if scene.tipping}
+            for k in range(1, len(scene.units)):
+                kinds |= {f"{model}.hinge_{k}.{name}": float for name in HINGE}
         if scene.plate is None:
             return kinds
-        names = [f"difference.strike_{k}.{name}" for k in STRIKES for name in answers.COMPARED]
+        names = [f"difference.strike_{k}.{name}" for k in strikes for name in answers.COMPARED]
         return {**kinds, **dict.fromkeys([*names, "numerical_error"], float), **SPENT}
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
@@ -93,13 +96,15 @@ class ImpactCase(rigid.RigidImpact):
 
 
 def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
-    """Columns of one of the two models, of its first two strikes; what it lacks is missing."""
+    """Columns of one of the two models, of the strikes that count; what it lacks is missing."""
     row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes)}
-    for k, strike in zip(STRIKES, answer.strikes, strict=False):
+    for k, strike in enumerate(answer.strikes[: answer.counted], 1):
         row[f"{model}.strike_{k}.corner"] = strike.corner
         values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}
         row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
     row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
+    for k, hinge in enumerate(answer.hinges, 1):
+        row |= {f"{model}.hinge_{k}.{name}": value for name, value in hinge.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
 
 

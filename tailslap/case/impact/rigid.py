@@ -1,10 +1,10 @@
 """The rigid vehicle of a whole impact: its contact, first touch and motion, and what `tailslap rigid` says of it."""
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -21,9 +21,9 @@ from tailslap.case.case import WHOLE_IMPACT, Case
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene.schema import Contact, Scene
+from tailslap.scene.schema import Contact, Scene, Vehicle
 from tailslap.scene.units import shown, value_line
-from tailslap.scene.vary import Source, vary
+from tailslap.scene.vary import Source, value_at, vary
 
 AFTER_SECOND, AFTER_TIPPING = 0.1, 0.5
 """Time [s] after the second strike at which an impact ends that has no time.end; with [tipping], where a third strike
@@ -58,6 +58,12 @@ ARGUMENTS = (
     *(f"contact.{name}" for name in ("stiffness", "initial_force", "restitution", "friction")),
 )
 """Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
+
+TRAIN_TOLERANCE = 1e-4
+"""Error by which the step of a train is chosen; what it leaves is a hundredth of that."""
+
+OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin", "mass", "length", "width")
+"""Keys of a trailer that it depends on; what the first three are is known where the scene leaves them out."""
 
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
@@ -94,18 +100,25 @@ class RigidImpact(Case):
         """Raise InputError, naming the scene's key, where there is no such vehicle, or no impact."""
         if self.scene.impact is None or self.scene.contact is None:
             raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
-        if self.scene.trailer:
-            raise InputError("trailer", Verbatim("a train"), "trains are not solved yet; leave it out")
         _ = self.touch
         assert self.motion.strikes or self.scene.time.end
 
     @cached_property
     def vehicle(self) -> impact.ImpactVehicle:
         """The rigid vehicle."""
-        given = self.scene.vehicle
         with refusals(self.scene):
-            sides = given.length, given.width
-            return impact.ImpactVehicle(*sides, given.mass, given.centre_of_mass, given.yaw_inertia)
+            return rigid_vehicle(self.scene.vehicle)
+
+    @cached_property
+    def trailers(self) -> tuple[impact.Trailer, ...]:
+        """Rigid trailers behind the vehicle."""
+        found, contact = list[impact.Trailer](), self.scene.needed_contact
+        for number, unit in enumerate(self.scene.trailer):
+            own = contact.model_copy(update={"stiffness": unit.stiffness or contact.stiffness})
+            with refusals(self.scene, f"trailer.{number}"):
+                laws = wall_contact(self.scene, own)
+                found.append(impact.Trailer(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
+        return tuple(found)
 
     @cached_property
     def contact(self) -> impact.WallContact:
@@ -120,7 +133,7 @@ class RigidImpact(Case):
         assert self.contact
         assert given
         with refusals(self.scene):
-            return impact.first_touch(self.vehicle, given.angle, given.speed)
+            return impact.first_touch(self.vehicle, given.angle, given.speed, self.trailers)
 
     @cached_property
     def motion(self) -> impact.ImpactMotion:
@@ -128,10 +141,12 @@ class RigidImpact(Case):
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
-        """The impact to another end [s]; None: to `after_second` after the second strike."""
+        """The impact to another end [s]; None: to `after_second` after the second strike, of a train the last rear."""
         with refusals(self.scene):
             given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
-            return impact.solve_impact(*given, on_compile=progress.compiling)
+            behind: dict[str, Any] = {"trailers": self.trailers, "tolerance": TRAIN_TOLERANCE}
+            behind = behind if self.trailers else {}
+            return impact.solve_impact(*given, on_compile=progress.compiling, **behind)
 
     @property
     def after_second(self) -> float:
@@ -146,8 +161,10 @@ class RigidImpact(Case):
     @cached_property
     def sample(self) -> float:
         """Time between rows [s] that resolves both strikes of the rigid vehicle."""
-        motion = self.motion
-        shortest = min((strike.duration for strike in motion.strikes[:2]), default=SAMPLE * ROWS_A_STRIKE)
+        motion, counted = self.motion, 3 * len(self.scene.units) - 1
+        shortest = min(
+            (strike.duration for strike in motion.strikes[:counted]), default=SAMPLE * ROWS_A_STRIKE
+        )
         return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
 
     @cached_property
@@ -157,9 +174,18 @@ class RigidImpact(Case):
         return answers.rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
 
     @property
+    def arguments(self) -> tuple[str, ...]:
+        """Keys of the scene that the impact depends on, by the corners alone."""
+        numbers = range(len(self.trailers))
+        return ARGUMENTS + tuple(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
+
+    @property
     def inputs(self) -> dict[str, float]:
-        """The scene's own number of each key of `ARGUMENTS`."""
-        own = {key: attrgetter(key)(self.scene) or 0.0 for key in ARGUMENTS}
+        """The scene's own number of each key of `arguments`."""
+        own = {key: value_at(self.scene, key) or 0.0 for key in self.arguments}
+        for number, each in enumerate(self.trailers):
+            known = (each.vehicle.front_distance, each.vehicle.inertia, each.contact.crush.stiffness)
+            own |= {f"trailer.{number}.{key}": value for key, value in zip(OF_A_TRAILER, known, strict=False)}
         return own | {"vehicle.centre_of_mass": self.vehicle.front_distance}
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -168,12 +194,12 @@ class RigidImpact(Case):
         Parameters
         ----------
         inputs : dict of ndarray, shape (n,)
-            By key of `ARGUMENTS` [SI]; the others are the scene's. Its yaw inertia goes with the mass.
+            By key of `arguments` [SI]; the others are the scene's. Its yaw inertia goes with the mass.
 
         Returns
         -------
         dict of ndarray, shape (n,)
-            `COLUMNS` [SI]; NaN where there is no such strike.
+            As of `both_strikes` [SI]; NaN where there is no such strike.
 
         Raises
         ------
@@ -186,6 +212,8 @@ class RigidImpact(Case):
         if (inertia := self.scene.vehicle.yaw_inertia) is not None:
             given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         until: dict[str, Any] = {"after_second": AFTER_SECOND, "longest": LONGEST, "interval": INTERVAL}
+        if self.trailers:
+            return self._many_trains(given | until, values)
         with refusals(self.scene):
             found = impact.solve_impacts(**given, **until)
         starts, ends = found.start, found.start + found.duration
@@ -200,6 +228,34 @@ class RigidImpact(Case):
                 for name, value in answers.peaks_within(curves, INTERVAL, float(start), float(end)).items():
                     columns[f"strike_{k}.{name}"][number] = value
         return columns
+
+    def _many_trains(self, given: dict[str, Any], values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """Strikes of many trains; given: arguments of `solve_impacts`, values: by key of the scene."""
+        trailers = []
+        for number, each in enumerate(self.trailers):
+            own = {key: values[f"trailer.{number}.{key}"] for key in OF_A_TRAILER}
+            own["yaw_inertia"] = own["yaw_inertia"] * np.asarray(own["mass"]) / each.vehicle.mass
+            trailers.append(own)
+        with refusals(self.scene):
+            found = impact.solve_impacts(**given, trailers=trailers)
+        rows = []
+        for number, mean in enumerate(found.mean_force.T):
+            there = np.flatnonzero(found.corner[:, number] >= 0)
+            its = (
+                each[there, number] for each in (found.start, found.duration, found.peak_force, found.impulse)
+            )
+            strikes = tuple(
+                impact.Strike(
+                    impact.corner_name(*divmod(int(corner), 4)), start, start + lasts, peak, impulse
+                )
+                for corner, start, lasts, peak, impulse in zip(found.corner[there, number], *its, strict=True)
+            )
+            last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
+            history = {"t": INTERVAL * np.arange(last + 1), "force_normal": np.append(0.0, mean[:last])}
+            rows.append(
+                answers.both_strikes(answers.ImpactAnswer(strikes, history), units=len(self.scene.units))
+            )
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def details(self) -> list[str]:
         """Contact of vehicle and wall."""
@@ -259,10 +315,12 @@ class RigidImpact(Case):
 
     def rigid_numbers(self) -> dict[str, Any]:
         """Strikes, peaks and end, SI."""
-        beside = paper_method(self.scene, self.answer)
-        own = tipping_of(self, self.answer)
-        rolled = {"tipping": own.numbers()} if own else {}
-        return {"scene": self.scene.name, **self.answer.numbers(), **rolled, "paper_method": beside}
+        beside, found = paper_method(self.scene, self.answer), self.answer.numbers()
+        if own := tipping_of(self, self.answer):
+            found["tipping"] = own.numbers()
+        if self.trailers:
+            found |= {"error": self.motion.error, "remarks": answers.train_remarks(self.answer)}
+        return {"scene": self.scene.name, **found, "paper_method": beside}
 
     def rigid_text(self, units: str = "si") -> list[str]:
         """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
@@ -273,12 +331,19 @@ class RigidImpact(Case):
             peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)
             when = f"from {strike.start:.4f} s for {strike.duration:.4f} s"
             lines.append(f"  {strike.corner:<16} {when}: peak {peak}, impulse {impulse}")
+        lines += ["", "Hinges"] if self.trailers else []
+        for number, hinge in enumerate(answer.hinges, 1):
+            force, angle = shown(hinge["peak_force"], "N", units), math.degrees(hinge["largest_angle"])
+            lines.append(f"  hinge {number}: peak force {force}, largest articulation angle {angle:.4g} deg")
         lines += ["", "Lateral force on the wall, peak"]
         lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
-        lines += ["", "At the end"]
+        lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]
         lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
         if own := tipping_of(self, answer):
             lines += ["", *own.text(units)]
+        if self.trailers:
+            error = f"Error of peaks and impulses against steps twice as long: {self.motion.error:.1e}"
+            lines += ["", error, *answers.train_remarks(answer)]
         return lines + _paper_lines(paper_method(self.scene, answer), units)
 
 
@@ -290,6 +355,12 @@ def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
 
     with refusals(case.scene):
         return tipping.solve(case.scene, case.vehicle, answer)
+
+
+def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
+    """The rigid body of a unit of the scene. Raises RigidBodyError."""
+    sides = unit.length, unit.width
+    return impact.ImpactVehicle(*sides, unit.mass, unit.centre_of_mass, unit.yaw_inertia)
 
 
 def wall_contact(scene: Scene, contact: Contact) -> impact.WallContact:
@@ -311,12 +382,12 @@ KEYS = {
 
 
 @contextmanager
-def refusals(scene: Scene) -> Iterator[None]:
-    """Turn what the theory refuses into a message that names the scene's key."""
+def refusals(scene: Scene, unit: str = "vehicle") -> Iterator[None]:
+    """Turn what the theory refuses into a message that names the scene's key; unit: the table of the body."""
     try:
         yield
     except solver.RigidBodyError as error:
-        key = KEYS.get(error.key, "impact")
+        key = error.key if "." in error.key else KEYS.get(error.key, "impact").replace("vehicle", unit)
         raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
 
 
@@ -354,10 +425,10 @@ def paper_method(scene: Scene, answer: answers.ImpactAnswer) -> dict[str, Any] |
         omega after Stage 1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that
         the paper reads off crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with
         the duration of the second strike as the paper would read it off the computed 50 ms mean, or None. None where
-        [impact] does not give friction and restitution, or where the method has no answer.
+        [impact] does not give friction and restitution, where the method has no answer, and of trains.
     """
     given = scene.impact
-    if given is None or given.friction is None or given.restitution is None:
+    if given is None or given.friction is None or given.restitution is None or scene.trailer:
         return None
     try:
         case = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))

@@ -22,7 +22,7 @@ from tailslap.campaign import sampling
 from tailslap.campaign.sampling import Array, Band, Range
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.case.impact import answers, rigid
+from tailslap.case.impact import answers
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.replication import tables
@@ -39,6 +39,9 @@ BODY = ("vehicle.length", "vehicle.width", "vehicle.mass")
 CORNER_BLOCK, IMPACT_BLOCK = 2048, 512
 
 CURVE_POINTS = 25
+
+# The default range of a hitch [m].
+HITCH = 0.3
 
 # The rows of Tables 4 and 5 are of this test level's single-unit truck.
 LEVEL = "TL-4"
@@ -261,7 +264,24 @@ def impact_ranges(
         "impact.angle": known["impact.angle"],
         "vehicle.centre_of_mass": (0.45 * length, 0.55 * length, "± 5 % of the length, assumed"),
     }
-    found = sampling.ranges_of(case, rigid.ARGUMENTS, limits, ranges, fixed)
+    if case.scene.vehicle.centre_of_mass is not None:
+        centre = own["vehicle.centre_of_mass"]
+        limits["vehicle.centre_of_mass"] = sampling.about(
+            centre, 0.05 * length, "± 5 % of the length, assumed"
+        )
+    for number, (ahead, unit) in enumerate(zip(case.scene.units, case.trailers, strict=False)):
+        key, body = f"trailer.{number}.", unit.vehicle
+        crush, centre = unit.contact.crush.stiffness, body.front_distance
+        ends = max(0.0, unit.hitch - HITCH), min(ahead.length, unit.hitch + HITCH)
+        limits |= {
+            f"{key}stiffness": sampling.about(crush, 0.5 * crush, "± 50 %, assumed"),
+            f"{key}centre_of_mass": sampling.about(
+                centre, 0.05 * body.length, "± 5 % of the length, assumed"
+            ),
+            f"{key}yaw_inertia": sampling.about(body.inertia, 0.2 * body.inertia, "± 20 %, assumed"),
+            f"{key}hitch": (*ends, f"± {HITCH:g} m, assumed"),
+        }
+    found = sampling.ranges_of(case, case.arguments, limits, ranges, fixed)
     for item in found:
         if item.key == "impact.angle" and not 0.0 < item.lower < item.upper < 0.5 * math.pi:
             raise InputError(item.key, f"{item.lower}:{item.upper}", "allowed is above 0 and below 90 deg")
@@ -282,9 +302,15 @@ def input_curves(case: ImpactCase) -> tuple[dict[str, Any], ...]:
         "impact.angle": (0.5 * angle, min(1.6 * angle, 0.5 * (angle + 0.5 * math.pi))),
         "vehicle.centre_of_mass": (0.4 * length, 0.6 * length),
     }
+    for number, unit in enumerate(case.trailers):
+        crush, inertia = unit.contact.crush.stiffness, unit.vehicle.inertia
+        wide |= {
+            f"trailer.{number}.stiffness": (min(0.3e6, 0.5 * crush), max(5e6, 2.0 * crush)),
+            f"trailer.{number}.yaw_inertia": (0.6 * inertia, 1.3 * inertia),
+        }
     curves = []
     for key, ends in wide.items():
-        spaced = np.geomspace if key == "contact.stiffness" else np.linspace
+        spaced = np.geomspace if key.endswith("stiffness") else np.linspace
         values = spaced(*ends, CURVE_POINTS)
         columns = solved(case, {key: values})
         curves.append({"key": key, "values": values, "own": own[key], "columns": columns})

@@ -10,10 +10,10 @@ import numpy as np
 from postprocess.figures import studies as figures
 from postprocess.report.page import Column, Headline, Section, Table, columns, pairs
 from postprocess.report.report import Report
-from postprocess.units import force, grouped, known
+from postprocess.units import force, grouped, known, percent
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
-from tailslap.case.impact.answers import COLUMNS, QUANTITIES
-from tailslap.case.report import study_page, study_summary
+from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
+from tailslap.case.report import known_forces, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.uncertainty.compute import LEVEL, TAKEN, Spread, used_keys
 
@@ -36,7 +36,14 @@ def _index(key: str, label: str) -> Column:
 
 INDICES = (_index("first_order", "Alone"), _index("total", "With interactions"))
 MAIN = "strike_2.mean_50ms"
-# The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that.
+LEVELS = (
+    Column("name", "Design force", style="whole"),
+    Column("force", "Lateral", "N", form="#.3g", style="strong"),
+    Column("above", "Impacts above it", form=percent),
+    Column("source", "Source", style="soft"),
+)
+# The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that; last those of
+# trailers.
 CURVES = {
     "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
     "contact.restitution": ("restitution", "", 1.0),
@@ -45,6 +52,8 @@ CURVES = {
     "impact.speed": ("speed", "m/s", 1.0),
     "impact.angle": ("angle", "deg", np.pi / 180.0),
     "vehicle.centre_of_mass": ("centre of mass behind the front", "m", 1.0),
+    "stiffness": ("crush stiffness", "MN/m", 1e6),
+    "yaw_inertia": ("yaw inertia", "t m^2", 1e3),
 }
 
 CURVE_AXES: dict[str, tuple[str, ...]] = {"peak [kN]": ("mean_50ms", "raw", "cfc60")}
@@ -224,30 +233,35 @@ def _forces_table(found: Spread) -> Table:
 
 def impact_report(found: Spread) -> Report:
     """Both strikes of a whole impact."""
-    inputs, sentences = found.sources_of(MAIN), _impact_answer(found)
-    sensitivity = [figures.draw_sensitivity(inputs, "the second strike's 50 ms mean")] if inputs else []
+    main, of = _main(found)
+    inputs, sentences, levels = found.sources_of(main), _impact_answer(found), _levels(found)
+    of = of[0].lower() + of[1:]
+    sensitivity = [figures.draw_sensitivity(inputs, f"the {of}")] if inputs else []
     beside = [row | {"label": row["row"] + "*" * row["projected"]} for row in found.beside]
     rows = Table((*ROWS, *UNCERTAINTY, VERDICT), beside, "", ROW_NOTES)
     single = int(np.count_nonzero(np.isnan(found.samples["strike_2.impulse"])))
     sections = (
         Section("Bands", figures=[_band_figure(found)], tables=[_bands_table(found)]),
+        Section("The largest 50 ms mean beside design forces", tables=[levels]),
         Section("Inputs, and their shares of the variance", tables=[_inputs_table(found)]),
-        Section("Where the second strike's spread comes from", figures=sensitivity, layout="half"),
+        Section(f"Where the spread of the {of} comes from", figures=sensitivity, layout="half"),
         Section("What was computed, and what it means", "", (), (), _impact_sentences(found, single), "half"),
         Section("Beside Tables 4 and 5 of the paper", "" if beside else NOT_TL_4, tables=[rows]),
         Section("Each input alone", figures=_curve_figures(found)),
     )
     kinds, numbers = ("first_order", "total"), {}
-    for name in COLUMNS:
+    for name in found.tables:
         indices = {row["key"]: {kind: row[kind] for kind in kinds} for row in found.sources.get(name, ())}
         numbers[name] = {**found.band(name).numbers(), "indices": indices}
     summary = {
         **{"impacts": found.computed, "without_second_strike": single, "own": found.own, "bands": numbers},
         "inputs": [asdict(item) for item in found.ranges],
         "rows": found.beside,
+        **({"levels": levels.rows} if levels.rows else {}),
     }
     terminal = (
         _bands_table(found, f"{found.case.scene.name}: both strikes"),
+        short(levels),
         _inputs_table(found, short=True),
         Table((*ROWS, VERDICT), beside, "Beside Tables 4 and 5 (* projected); u_D is unknown"),
         f"Cost:   {found.computed} impacts, with curves {found.seconds:.1f} s",
@@ -256,15 +270,34 @@ def impact_report(found: Spread) -> Report:
     return _report(found, kicker, sentences, sections, summary, terminal, curves=_curves_table(found))
 
 
+def _main(found: Spread) -> tuple[str, str]:
+    """The quantity of the headline, and what it is called: of a train the largest mean, whichever strike brings it."""
+    if LARGEST in found.tables:
+        return LARGEST, "Largest 50 ms mean"
+    return MAIN, "50 ms mean of the second strike"
+
+
+def _levels(found: Spread) -> Table:
+    """The largest 50 ms mean of a train beside the design forces of its test level; empty without."""
+    level = found.case.scene.impact.test_level if LARGEST in found.tables else None
+    rows = [
+        {"name": name, "force": each.force, "source": each.source}
+        | {"above": 1.0 - found.band(LARGEST).fraction_below(each.force)}
+        for name, each in known_forces(level).items()
+    ]
+    return Table(LEVELS, rows, "The largest 50 ms mean beside design forces" if rows else "")
+
+
 def _impact_answer(found: Spread) -> tuple[str, str]:
-    """The second strike's 50 ms mean; its largest source, and the rows of the paper."""
-    low, _, high = found.band(MAIN).percentiles
+    """The main quantity; its largest source, and the rows of the paper."""
+    main, of = _main(found)
+    low, _, high = found.band(main).percentiles
     answer = (
-        f"50 ms mean of the second strike: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
-        f"case {force(found.own[MAIN])}."
+        f"{of}: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
+        f"case {force(found.own[main])}."
     )
     certainty = f"{grouped(found.computed)} impacts of the rigid vehicle."
-    if sources := found.sources_of(MAIN):
+    if sources := found.sources_of(main):
         first = sources[0]
         certainty += (
             f" Largest part of the variance from {first['key']} (total Sobol index {first['total']:.2f})."
@@ -291,6 +324,8 @@ def _impact_sentences(found: Spread, single: int) -> list[str]:
         "A band says what these ranges do, and nothing of what the model lacks: roll and pitch, load that shifts, a "
         "wall that gives, wheels and suspension.",
     ]
+    if LARGEST in found.tables:
+        sentences.append("Strike 1 is that of the first unit's front, strike 2 that of the last unit's rear.")
     if single:
         sentences.append(
             f"{grouped(single)} impacts have no second strike; they are not in the second strike's numbers, and "
@@ -302,12 +337,17 @@ def _impact_sentences(found: Spread, single: int) -> list[str]:
 def _bands_table(found: Spread, title: str = "") -> Table:
     """All quantities of both strikes: the scene's own values, bands, and the first source of the variance."""
     rows = []
-    for name in COLUMNS:
+    for name in found.tables:
         strike, quantity = name.removeprefix("strike_").split(".")
         label, unit, scale = QUANTITIES[quantity]
         ends = zip(PERCENTILES, found.band(name).percentiles, strict=True)
         first = next(iter(found.sources_of(name)), {"key": "–", "total": math.nan})
-        row = {"strike": int(strike), "quantity": label, "own": found.own[name] / scale, "unit": unit}
+        row = {
+            "strike": int(strike) if strike.isdigit() else "largest",
+            "quantity": label,
+            "own": found.own[name] / scale,
+            "unit": unit,
+        }
         row |= {f"{p} %": value / scale for p, value in ends}
         rows.append(row | {"source": first["key"], "index": first["total"]})
     return Table(BANDS, rows, title)
@@ -322,6 +362,8 @@ def _inputs_table(found: Spread, short: bool = False) -> Table:
         for name, label in SHOWN.items()
         if f"strike_{k}.{name}" in found.sources
     ]
+    if LARGEST in found.sources:
+        heads.insert(0, Column(LARGEST, "Largest 50 ms", form=FRACTION))
     for number, row in enumerate(inputs):
         row |= {head.key: found.sources[head.key][number]["total"] for head in heads}
     if short:
@@ -344,14 +386,17 @@ def _curve_figures(found: Spread) -> list[Any]:
     """Peaks, impulses and durations against each input alone."""
     panels = []
     for curve in found.curves:
-        key, (label, unit, scale) = curve["key"], CURVES[curve["key"]]
+        key = curve["key"]
+        label, unit, scale = CURVES.get(key) or CURVES[key.rpartition(".")[2]]
+        if key.startswith("trailer"):
+            label = f"trailer {int(key.split('.')[1]) + 1}: {label}"
         lines = {
             axis: {k: dict(_curve(curve, f"strike_{k}.{name}") for name in names) for k in (1, 2)}
             for axis, names in CURVE_AXES.items()
         }
         name = "against-" + key.replace(".", "-").replace("_", "-")
         heading = f"{label} [{unit}]" if unit else label
-        values, own, logarithmic = curve["values"] / scale, curve["own"] / scale, key == "contact.stiffness"
+        values, own, logarithmic = curve["values"] / scale, curve["own"] / scale, key.endswith("stiffness")
         panels.append(figures.InputPanel(name, heading, values, own, logarithmic, lines))
     return figures.draw_inputs("Both strikes against", panels)
 

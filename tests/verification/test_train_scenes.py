@@ -1,0 +1,204 @@
+"""Verification: scenes of trains: the rigid answers of a command, files and tables, refusals and what is announced."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import tailslap
+from tailslap.case import case_of
+from tailslap.case.impact.answers import LARGEST, both_strikes
+from tailslap.cli import _status
+from tailslap.errors import InputError
+from tailslap.scene.vary import Source, vary
+
+SCENE = {
+    "name": "train",
+    "vehicle": {"length": 6.9, "width": 2.44, "mass": 8200, "centre_of_mass": 2.9, "yaw_inertia": 34621},
+    "trailer": [
+        {"length": 14.6, "width": 2.59, "mass": 27770, "centre_of_mass": 8.0, "yaw_inertia": 497057,
+         "hitch": 5.6, "kingpin": 0.9}
+    ],
+    "impact": {"speed": 22.35, "angle": "15 deg"},
+    "contact": {"stiffness": "1 MN/m", "restitution": 0.22, "friction": 0.47},
+}  # fmt: skip
+TRIAL = {  # by stiffness: corner, start, duration, peak, impulse of a trial by another scheme; largest 50 ms mean
+    "1 MN/m": ([
+        ("front", 0.0, 0.1268, 390.5, 31.43), ("trailer front", 0.1958, 0.1590, 531.2, 52.34),
+        ("rear", 0.2490, 0.0944, 304.0, 18.59), ("front", 0.4190, 0.0447, 405.2, 13.29),
+        ("trailer rear", 0.7058, 0.1721, 704.0, 77.16),
+    ], 779.0),
+    "2 MN/m": ([
+        ("front", 0.0, 0.0904, 554.0, 31.82), ("trailer front", 0.1958, 0.1204, 797.5, 59.50),
+        ("rear", 0.2452, 0.0616, 348.8, 13.99), ("front", 0.4414, 0.0297, 561.3, 11.46),
+        ("trailer rear", 0.6983, 0.1217, 996.6, 77.23),
+    ], 1001.0),
+}  # fmt: skip
+
+
+def train(**changes):
+    return case_of(
+        *vary(Source(given=SCENE), {key.replace("__", "."): value for key, value in changes.items()})
+    )
+
+
+@pytest.fixture(scope="module")
+def case():
+    return train()
+
+
+@pytest.mark.parametrize("stiffness", TRIAL)
+def test_the_table_of_a_trial_by_another_scheme(stiffness):
+    """Every printed number of five strikes, and the largest mean; times have four digits behind the point."""
+    printed, mean = TRIAL[stiffness]
+    found = train(contact__stiffness=stiffness).rigid_numbers()
+    for strike, (corner, start, duration, peak, impulse) in zip(found["strikes"], printed, strict=False):
+        assert strike["corner"] == corner
+        assert (strike["start"], strike["duration"]) == pytest.approx((start, duration), rel=2e-3, abs=5e-5)
+        assert (strike["peak_force"], strike["impulse"]) == pytest.approx(
+            (1e3 * peak, 1e3 * impulse), rel=2e-3
+        )
+    assert found["peaks"]["mean_50ms"] == pytest.approx(1e3 * mean, rel=2e-3)
+    assert found["error"] < 1e-4
+
+
+def test_columns_of_a_history(case):
+    """Momenta of both units follow from wall and hinge; what the units take together is the train's."""
+    h, dt = case.rigid_history(), case.answer.interval
+    masses = {"": 8200.0, "_2": 27770.0}
+    gained = {unit: mass * np.diff(h[f"v_gy{unit}"]) / dt for unit, mass in masses.items()}
+    scale = np.abs(h["force_normal"]).max()
+    assert gained[""] == pytest.approx((h["force_normal_1"] + h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
+    assert gained["_2"] == pytest.approx((h["force_normal_2"] - h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
+    assert h["force_normal"] == pytest.approx(h["force_normal_1"] + h["force_normal_2"], abs=1e-4 * scale)
+    assert h["articulation_1"] == pytest.approx(h["theta_2"] - h["theta"])
+    (hinge,) = case.rigid_numbers()["hinges"]
+    forces = np.hypot(h["hinge_force_x_1"], h["hinge_force_y_1"])
+    assert hinge == {"peak_force": forces.max(), "largest_angle": np.abs(h["articulation_1"]).max()}
+
+
+def test_the_hinge_stays_closed_in_the_history(case):
+    h = case.rigid_history()
+    ahead = h["x_g"] - 2.7 * np.cos(h["theta"]), h["y_g"] + 2.7 * np.sin(h["theta"])
+    behind = h["x_g_2"] + 7.1 * np.cos(h["theta_2"]), h["y_g_2"] - 7.1 * np.sin(h["theta_2"])
+    assert np.array(ahead) == pytest.approx(np.array(behind), abs=1e-6)
+
+
+def test_files_of_a_train(tmp_path, capsys):
+    assert _status(["rigid", write(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "trailer rear" in out
+    assert "hinge 1: peak force 453.6" in out
+    result = tailslap.rigid(SCENE)
+    result.save(tmp_path / "out")
+    units = tailslap.load(tmp_path / "out").rigid
+    assert result.rigid is not None
+    assert units is not None
+    known = tailslap.rigid(SCENE).histories["rigid"].units
+    assert (known["hinge_force_x_1"], known["articulation_1"], known["v_gx_2"]) == ("N", "rad", "m/s")
+
+
+def write(folder):
+    from tailslap.scene.write import scene_file
+
+    (folder / "train.toml").write_text(scene_file(vary(Source(given=SCENE), {})[1].given, "a train"))
+    return str(folder / "train.toml")
+
+
+def test_a_trailers_crush_is_its_own():
+    """A softer trailer strikes longer; its tractor's first strike is as before."""
+    found = [train(trailer__0__stiffness=k).motion.strikes for k in (1e6, 0.5e6)]
+    assert found[0][0] == found[1][0]
+    assert found[1][1].duration > 1.1 * found[0][1].duration
+    assert found[0] == train().motion.strikes
+
+
+def test_occupant_risk_is_that_of_the_tractor(case):
+    """ASI from the tractor's accelerations, not from the wall's force over a mass."""
+    h, step = case.answer.history, case.answer.interval
+    asi = next(each for each in case.answer.occupant_risk(1.0) if each.name.startswith("ASI"))
+    width = round(0.05 / step)
+    means = [
+        np.convolve(np.diff(h[name]) / step, np.ones(width) / width, "valid") for name in ("v_gx", "v_gy")
+    ]
+    heading = np.convolve(h["theta"][1:], np.ones(width) / width, "valid")
+    ahead = np.cos(heading) * means[0] - np.sin(heading) * means[1]
+    left = np.sin(heading) * means[0] + np.cos(heading) * means[1]
+    rough = np.hypot(ahead / 12.0, left / 9.0).max() / 9.81
+    assert asi.value == pytest.approx(rough, rel=0.05)
+
+
+@pytest.mark.parametrize(("changes", "key"), [
+    ({"trailer.0.centre_of_mass": 15.0}, "trailer.0.centre_of_mass"),
+    ({"trailer.0.yaw_inertia": 9e6}, "trailer.0.yaw_inertia"),
+    ({"vehicle.yaw_inertia": 9e6}, "vehicle.yaw_inertia"),
+])  # fmt: skip
+def test_what_no_unit_can_have_is_refused_by_its_key(changes, key):
+    with pytest.raises(InputError) as caught:
+        case_of(*vary(Source(given=SCENE), changes))
+    assert caught.value.key == key
+
+
+def test_a_wide_trailer_and_a_jack_knife_are_told():
+    wide = train(trailer__0__width=9.0, trailer__0__kingpin=4.0)
+    assert wide.motion.strikes[0].corner == "trailer front"
+    assert "so wide that it touches the wall first" in "\n".join(wide.rigid_text())
+    light = {"vehicle.mass": 2000.0, "vehicle.yaw_inertia": 8000.0, "impact.angle": 1.1, "time.end": 1.0}
+    folded = case_of(*vary(Source(given=SCENE), light))
+    (said,) = folded.rigid_numbers()["remarks"]
+    assert said.startswith("The train jack-knifes: from 0.")
+    assert np.abs(folded.answer.history["articulation_1"]).max() > math.pi / 2
+    assert train().rigid_numbers()["remarks"] == []
+
+
+def test_a_train_of_three_units_strikes_with_its_last_rear():
+    third = {**SCENE["trailer"][0], "hitch": 14.0, "kingpin": -1.0}
+    case = train(trailer=[SCENE["trailer"][0], third], time__end=2.5)
+    assert {"trailer rear", "trailer 2 rear"} <= {strike.corner for strike in case.motion.strikes}
+    assert len(case.rigid_numbers()["hinges"]) == 2
+    assert set(case.columns(case.scene)) >= {"rigid.strike_8.impulse", "rigid.hinge_2.peak_force"}
+
+
+def test_a_sweep_has_a_row_of_every_strike_that_counts(tmp_path):
+    found = tailslap.sweep(
+        write(tmp_path), vary={"trailer.0.mass": [20000.0, 27770.0]}, folder=tmp_path / "sweep"
+    )
+    table = found.histories["table"]
+    assert list(table["trailer.0.mass"]) == [20000.0, 27770.0]
+    own = train().answer
+    assert table["rigid.strike_5.impulse"][1] == pytest.approx(own.strikes[4].impulse, rel=1e-9)
+    assert table["rigid.hinge_1.largest_angle"][1] == pytest.approx(own.hinges[0]["largest_angle"], rel=1e-9)
+
+
+def test_many_trains_have_the_strikes_of_each(case):
+    """The front of the first unit, the rear of the last, and the largest mean, by the step of many."""
+    keys = {
+        "contact.stiffness": [1e6, 2e6],
+        "trailer.0.stiffness": [1e6, 2e6],
+        "trailer.0.mass": [27770.0, 20000.0],
+    }
+    many = case.many({key: np.array(values) for key, values in keys.items()})
+    inertia = 497057 * 20000 / 27770
+    others = {"contact__stiffness": 2e6, "trailer__0__mass": 2e4, "trailer__0__yaw_inertia": inertia}
+    for i, alone in enumerate((case, train(**others))):
+        own = both_strikes(alone.answer)
+        assert own.keys() == many.keys()
+        for name in (LARGEST, "strike_1.raw", "strike_2.impulse", "strike_2.mean_50ms"):
+            assert many[name][i] == pytest.approx(own[name], rel=3e-3), name
+
+
+def test_a_study_of_what_is_not_known_stands_beside_design_forces(tmp_path):
+    path = write(tmp_path)
+    changes = {"impact.test_level": "TL-5"}
+    found = tailslap.study("uncertainty", path, changes, samples=288)
+    summary = found.summary
+    keys = {row["key"] for row in summary["inputs"]}
+    assert keys >= {f"trailer.0.{key}" for key in ("stiffness", "centre_of_mass", "yaw_inertia", "hitch")}
+    levels = {round(row["force"] / 1e3): row["above"] for row in summary["levels"]}
+    assert set(levels) == {552, 712, 845, 1165, 778, 1334}
+    assert sorted(levels.values(), reverse=True) == [levels[force] for force in sorted(levels)]
+    indices = summary["bands"][LARGEST]["indices"]
+    assert 0.8 < sum(row["first_order"] for row in indices.values()) < 1.2
+    assert "largest 50 ms mean" in found.headline
+    json.dumps(summary)
