@@ -81,9 +81,21 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
     site = tmp_path / "site"
     assert (site / "reference" / "scene" / "index.html").is_file()
     assert not (site / "generate.py").exists()
+    texts = {page.parent.name: page.read_text(encoding="utf-8") for page in site.rglob("*.html")}
     link = r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//'
-    fetched = [page for page in site.rglob("*.html") if re.search(link, page.read_text(encoding="utf-8"))]
-    assert fetched == []
+    assert [name for name, text in texts.items() if re.search(link, text)] == []
+    assert not re.search(r"@import|url\((?:https?:)?//", (site / "style.css").read_text(encoding="utf-8"))
+    assert all(f"tailslap {tailslap.__version__}" in text for text in texts.values())
+    demand_equations(texts)
+
+
+def demand_equations(texts):
+    """Equations are MathML, each command of TeX known, and none is left as it was typed."""
+    counts = {name: len(re.findall("<math ", text)) for name, text in texts.items() if "<math " in text}
+    assert {"rigid", "plate", "inertia-relief", "flutter", "contact", "modal"} == counts.keys()
+    assert min(counts.values()) > 5
+    for text in texts.values():
+        assert not re.search(r"arithmatex|\$\$|<m[a-z]+>(?:\\|&(?!#x|[a-z]+;))", text)
 
 
 @pytest.mark.parametrize("name", GENERATED)
